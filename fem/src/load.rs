@@ -21,6 +21,8 @@ pub(crate) struct SurfaceLoad<const D: usize> {
     /// Nodes with their shares of the area, m^2 (per metre of depth or per radian).
     pub areas: Vec<(u32, f64)>,
     pub history: TractionHistory<D>,
+    /// The traction of the last step, Pa.
+    pub acting: [f64; D],
 }
 
 /// A facet of the surface at the start.
@@ -67,7 +69,7 @@ impl<const D: usize> Fem<D> {
                 why: "no facet of its surface is there",
             });
         }
-        body.loads.push(SurfaceLoad { facets: facets.into(), areas: shares.into_iter().collect(), history });
+        body.loads.push(SurfaceLoad { facets: facets.into(), areas: shares.into_iter().collect(), history, acting: [0.0; D] });
         Ok(count)
     }
 }
@@ -111,9 +113,10 @@ fn view<const D: usize>(nodes: &[[f64; D]], facet: &Facet, hoop: bool) -> (Surfa
 impl<const D: usize> ElementBody<D> {
     /// Give the nodes the impulses of the loads at a time, s.
     pub(crate) fn push_loads(&mut self, time: f64) {
-        let loads = std::mem::take(&mut self.loads);
-        for load in &loads {
+        let mut loads = std::mem::take(&mut self.loads);
+        for load in &mut loads {
             let traction = (load.history)(time);
+            load.acting = traction;
             for &(node, area) in &load.areas {
                 // Nodes without mass are those of elements that became something else.
                 if self.nodes[node as usize].mass > 0.0 {
@@ -123,6 +126,17 @@ impl<const D: usize> ElementBody<D> {
             }
         }
         self.loads = loads;
+    }
+
+    /// Force of the loads on a node in the last step, N.
+    pub(crate) fn loaded_by(&self, node: usize) -> [f64; D] {
+        let mut force = [0.0; D];
+        for load in &self.loads {
+            if let Ok(at) = load.areas.binary_search_by_key(&(node as u32), |(node, _)| *node) {
+                (0..D).for_each(|d| force[d] += load.areas[at].1 * load.acting[d]);
+            }
+        }
+        force
     }
 }
 

@@ -365,14 +365,13 @@ impl<const D: usize> Motion<'_, D> {
             return;
         }
         let force = body.force(n);
-        let given = pushed.map_or([0.0; D], |push| push.given);
-        let touch = pushed.map_or([0.0; D], |push| push.touch);
+        let Push { given, touch, load, .. } = *pushed.unwrap_or(&Push::of(0));
         for d in 0..D {
             if node.is_held(d) {
                 continue;
             }
             let gained =
-                kick * (force[d] / node.mass + body.acceleration[d]) + (given[d] + touch[d]) / node.mass;
+                kick * (force[d] / node.mass + body.acceleration[d]) + (given[d] + touch[d] + load[d]) / node.mass;
             let start = node.velocity[d] - gained;
             let change = self.damping.slowed(start, node.velocity[d]) - node.velocity[d];
             if change == 0.0 {
@@ -384,7 +383,7 @@ impl<const D: usize> Motion<'_, D> {
             found.given.damping -= 0.5 * impulse * (start + node.velocity[d]);
             // Work was booked with the velocities before.
             let per = 0.5 * change;
-            found.given.work += per * (kick * node.mass * body.acceleration[d] + given[d]);
+            found.given.work += per * (kick * node.mass * body.acceleration[d] + given[d] + load[d]);
             found.pushed.work += per * given[d];
             found.touched.work += per * touch[d];
         }
@@ -398,7 +397,7 @@ impl<const D: usize> Motion<'_, D> {
         let (Push { given, touch, load, .. }, push) = (pushes, pushes.sum());
         let Moment { start, tried, mut point } = self.moment(n, node, &push);
         self.obey(n, &mut point, &mut found.given);
-        let (is_pushed, is_touched) = (given != [0.0; D] || load != [0.0; D], touch != [0.0; D]);
+        let (is_pushed, is_touched) = (given != [0.0; D], touch != [0.0; D]);
         for d in 0..D {
             let end = point.velocity[d];
             if end != node.velocity[d] || is_pushed {

@@ -40,9 +40,9 @@ impl<const D: usize> ElementBody<D> {
         if lag == 0.0 || node.mass == 0.0 {
             return node.velocity;
         }
-        let force = self.force(n);
+        let (force, load) = (self.force(n), self.loaded_by(n));
         std::array::from_fn(|d| {
-            let more = lag * (force[d] / node.mass + self.acceleration[d]);
+            let more = lag * ((force[d] + load[d]) / node.mass + self.acceleration[d]);
             if node.is_free(d) { node.velocity[d] + more } else { node.velocity[d] }
         })
     }

@@ -1,5 +1,5 @@
-//! Scenes with exact answers, of the folder `scenes/trust`: each runs as it is, with default options, and meets all that it checks, without
-//! a warning unless it says `only_warn`.
+//! Scenes with known answers run as they are, with default options. Those of the folder `scenes/trust` meet all that they check, without a warning
+//! unless they say `only_warn`. Those of `scenes/public`, made of reports of bugs of other programs, say in a line `# Verdict:` what is to come.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,6 +9,37 @@ use std::time::Instant;
 
 /// Scenes that run at a time.
 const AT_A_TIME: usize = 2;
+
+/// What is to come of a scene, by its line `# Verdict:`.
+enum Verdict {
+    /// It meets its checks, without a warning.
+    Met,
+    /// It has no checks, and comes to its end without a warning.
+    Runs,
+    /// It meets its checks, if it has any, and warns in these words.
+    Warned(String),
+    /// It is refused in these words before its first step.
+    Refused(String),
+    /// It misses a check, for a cause that follows in words.
+    Missed,
+}
+
+impl Verdict {
+    fn of(text: &str) -> Self {
+        let Some(verdict) = text.lines().find_map(|line| line.strip_prefix("# Verdict: ")) else {
+            return Verdict::Met;
+        };
+        let (word, rest) = verdict.split_once(": ").unwrap_or((verdict, ""));
+        match word {
+            "met" => Verdict::Met,
+            "runs" => Verdict::Runs,
+            "warned" => Verdict::Warned(rest.into()),
+            "refused" => Verdict::Refused(rest.into()),
+            "missed" => Verdict::Missed,
+            _ => panic!("`{verdict}` is no verdict: met, runs, warned: WORDS, refused: WORDS, missed: CAUSE"),
+        }
+    }
+}
 
 /// A scene that was run: name, time, checks met and missed, and what was said if something is wrong.
 struct Ran {
@@ -35,24 +66,31 @@ fn run(scene: &Path, out: &Path) -> Ran {
         serde_json::from_str(text.lines().last().unwrap_or_default()).unwrap_or_default();
     let count = |key: &str| result[key].as_u64().unwrap_or(0);
     let (met, missed) = (count("met"), count("missed"));
-    let warns = std::fs::read_to_string(scene).expect("a scene").contains("only_warn = true");
-    let right = output.status.success() && met > 0 && missed == 0 && (warns || warnings.is_empty());
+    let file = std::fs::read_to_string(scene).expect("a scene");
+    let warns = file.contains("only_warn = true");
+    let right = match Verdict::of(&file) {
+        Verdict::Met => output.status.success() && met > 0 && missed == 0 && (warns || warnings.is_empty()),
+        Verdict::Runs => output.status.success() && warnings.is_empty(),
+        Verdict::Warned(words) => output.status.success() && missed == 0 && warnings.contains(&words),
+        Verdict::Refused(words) => output.status.code() == Some(2) && warnings.contains(&words),
+        Verdict::Missed => output.status.code() == Some(1) && missed > 0,
+    };
     let checks = result["checks"].to_string();
     let wrong = (!right).then(|| format!("{name}: {checks}\n{warnings}"));
     Ran { name, seconds: begun.elapsed().as_secs_f64(), met, missed, wrong }
 }
 
-#[test]
-fn scenes_with_exact_answers_meet_them_by_default_and_without_a_warning() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/trust");
-    let out = std::env::temp_dir().join(format!("impactite-trust-{}", std::process::id()));
+/// Run all scenes of a folder, of which there are at least so many.
+fn run_all(folder: &str, least: usize) {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(folder);
+    let out = std::env::temp_dir().join(format!("impactite-{folder}-{}", std::process::id()));
     let entries = std::fs::read_dir(&root).expect("the folder of scenes");
     let mut scenes: Vec<PathBuf> = entries
         .filter_map(|e| Some(e.ok()?.path()))
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     scenes.sort();
-    assert!(scenes.len() >= 40, "{} scenes", scenes.len());
+    assert!(scenes.len() >= least, "{} scenes", scenes.len());
     let (next, all) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..AT_A_TIME {
@@ -72,4 +110,14 @@ fn scenes_with_exact_answers_meet_them_by_default_and_without_a_warning() {
     let wrong: Vec<&str> = all.iter().filter_map(|ran| ran.wrong.as_deref()).collect();
     assert!(wrong.is_empty(), "{} of {} scenes are wrong:\n{}", wrong.len(), all.len(), wrong.join("\n"));
     std::fs::remove_dir_all(out).expect("the folder of the runs");
+}
+
+#[test]
+fn scenes_with_exact_answers_meet_them_by_default_and_without_a_warning() {
+    run_all("trust", 90);
+}
+
+#[test]
+fn scenes_of_public_reports_of_bugs_come_out_as_they_say() {
+    run_all("public", 36);
 }

@@ -18,6 +18,9 @@ const MOST_STEPS: f64 = 1e11;
 /// Speed of sound beyond that of any material, m/s: diamond has 18 000.
 const FASTEST_WAVES: f64 = 50_000.0;
 
+/// Time of a run from which on it is said to be long, s.
+const DAYS: f64 = 2.0 * 86_400.0;
+
 /// Courant number c dt / h of a fixed step beyond which it is refused: no explicit method here is stable there.
 const UNSTABLE: f64 = 2.0;
 
@@ -299,6 +302,12 @@ impl SceneEstimate {
         lines.push(format!("first step: {:.3e} s, limited by {}", self.step, self.limit));
         let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
         lines.push(format!("steps: about {:.0}{time}", self.steps.ceil()));
+        if let Some(all) = seconds.map(|s| s * self.steps).filter(|all| *all > DAYS) {
+            lines.push(format!(
+                "note: {} are long; larger cells or spacings shorten the run by their third to fourth power. Or is a unit wrong, of `end`, of lengths, of densities or moduli?",
+                duration(all)
+            ));
+        }
         lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
         lines
     }

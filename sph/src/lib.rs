@@ -9,6 +9,7 @@ mod form;
 mod images;
 mod kernel;
 mod layout;
+mod load;
 mod matrix;
 mod method;
 mod records;
@@ -23,6 +24,7 @@ mod view;
 pub use form::{Correction, Form, GradientCorrection, NoCorrection, StretchError, TotalLagrangian, Updated};
 pub use kernel::{CubicSpline, Kernel, SmoothingError, WendlandC2};
 pub use layout::Layout;
+pub use load::TractionHistory;
 pub use method::{Composition, Method};
 pub use solver::{SMALL, Sph, StepTimes};
 pub use stabilisation::{

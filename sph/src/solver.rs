@@ -23,6 +23,7 @@ use crate::form::{Correction as _, Form};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::kernel::Kernel as _;
 use crate::layout::{BODY, Layout, number};
+use crate::load::SurfaceLoad;
 use crate::matrix::identity;
 use crate::method::Composition;
 use crate::records::{Has, Records};
@@ -82,6 +83,7 @@ pub struct Sph<const D: usize, M> {
     pub(crate) mirrors: Vec<Mirror>,
     pub(crate) boundaries: Vec<Boundary<D>>,
     pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) loads: Vec<SurfaceLoad<D>>,
     pub(crate) damping: LocalDamping,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
@@ -200,6 +202,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             mirrors: Vec::new(),
             boundaries: Vec::new(),
             body_force: None,
+            loads: Vec::new(),
             damping: LocalDamping::default(),
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
@@ -487,6 +490,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let times = [0.0, self.clock.time];
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same(&of("body force"), &force.unwrap_or_default())?;
+        for load in &self.loads {
+            let history = over(times, |t| (load.history)(t));
+            file.same(&of("traction"), &format!("{history} Pa on {:?} m^2", load.area()))?;
+        }
         file.same(&of("local damping"), &format!("{:?}", self.damping.coefficient()))?;
         file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
         for (n, boundary) in self.boundaries.iter().enumerate() {

@@ -12,6 +12,7 @@ use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
 
 use crate::form::{Correction, Form};
 use crate::images::{Images, Mirror, MirrorKind};
+use crate::load::Outer;
 use crate::matrix::{identity, inverse, inverse_of_moments, largest_row, mean_size, times};
 use crate::method::Composition;
 use crate::records::Records;
@@ -67,6 +68,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let kick = self.lag + 0.5 * dt;
         self.held.iter_mut().for_each(|held| *held &= !(7 * TOUCHED));
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
+        let outer = Outer::new(force, &self.loads, &self.numbers, self.clock.time);
         let particles = self.positions.len();
         let acceleration = &self.acceleration;
         let mut mirrored = [false; 3];
@@ -80,6 +82,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             for (n, v) in velocities.iter_mut().enumerate() {
                 let a = &acceleration[b * BATCH + n];
                 let mass = v[3];
+                let force = outer.at(b * BATCH + n, mass);
                 for d in 0..D {
                     if mirrored[d] {
                         batch.report.given.impulse[d] += kick * mass * a[d];
@@ -102,12 +105,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.damp();
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
+        let outer = Outer::new(force, &self.loads, &self.numbers, self.clock.time);
         let velocities = &self.records.velocity;
         self.team.each_piece(&mut self.positions, BATCH, &mut self.batches, |b, positions, batch| {
             batch.report.lost = None;
             for (n, x) in positions.iter_mut().enumerate() {
                 let (v, start) = (&velocities[b * BATCH + n], &batch.start[n]);
                 let (mut work, mut taken) = (0.0, 0.0);
+                let force = outer.at(b * BATCH + n, v[3]);
                 for d in 0..D {
                     let mean = 0.5 * (start[d] + v[d]);
                     work += force[d] * mean;
@@ -359,7 +364,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     fn synchronise(&mut self) {
         let lag = std::mem::take(&mut self.lag);
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
+        let outer = Outer::new(force, &self.loads, &self.numbers, self.clock.time);
         for (i, v) in self.records.velocity.iter_mut().take(self.positions.len()).enumerate() {
+            let force = outer.at(i, v[3]);
             let stabilising = self.batches[i / BATCH].stabilising.get(i % BATCH);
             for d in (0..D).filter(|d| self.held[i] & HELD << d == 0) {
                 let (a, mass, before) = (self.acceleration[i][d], v[3], v[d]);

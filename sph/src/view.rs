@@ -3,6 +3,7 @@
 use impactite_scene::{Body, PointView, Totals};
 use mpm_contact::vector::wide;
 
+use crate::load::Outer;
 use crate::method::Composition;
 use crate::solver::{HELD, Sph, TOUCHED};
 use crate::sums::BATCH;
@@ -13,14 +14,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// make half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
-        let force = self.force_now();
+        let outer = self.outer_now();
         for (i, x) in self.positions.iter().enumerate() {
             let (mass, velocity) = (self.mass(i), self.velocity(i));
             let mut lagged = 0.0;
             for d in (0..D).filter(|d| self.held[i] & HELD << d == 0) {
                 lagged += self.lag * mass * velocity[d] * self.acceleration[i][d];
             }
-            sum.add_staggered(mass, x, [&velocity, &self.velocity_at(i, &force)], lagged);
+            sum.add_staggered(mass, x, [&velocity, &self.velocity_at(i, &outer)], lagged);
         }
         let state = &mut vec![0.0; self.virgin.len()];
         for (i, volume) in self.reference.iter().enumerate() {
@@ -38,16 +39,18 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// # Panics
     /// There is no such particle.
     pub fn velocity_now(&self, i: usize) -> [f64; D] {
-        self.velocity_at(i, &self.force_now())
+        self.velocity_at(i, &self.outer_now())
     }
 
-    /// Acceleration of the body force now, m/s^2.
-    fn force_now(&self) -> [f64; D] {
-        self.body_force.as_ref().map_or([0.0; D], |force| force(self.clock.time))
+    /// Accelerations from outside now.
+    fn outer_now(&self) -> Outer<'_, D> {
+        let force = self.body_force.as_ref().map_or([0.0; D], |force| force(self.clock.time));
+        Outer::new(force, &self.loads, &self.numbers, self.clock.time)
     }
 
-    fn velocity_at(&self, i: usize, force: &[f64; D]) -> [f64; D] {
+    fn velocity_at(&self, i: usize, outer: &Outer<'_, D>) -> [f64; D] {
         let (v, a, held) = (&self.records.velocity[i], &self.acceleration[i], self.held[i]);
+        let force = outer.at(i, v[3]);
         std::array::from_fn(|d| {
             let free = held & (HELD | TOUCHED) << d == 0;
             if free { v[d] + self.lag * (a[d] + force[d]) } else { v[d] }
@@ -141,7 +144,7 @@ impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
     }
     /// Particles as they are sorted in space, with the numbers of the layout.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
-        let (mut point, force) = (PointView::default(), self.force_now());
+        let (mut point, outer) = (PointView::default(), self.outer_now());
         point.state.resize(self.virgin.len(), 0.0);
         for (i, x) in self.positions.iter().enumerate() {
             let batch = &self.batches[i / BATCH];
@@ -149,7 +152,7 @@ impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
             let said = self.material.describe_point(&point.state);
             point.number = self.numbers[i] as usize;
             point.position = wide(x);
-            point.velocity = wide(&self.velocity_at(i, &force));
+            point.velocity = wide(&self.velocity_at(i, &outer));
             point.mass = self.mass(i);
             point.volume = self.reference[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);

@@ -77,7 +77,8 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
         only(body.split_at.is_some(), "split_at", "mpm", mpm)?;
         only(body.elements.is_some(), "elements", "mpm", mpm)?;
         only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
-        only(!body.traction.0.is_empty(), "traction", "mpm, fpm and fem", mpm || fpm || fem)?;
+        let pcmm = matches!(scene.method, Method::Pcmm(_));
+        only(!body.traction.0.is_empty(), "traction", "mpm, fpm, fem and sph", !pcmm)?;
         if !body.traction.0.is_empty() && body.elements.is_some() {
             let message = "is not of bodies of elements among particles; take `method.fem`, or particles";
             return wrong(format!("bodies.{name}.traction"), message);

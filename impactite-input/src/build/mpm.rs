@@ -274,13 +274,14 @@ fn add_particles<const D: usize>(
     Ok(())
 }
 
-fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
+/// A traction on particles.
+pub(super) fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
     let Surface { region, axis, history } = world.load(key, load)?;
     Ok(Traction { region, axis, history, revolved: world.revolved() })
 }
 
 /// Refuse a load whose region holds no particle.
-fn loaded<const D: usize>(key: &str, load: &Traction<D>, particles: &[[f64; D]]) -> Made<()> {
+pub(super) fn loaded<const D: usize>(key: &str, load: &Traction<D>, particles: &[[f64; D]]) -> Made<()> {
     if particles.iter().any(|x| load.region.contains(*x)) {
         return Ok(());
     }

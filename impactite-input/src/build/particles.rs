@@ -9,8 +9,9 @@ use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 
 use super::common::World;
 use super::kernels::Setting;
-use super::placement;
-use super::seeds::{Cells, corners, seeds};
+use super::{mpm, placement};
+use super::seeds::{Cells, seeds};
+use super::shape::MovedBox;
 use super::wrong::{At, Made, of_body, wrong};
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCES};
@@ -73,6 +74,12 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
                 if let Some(gravity) = world.gravity()? {
                     body.set_body_force(gravity);
                 }
+                for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
+                    let load = mpm::traction(world, &key, load)?;
+                    mpm::loaded(&format!("{key}.region"), &load, &seeds.positions)?;
+                    let areas = seeds.positions.iter().map(|x| load.area(x, &seeds.half_size)).collect();
+                    body.load(areas, load.history).at(key)?;
+                }
                 if let Some(part) = options.local_damping {
                     body.set_local_damping(part.value).at("method.sph.local_damping")?;
                 }
@@ -129,13 +136,14 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     })
 }
 
-/// Particles of a box along the axes, on its faces and as many between as fit best, where these are not on nodes of the lattice.
+/// Particles of a box, on its faces and as many between as fit best, where these are not on nodes of the lattice.
 fn nodes_of_box<const D: usize>(spec: &Spec, lattice: &Lattice<D>) -> Option<Packing<D>> {
-    let [low, high] = corners::<D>(spec)?;
+    let cuboid = MovedBox::<D>::of(spec)?;
+    let (low, high) = (&cuboid.low, &cuboid.high);
     let sites = |x: f64, d: usize| (x - lattice.origin()[d]) / lattice.spacing();
     let on = |x: f64, d: usize| (sites(x, d) - sites(x, d).round()).abs() <= 1e-6;
     let counts: [f64; D] = std::array::from_fn(|d| ((high[d] - low[d]) / lattice.spacing()).round());
-    let aligned = (0..D).all(|d| on(low[d], d) && on(high[d], d));
+    let aligned = cuboid.along_axes() && (0..D).all(|d| on(low[d], d) && on(high[d], d));
     if aligned || counts.iter().any(|n| !(1.0..1e9).contains(n)) || counts.iter().product::<f64>() > 1e8 {
         return None;
     }
@@ -148,7 +156,7 @@ fn nodes_of_box<const D: usize>(spec: &Spec, lattice: &Lattice<D>) -> Option<Pac
             x[d] = low[d] + (rest % rows[d]) as f64 * edges[d];
             rest /= rows[d];
         }
-        positions.push(x);
+        positions.push(cuboid.place(x));
     }
     let radius = 0.5 * edges.iter().fold(f64::INFINITY, |least, edge| least.min(*edge));
     let radii = vec![radius; positions.len()];

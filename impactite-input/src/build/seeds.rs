@@ -5,9 +5,9 @@ use std::collections::HashMap;
 use impactite::geometry::{Lattice, Seeds, Shape, fill};
 
 use super::common::World;
+use super::shape::MovedBox;
 use super::wrong::{At, Made, Wrong};
 use crate::model::body::Body;
-use crate::model::fixed;
 use crate::model::shape::Shape as Spec;
 
 /// Faces of boxes this near to sites of a lattice, in spacings, lie there.
@@ -33,7 +33,7 @@ impl<const D: usize> Cells<'_, D> {
     }
 }
 
-/// Points of the shape of a body. Boxes along the axes are divided into as many points as fit best, so that their faces are where the file puts
+/// Points of the shape of a body. Boxes, turned ones too, are divided into as many points as fit best, so that their faces are where the file puts
 /// them; points of other shapes are on the lattice, those beside a face half an edge below it.
 pub(super) fn seeds<const D: usize>(
     world: &World<'_, D>,
@@ -42,16 +42,17 @@ pub(super) fn seeds<const D: usize>(
     cells: &Cells<'_, D>,
 ) -> Made<Seeds<D>> {
     let (key, shape) = (format!("{key}.shape"), world.shape(key, body)?);
-    if let Some([low, high]) = body.shape.as_ref().and_then(corners) {
+    if let Some(cuboid) = body.shape.as_ref().and_then(MovedBox::<D>::of) {
+        let (low, high) = (&cuboid.low, &cuboid.high);
         let within = |x: f64, d: usize| {
             let sites = (x - cells.lattice.origin()[d]) / cells.edge();
             (sites - sites.round()).abs() <= ALIGNED
         };
         let counts: [f64; D] = std::array::from_fn(|d| ((high[d] - low[d]) / cells.edge()).round());
-        let aligned = (0..D).all(|d| within(low[d], d) && within(high[d], d));
+        let aligned = cuboid.along_axes() && (0..D).all(|d| within(low[d], d) && within(high[d], d));
         if !aligned && counts.iter().all(|n| (1.0..MOST).contains(n)) && counts.iter().product::<f64>() < MOST
         {
-            return Ok(divided(&low, &high, &counts.map(|n| n as usize), world.revolved()));
+            return Ok(divided(&cuboid, &counts.map(|n| n as usize), world.revolved()));
         }
     }
     let seeds = fill(&*shape, cells.lattice, cells.parts, &world.filling()).at(&key)?;
@@ -61,25 +62,9 @@ pub(super) fn seeds<const D: usize>(
     Ok(seeds)
 }
 
-/// The corners of a box along the axes.
-pub(super) fn corners<const D: usize>(spec: &Spec) -> Option<[[f64; D]; 2]> {
-    match spec {
-        Spec::Box(spec) => {
-            let (from, to): ([f64; D], [f64; D]) = (fixed(&spec.from).ok()?, fixed(&spec.to).ok()?);
-            let low = std::array::from_fn(|d| from[d].min(to[d]));
-            Some([low, std::array::from_fn(|d| from[d].max(to[d]))])
-        }
-        Spec::Moved(moved) if moved.turn.is_none() => {
-            let by: [f64; D] = moved.by.as_ref().map_or(Some([0.0; D]), |by| fixed(by).ok())?;
-            let corners = corners::<D>(&moved.shape)?;
-            Some(corners.map(|x| std::array::from_fn(|d| x[d] + by[d])))
-        }
-        _ => None,
-    }
-}
-
 /// A box of so many points along its axes.
-fn divided<const D: usize>(low: &[f64; D], high: &[f64; D], counts: &[usize; D], revolved: bool) -> Seeds<D> {
+fn divided<const D: usize>(cuboid: &MovedBox<D>, counts: &[usize; D], revolved: bool) -> Seeds<D> {
+    let MovedBox { low, high, .. } = cuboid;
     let edges: [f64; D] = std::array::from_fn(|d| (high[d] - low[d]) / counts[d] as f64);
     let (mut positions, mut volumes) = (Vec::new(), Vec::new());
     for site in 0..counts.iter().product() {
@@ -90,7 +75,7 @@ fn divided<const D: usize>(low: &[f64; D], high: &[f64; D], counts: &[usize; D],
         }
         let volume: f64 = edges.iter().product();
         volumes.push(if revolved { x[0] * volume } else { volume });
-        positions.push(x);
+        positions.push(cuboid.place(x));
     }
     Seeds::placed(positions, volumes, edges.map(|edge| 0.5 * edge))
 }

@@ -3,15 +3,16 @@
 use std::sync::Arc;
 
 use impactite::geometry::{
-    Ball, Compose, Cuboid, Cylinder, Frustum, GeometryError, HalfSpace, OgiveRod, Polygon, Shape, Shell,
+    Ball, Compose, Cuboid, Cylinder, Frustum, HalfSpace, OgiveRod, Polygon, Shape, Shell,
     TriangleMesh, Tube,
 };
 
 use nalgebra::Rotation;
 
 use super::wrong::{At, Folder, Made, wrong};
-use crate::model::fixed;
 use crate::model::shape::{MovedShape, Shape as Spec};
+use crate::model::{Vector, fixed};
+use crate::quantity::Length;
 
 type AnyShape<const D: usize> = Arc<dyn Shape<D>>;
 
@@ -100,15 +101,7 @@ fn moved<const D: usize>(key: &str, spec: &MovedShape, folder: &Folder) -> Made<
             Some(about) => fixed(about).at(format!("{key}.about"))?,
             None => [0.0; D],
         };
-        shape = match (&spec.axis, D) {
-            (None, 2) => turned_in_the_plane(shape, turn.value, pivot).at(key)?,
-            (Some(axis), 3) => {
-                let axis: [f64; 3] = fixed(axis).at(format!("{key}.axis"))?;
-                turned_in_space(shape, axis, turn.value, pivot).at(key)?
-            }
-            (Some(_), _) => return wrong(format!("{key}.axis"), "in the plane a turn needs no axis"),
-            (None, _) => return wrong(key, "a turn in space needs an `axis`"),
-        };
+        shape = Arc::new(shape.rotated(rotation(key, spec, turn.value)?, pivot).at(key)?);
     } else if spec.axis.is_some() || spec.about.is_some() {
         return wrong(key, "`axis` and `about` are of a `turn`");
     }
@@ -119,32 +112,21 @@ fn moved<const D: usize>(key: &str, spec: &MovedShape, folder: &Folder) -> Made<
     Ok(shape)
 }
 
-/// A rotation of as many dimensions as the shape.
-fn rotation<const D: usize>(matrix: [[f64; 3]; 3]) -> Rotation<f64, D> {
-    Rotation::from_matrix_unchecked(nalgebra::SMatrix::from_fn(|i, j| matrix[i][j]))
-}
-
-fn turned_in_the_plane<const D: usize>(
-    shape: AnyShape<D>,
-    angle: f64,
-    pivot: [f64; D],
-) -> Result<AnyShape<D>, GeometryError> {
-    let (s, c) = angle.sin_cos();
-    Ok(Arc::new(shape.rotated(rotation([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), pivot)?))
-}
-
-/// Rodrigues' formula.
-fn turned_in_space<const D: usize>(
-    shape: AnyShape<D>,
-    axis: [f64; 3],
-    angle: f64,
-    pivot: [f64; D],
-) -> Result<AnyShape<D>, String> {
-    let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
-    if !(length > 0.0 && length.is_finite()) {
-        return Err("the axis needs a length".into());
-    }
-    let [x, y, z] = axis.map(|c| c / length);
+/// The rotation of a moved shape by an angle, rad: in the plane from x to y, in space about an axis (Rodrigues' formula).
+fn rotation<const D: usize>(key: &str, spec: &MovedShape, angle: f64) -> Made<Rotation<f64, D>> {
+    let [x, y, z] = match (&spec.axis, D) {
+        (None, 2) => [0.0, 0.0, 1.0],
+        (Some(axis), 3) => {
+            let axis: [f64; 3] = fixed(axis).at(format!("{key}.axis"))?;
+            let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
+            if !(length > 0.0 && length.is_finite()) {
+                return wrong(format!("{key}.axis"), "the axis needs a length");
+            }
+            axis.map(|c| c / length)
+        }
+        (Some(_), _) => return wrong(format!("{key}.axis"), "in the plane a turn needs no axis"),
+        (None, _) => return wrong(key, "a turn in space needs an `axis`"),
+    };
     let (s, c) = angle.sin_cos();
     let k = 1.0 - c;
     let matrix = [
@@ -152,7 +134,57 @@ fn turned_in_space<const D: usize>(
         [y * x * k + z * s, c + y * y * k, y * z * k - x * s],
         [z * x * k - y * s, z * y * k + x * s, c + z * z * k],
     ];
-    Ok(Arc::new(shape.rotated(rotation(matrix), pivot).map_err(|e| e.to_string())?))
+    Ok(Rotation::from_matrix_unchecked(nalgebra::SMatrix::from_fn(|i, j| matrix[i][j])))
+}
+
+/// A box and how it was moved: places in it to places in the scene, from the inside out.
+pub(super) struct MovedBox<const D: usize> {
+    pub low: [f64; D],
+    pub high: [f64; D],
+    moves: Vec<(Rotation<f64, D>, [f64; D], [f64; D])>,
+}
+
+impl<const D: usize> MovedBox<D> {
+    /// The box that a shape is.
+    pub fn of(spec: &Spec) -> Option<Self> {
+        match spec {
+            Spec::Box(spec) => {
+                let (from, to): ([f64; D], [f64; D]) = (fixed(&spec.from).ok()?, fixed(&spec.to).ok()?);
+                let low = std::array::from_fn(|d| from[d].min(to[d]));
+                Some(MovedBox { low, high: std::array::from_fn(|d| from[d].max(to[d])), moves: Vec::new() })
+            }
+            Spec::Moved(moved) => {
+                let mut inner = MovedBox::of(&moved.shape)?;
+                let part = |list: &Option<Vector<Length>>| {
+                    list.as_ref().map_or(Some([0.0; D]), |list| fixed::<D, _>(list).ok())
+                };
+                let (about, by) = (part(&moved.about)?, part(&moved.by)?);
+                match &moved.turn {
+                    Some(turn) => inner.moves.push((rotation("", moved, turn.value).ok()?, about, by)),
+                    None if inner.moves.is_empty() => {
+                        (0..D).for_each(|d| (inner.low[d], inner.high[d]) = (inner.low[d] + by[d], inner.high[d] + by[d]));
+                    }
+                    None => inner.moves.push((Rotation::identity(), [0.0; D], by)),
+                }
+                Some(inner)
+            }
+            _ => None,
+        }
+    }
+
+    /// Are its edges along the axes?
+    pub fn along_axes(&self) -> bool {
+        self.moves.is_empty()
+    }
+
+    /// Where a place of the box along the axes is in the scene.
+    pub fn place(&self, x: [f64; D]) -> [f64; D] {
+        self.moves.iter().fold(x, |x, (rotation, about, by)| {
+            let arm = nalgebra::SVector::<f64, D>::from_fn(|d, _| x[d] - about[d]);
+            let turned = rotation * arm;
+            std::array::from_fn(|d| turned[d] + about[d] + by[d])
+        })
+    }
 }
 
 /// A shape of `N` dimensions as one of `D`, if these are the same.

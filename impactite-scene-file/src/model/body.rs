@@ -68,7 +68,7 @@ pub struct Body {
     /// Integration of elements (`fem`, and elements in `mpm`). If not given, by kind: one point with hourglass stiffness for bricks and quadrilaterals of the plane, mean dilatation for quadrilaterals around an axis, averaged volumes for triangles and tetrahedra.
     #[serde(default)]
     pub integration: Option<Integration>,
-    /// Traction on a part of the surface (`mpm`, `fpm`): a table, or a list of tables.
+    /// Traction on a part of the surface (not of `pcmm`): a table, or a list of tables.
     #[serde(default)]
     pub traction: Several<Traction>,
     /// Starts of the detonation of an explosive (`mpm`).
@@ -159,7 +159,7 @@ parts! {
     }
     /// Copies on a lattice.
     Repeat {
-        /// Number of copies along each axis; at most 4096 together.
+        /// Number of copies along each axis; at most 100 000 together.
         #[schemars(example = (3, 2))]
         counts: Vec<u32>,
         /// Distance of copies along each axis.

@@ -87,7 +87,7 @@ pub struct SceneFile {
 }
 
 /// Most bodies that a repetition makes.
-const MOST: u64 = 4096;
+const MOST: u64 = 100_000;
 
 impl SceneFile {
     /// Contact of the bodies; none of one body, and of bodies that share one velocity field.

@@ -72,13 +72,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         &mut self,
         add: impl FnOnce(&mut Self) -> Result<X, E>,
     ) -> Result<X, E> {
-        let before = std::mem::replace(&mut self.together, true);
-        let added = add(self);
-        self.together = before;
-        let added = added?;
-        if !before {
-            self.arrange_together()?;
+        if self.together.is_some() {
+            return add(self);
         }
+        self.together = Some(self.scene.bodies.iter().map(|body| body.name().to_string()).collect());
+        let added = add(self);
+        self.together = None;
+        let added = added?;
+        self.arrange_together()?;
         Ok(added)
     }
 
@@ -261,7 +262,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.scene.bodies.push(body);
         self.stepper.mapped = false;
         self.looks.reopen();
-        if self.together {
+        if let Some(names) = &mut self.together {
+            names.insert(name.into());
             return Ok(());
         }
         self.arrange().map_err(|outside| {
@@ -278,7 +280,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if name.trim().is_empty() {
             return refuse("a word or more");
         }
-        if self.scene.bodies.iter().any(|b| b.name() == name) {
+        let taken = match &self.together {
+            Some(names) => names.contains(name),
+            None => self.scene.bodies.iter().any(|b| b.name() == name),
+        };
+        if taken {
             return refuse("another one than those of the bodies in the scene");
         }
         Ok(())

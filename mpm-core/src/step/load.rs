@@ -20,7 +20,8 @@ pub struct Traction<const D: usize> {
 
 impl<const D: usize> Traction<D> {
     /// Loaded area of a particle that takes the half sizes `half` (m) around `x` (m), m^2.
-    pub(super) fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
+    #[must_use]
+    pub fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
         if !self.region.contains(*x) {
             return 0.0;
         }

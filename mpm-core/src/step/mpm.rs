@@ -5,6 +5,7 @@
 //! [`Mpm`] is generic. So its larger methods hand their work to a [`Work`], an object that each scene has from its method
 //! ([`Kernels`]); there are four, those of [`Scalar`].
 
+use std::collections::HashSet;
 use std::sync::Arc;
 
 use mpm_materials::material::Material;
@@ -41,8 +42,8 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) grid: Background<T, D>,
     pub(super) stepper: Stepper<T, D>,
     pub(super) between_steps: BetweenSteps,
-    /// Do bodies come together, with node blocks for all at once?
-    pub(super) together: bool,
+    /// While bodies come together, with node blocks for all at once: the names of those that are there.
+    pub(super) together: Option<HashSet<String>>,
     pub(super) team: Team,
     pub(super) clock: Clock,
     /// What boundaries and loads gave since the start.
@@ -69,7 +70,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             grid: Background::new(grid),
             stepper,
             between_steps: BetweenSteps::default(),
-            together: false,
+            together: None,
             team: Team::one(),
             clock: Clock::default(),
             ledger: Exchange::default(),

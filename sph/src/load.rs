@@ -1,0 +1,77 @@
+//! Tractions on particles of the surface.
+
+use std::sync::Arc;
+
+use impactite_scene::SceneError;
+
+use crate::method::Composition;
+use crate::solver::Sph;
+
+/// A traction over time: Pa at a time in s.
+pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
+
+/// A dead load: a traction over time on areas as they are at the start.
+#[derive(Clone)]
+pub(crate) struct SurfaceLoad<const D: usize> {
+    /// Loaded area of each particle by its number, m^2 (per metre of depth or per radian).
+    areas: Vec<f64>,
+    pub history: TractionHistory<D>,
+}
+
+impl<const D: usize> SurfaceLoad<D> {
+    /// All of the area, m^2.
+    pub fn area(&self) -> f64 {
+        self.areas.iter().sum()
+    }
+}
+
+/// Accelerations from outside at a time: the body force, and loads.
+pub(crate) struct Outer<'a, const D: usize> {
+    /// Acceleration of the body force, m/s^2.
+    pub force: [f64; D],
+    loads: &'a [SurfaceLoad<D>],
+    /// Tractions of the loads, Pa.
+    tractions: Vec<[f64; D]>,
+    numbers: &'a [u32],
+}
+
+impl<'a, const D: usize> Outer<'a, D> {
+    pub fn new(force: [f64; D], loads: &'a [SurfaceLoad<D>], numbers: &'a [u32], time: f64) -> Self {
+        Outer { force, loads, tractions: loads.iter().map(|load| (load.history)(time)).collect(), numbers }
+    }
+
+    /// Acceleration of a particle of this mass, kg, in m/s^2.
+    #[inline(always)]
+    pub fn at(&self, particle: usize, mass: f64) -> [f64; D] {
+        let mut acceleration = self.force;
+        for (load, traction) in self.loads.iter().zip(&self.tractions) {
+            let per = load.areas[self.numbers[particle] as usize] / mass;
+            (0..D).for_each(|d| acceleration[d] += per * traction[d]);
+        }
+        acceleration
+    }
+}
+
+impl<const D: usize, M: Composition<D>> Sph<D, M> {
+    /// Load particles by a traction over time: `areas` of their faces by number, m^2 (per metre of depth or per radian). Several loads add up.
+    ///
+    /// # Errors
+    /// Another number of areas than of particles; no area that is positive; one that is negative or no number.
+    pub fn load(&mut self, areas: Vec<f64>, history: TractionHistory<D>) -> Result<(), SceneError> {
+        let refuse = |why| {
+            let (what, method) = ("a traction".into(), format!("body `{}`", self.name));
+            Err(SceneError::NotWith { what, method, why })
+        };
+        if areas.len() != self.positions.len() {
+            return refuse("it has not as many areas as the body has particles");
+        }
+        if !areas.iter().all(|area| area.is_finite() && *area >= 0.0) {
+            return refuse("an area is negative or no number");
+        }
+        if areas.iter().all(|area| *area == 0.0) {
+            return refuse("it loads no particle");
+        }
+        self.loads.push(SurfaceLoad { areas, history });
+        Ok(())
+    }
+}
