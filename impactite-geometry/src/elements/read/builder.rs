@@ -15,6 +15,8 @@ pub(super) struct Builder {
     number: HashMap<u64, u32>,
     blocks: Vec<ElementBlock>,
     place: HashMap<(String, ElementKind), usize>,
+    /// Block of the last element.
+    last: usize,
     node_sets: BTreeMap<String, Vec<u32>>,
     element_sets: BTreeMap<String, Vec<Elements>>,
     /// Quadrilaterals of wedges and pyramids, nodes ascending.
@@ -60,7 +62,7 @@ impl Form {
     }
 }
 
-/// Elements of a block that an element of the file became.
+/// Elements of a block that represent one element of the file.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Elements {
     block: u32,
@@ -108,11 +110,7 @@ impl Builder {
             Form::Whole(kind) => kind,
             Form::Wedge | Form::Pyramid => ElementKind::Tetra4,
         };
-        let next = self.blocks.len();
-        let place = *self.place.entry((block.into(), kind)).or_insert(next);
-        if place == next {
-            self.blocks.push(ElementBlock { name: block.into(), kind, nodes: Vec::new() });
-        }
+        let place = self.block(block, kind);
         let first = self.blocks[place].len() as u32;
         if let Form::Whole(_) = form {
             self.blocks[place].nodes.extend_from_slice(nodes);
@@ -135,6 +133,21 @@ impl Builder {
         }
         let count = self.blocks[place].len() as u32 - first;
         Ok(Elements { block: place as u32, first, count })
+    }
+
+    /// Index of a block, which is added if there is none of this name and kind.
+    fn block(&mut self, name: &str, kind: ElementKind) -> usize {
+        let is = |block: &ElementBlock| block.name == name && block.kind == kind;
+        // Most elements are of the block of the element before.
+        if self.blocks.get(self.last).is_some_and(is) {
+            return self.last;
+        }
+        let next = self.blocks.len();
+        self.last = *self.place.entry((name.into(), kind)).or_insert(next);
+        if self.last == next {
+            self.blocks.push(ElementBlock { name: name.into(), kind, nodes: Vec::new() });
+        }
+        self.last
     }
 
     /// Six times the volume of a tetrahedron.

@@ -78,7 +78,8 @@ impl<const D: usize> ElementMesh<D> {
     ///   rigid faces (R3D) as the triangles and quadrilaterals that they are; T2D2, T3D2, B21 and B31 as bars; letters after the number (R,
     ///   I, M, H, T, ...) change nothing. All others are refused by name. Elements of second order are read by their corners. Wedges and
     ///   pyramids become tetrahedra that conform to each other; a brick that shares a quadrilateral with one of them is refused.
-    /// - In a file with elements of three dimensions, those of two are sets of nodes alone; bars remain.
+    /// - In a file with elements of three dimensions, those of two are sets of nodes alone; bars remain (edges that Gmsh
+    ///   writes as T3D2 are left out by [`only_groups`](Self::only_groups)).
     /// - Parts (`*PART`) are read as their instances (`*INSTANCE`) place them, translated and then rotated; one part alone needs no
     ///   instance. Nodes, elements and sets may be in the part, in the instance or in the assembly.
     /// - A block holds the elements of a kind and a set: that of their `*ELEMENT` line, else the first `*ELSET` that has them.

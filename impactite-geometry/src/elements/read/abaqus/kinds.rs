@@ -55,16 +55,16 @@ const STEMS: [Stem; 43] = [
     ("B31OS", Form::Whole(Bar2), 2),
 ];
 
-/// Nodes of an element as a line of the file has them.
+/// Nodes of an element in a data line.
 #[derive(Clone, Copy)]
 pub struct Listed {
     pub form: Form,
     pub nodes: usize,
-    /// May a node follow that gives the orientation of a beam?
+    /// An additional node for the orientation of a beam is allowed.
     pub orientation: bool,
 }
 
-/// What the elements of a type are.
+/// Form and nodes of the elements of a type.
 pub fn of_type(name: &str) -> Option<Listed> {
     let is = |stem: &str| {
         let suffix = name.strip_prefix(stem);
@@ -74,7 +74,7 @@ pub fn of_type(name: &str) -> Option<Listed> {
     Some(Listed { form, nodes, orientation: stem.starts_with('B') })
 }
 
-/// The types that are read, in words.
+/// Supported types, in words.
 pub fn known() -> String {
     let stems: Vec<&str> = STEMS.iter().map(|(stem, ..)| *stem).collect();
     format!("one of {}, also with letters as R, I, M, H or T after it", stems.join(", "))

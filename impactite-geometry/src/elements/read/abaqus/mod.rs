@@ -268,12 +268,19 @@ impl Model {
                 members.extend(nodes.iter().map(|&node| (inner, node)));
             }
         }
+        let mut room = 1 << 16;
         for line in data.lines() {
             if keyword.has("GENERATE") {
                 self.generate(owner, of, line, &mut members)?;
             } else {
                 for field in fields(line).filter(|f| !f.1.is_empty()) {
                     self.member(owner, of, key, field, &mut members)?;
+                    // A set may be named again and again.
+                    if members.len() > room {
+                        members.sort_unstable();
+                        members.dedup();
+                        room = 2 * members.len().max(room / 2);
+                    }
                 }
             }
         }

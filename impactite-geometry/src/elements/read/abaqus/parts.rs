@@ -39,7 +39,7 @@ pub struct Sets {
 }
 
 impl Sets {
-    /// The place of a set, which is made if there is none of this name.
+    /// Index of a set, which is added if there is none of this name.
     pub fn of(&mut self, name: &str) -> usize {
         let next = self.names.len();
         let place = *self.place.entry(name.to_ascii_uppercase()).or_insert(next);
@@ -123,7 +123,7 @@ impl Part {
     /// Nodes or elements with tags from `first` to `last` by `step`: those of them that exist.
     pub fn between(&self, of: Of, [first, last, step]: [u64; 3]) -> Vec<u32> {
         let numbers = self.numbers(of);
-        // Whichever are fewer: tags between, or tags that exist.
+        // The shorter loop: over tags between, or over tags that exist.
         let count = (last - first) / step;
         if count < numbers.len() as u64 {
             return (0..=count).filter_map(|i| self.number(of, first + i * step)).collect();
@@ -141,7 +141,7 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// The part where it is.
+    /// Identity.
     pub const NONE: Motion = Motion { translation: [0.0; 3], rotation: None };
 
     /// The data lines of *INSTANCE: a translation; two points of an axis, and an angle in degrees.

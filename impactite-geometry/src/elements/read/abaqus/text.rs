@@ -137,7 +137,7 @@ impl Keyword {
         Ok(Self { at, parameters: parameters.collect(), name })
     }
 
-    /// Is this the keyword, perhaps abbreviated?
+    /// Comparison with a keyword of which this may be an abbreviation.
     pub fn is(&self, name: &str) -> bool {
         is(&self.name, name, FEWEST_LETTERS[0])
     }
@@ -175,9 +175,9 @@ fn is(written: &str, name: &str, fewest: usize) -> bool {
 
 /// Lines that are neither empty nor comments. They end by a line feed, a carriage return, or both.
 fn lines(text: &str, file: u32) -> Result<Vec<Line>, ReadError> {
-    let (mut found, mut start, mut line) = (Vec::new(), 0, 0);
+    let (mut found, mut start, mut line) = (Vec::new(), 0, 0u32);
     while start < text.len() {
-        line += 1;
+        line = u32::saturating_add(line, 1);
         let rest = &text[start..];
         let length = rest.find(['\n', '\r']).unwrap_or(rest.len());
         let words = rest[..length].trim();
@@ -194,7 +194,7 @@ fn lines(text: &str, file: u32) -> Result<Vec<Line>, ReadError> {
     Ok(found)
 }
 
-/// Does a line go on with the parameters of a keyword? They begin with letters; numbers are data after a comma too many.
+/// Test for a continued keyword line: parameters begin with letters. Numbers are data after a comma too many.
 fn is_parameter(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic())
 }
@@ -219,7 +219,7 @@ impl<'a> Text<'a> {
         &self.files[line.at.file as usize].text[line.bytes.clone()]
     }
 
-    /// Takes the lines of a file in a folder.
+    /// Adds the lines of a file in a folder.
     fn file(&mut self, name: String, text: Cow<'a, str>, folder: Option<&Path>) -> Result<(), ReadError> {
         let file = self.files.len() as u32;
         let found = lines(&text, file);
@@ -261,7 +261,7 @@ impl<'a> Text<'a> {
         Ok(())
     }
 
-    /// Takes the lines of an included file: one beside the file that includes it, else beside the main file.
+    /// Adds the lines of an included file: one in the folder of the file that includes it, else in that of the main file.
     fn include(&mut self, at: At, name: &str, folder: Option<&Path>) -> Result<(), ReadError> {
         let refuse = |reason: String| ReadError::Include { place: place(at), file: name.into(), reason };
         let (Some(folder), Some(main)) = (folder, &self.folder) else {
