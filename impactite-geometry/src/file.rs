@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 /// Bytes of a file at most, 4 GiB: a binary STL file of 8.6e7 triangles.
-const MOST_BYTES: u64 = 4 << 30;
+pub(crate) const MOST_BYTES: u64 = 4 << 30;
 
 /// Content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,6 +13,8 @@ pub(crate) enum Kind {
     Stl,
     /// Polygons of Wavefront.
     Obj,
+    /// Polygons of the Stanford format, text or binary.
+    Ply,
     /// Elements of Gmsh.
     Gmsh,
     /// Elements of Abaqus.
@@ -31,26 +33,33 @@ impl Kind {
             Kind::Obj => {
                 ("an OBJ file: a closed surface, without elements", "read it by `TriangleMesh::read_obj`")
             }
+            Kind::Ply => {
+                ("a PLY file: a closed surface, without elements", "read it by `TriangleMesh::read_ply`")
+            }
             Kind::Gmsh => ("a Gmsh file of elements", "read it by `ElementMesh::read_gmsh`"),
             Kind::Abaqus => ("an Abaqus file of elements", "read it by `ElementMesh::read_abaqus`"),
-            Kind::Other(what) => (what, "surfaces are STL and OBJ files, elements are of Gmsh and Abaqus"),
+            Kind::Other(what) => {
+                (what, "surfaces are STL, OBJ and PLY files, elements are of Gmsh and Abaqus")
+            }
         }
     }
 
     /// The kind of a file with these bytes, where they tell.
     fn of(bytes: &[u8]) -> Option<Kind> {
-        let others: [(&[u8], &'static str); 8] = [
+        let others: [(&[u8], &'static str); 7] = [
             (b"\x89PNG", "a picture"),
             (b"\xff\xd8\xff", "a picture"),
             (b"PK\x03\x04", "a ZIP archive"),
             (b"\x1f\x8b", "compressed by gzip"),
             (b"ISO-10303-21", "a STEP file of shapes, without triangles"),
-            (b"ply\n", "a PLY file"),
             (b"# vtk", "a VTK file"),
             (b"<?xml", "an XML file"),
         ];
         if let Some((_, what)) = others.iter().find(|(start, _)| bytes.starts_with(start)) {
             return Some(Kind::Other(what));
+        }
+        if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+            return Some(Kind::Ply);
         }
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         let mut lines = text.split(|b| *b == b'\n' || *b == b'\r').map(<[u8]>::trim_ascii);
@@ -113,7 +122,7 @@ mod tests {
             ("# Blender\nmtllib cube.mtl\no Cube\n", Some(Kind::Obj)),
             ("v 0 0 0\r\n", Some(Kind::Obj)),
             ("  solid cube\n", Some(Kind::Stl)),
-            ("ply\nformat ascii 1.0\n", Some(Kind::Other("a PLY file"))),
+            ("ply\nformat ascii 1.0\n", Some(Kind::Ply)),
             ("", None),
             ("# only a comment\n", None),
             ("1 2 3\n", None),

@@ -20,12 +20,18 @@
 mod bounds;
 mod combine;
 mod compose;
+#[cfg(feature = "mesh")]
+mod cursor;
 mod elements;
 mod error;
 #[cfg(feature = "mesh")]
 mod file;
 mod lattice;
 mod mesh;
+#[cfg(feature = "mesh")]
+mod obj;
+#[cfg(feature = "mesh")]
+mod ply;
 mod polygon;
 mod primitives;
 mod rings;
@@ -35,6 +41,8 @@ mod shape;
 #[cfg(feature = "mesh")]
 mod stl;
 pub mod structured;
+#[cfg(feature = "mesh")]
+mod surface;
 mod transform;
 mod tree;
 mod vector;

@@ -96,54 +96,6 @@ impl TriangleMesh {
         Self::new(&vertices, &indices)
     }
 
-    /// Reads an STL file, ASCII or binary: all its solids together, as pieces of one. Coordinates are multiplied by
-    /// `unit` (m): 1e-3 for a file in mm. Those of an ASCII file are taken in double precision.
-    ///
-    /// # Errors
-    /// [`GeometryError::File`] if it cannot be read, is no regular file or one of more than 4 GiB, is of another kind, is cut off, holds anything but solids, or has a coordinate that is not
-    /// finite; else as [`TriangleMesh::new`].
-    #[cfg(feature = "mesh")]
-    pub fn read_stl(path: impl AsRef<std::path::Path>, unit: f64) -> Result<Self, GeometryError> {
-        let path = path.as_ref();
-        Check("triangle mesh").positive("unit", unit)?;
-        let refuse = |reason: String| GeometryError::File { path: path.display().to_string(), reason };
-        let bytes = crate::file::read(path, crate::file::Kind::Stl).map_err(refuse)?;
-        let mut soup = super::stl::triangles(&bytes).map_err(|e| refuse(e.to_string()))?;
-        drop(bytes);
-        for x in soup.as_flattened_mut().as_flattened_mut() {
-            *x *= unit;
-        }
-        Self::from_soup(&soup)
-    }
-
-    /// Reads a Wavefront OBJ file: all its groups together, polygons split into triangles. Coordinates are
-    /// multiplied by `unit` (m): 1e-3 for a file in mm. Materials, normals, textures and colours of vertices are no part of a shape; lines may be
-    /// continued by a backslash and end in any way.
-    ///
-    /// # Errors
-    /// [`GeometryError::File`] if it cannot be read; else as [`TriangleMesh::new`].
-    #[cfg(feature = "mesh")]
-    pub fn read_obj(path: impl AsRef<std::path::Path>, unit: f64) -> Result<Self, GeometryError> {
-        let path = path.as_ref();
-        Check("triangle mesh").positive("unit", unit)?;
-        let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-        let refuse = |reason: String| GeometryError::File { path: path.display().to_string(), reason };
-        let bytes = crate::file::read(path, crate::file::Kind::Obj).map_err(refuse)?;
-        let bytes = vertices_and_faces(&bytes);
-        let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, |_| Ok(Default::default()))
-            .map_err(|e| refuse(e.to_string()))?;
-        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
-        for model in models {
-            let first = vertices.len();
-            vertices
-                .extend(model.mesh.positions.chunks_exact(3).map(|x| [x[0], x[1], x[2]].map(|c| c * unit)));
-            triangles.extend(
-                model.mesh.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| first + v as usize)),
-            );
-        }
-        Self::new(&vertices, &triangles)
-    }
-
     /// The vertices (m), each place once.
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices
@@ -167,45 +119,6 @@ impl TriangleMesh {
         });
         out.sort_unstable_by(f64::total_cmp);
     }
-}
-
-/// The lines of an OBJ file that say places of vertices and corners of faces, and of them that alone.
-#[cfg(feature = "mesh")]
-fn vertices_and_faces(bytes: &[u8]) -> Vec<u8> {
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let (mut kept, mut line, mut at) = (Vec::new(), Vec::new(), 0);
-    while at < text.len() {
-        // Lines end by a line feed, a carriage return, or both.
-        let rest = &text[at..];
-        let length = rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
-        at += length + if rest[length..].starts_with(b"\r\n") { 2 } else { 1 };
-        let part = rest[..length].trim_ascii_end();
-        line.extend_from_slice(part.strip_suffix(b"\\").unwrap_or(part));
-        line.push(b' ');
-        if part.ends_with(b"\\") && at < text.len() {
-            continue;
-        }
-        let said = line.split(|b| *b == b'#').next().unwrap_or_default();
-        let mut words = said.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        match words.next() {
-            Some(b"v") => {
-                kept.push(b'v');
-                // A fourth number is a weight; colours come after.
-                words.take(3).for_each(|word| kept.extend([b" ", word].concat()));
-                kept.push(b'\n');
-            }
-            Some(b"f") => {
-                kept.push(b'f');
-                // Place / texture / normal.
-                let places = words.filter_map(|corner| corner.split(|b| *b == b'/').next());
-                places.for_each(|place| kept.extend([b" ", place].concat()));
-                kept.push(b'\n');
-            }
-            _ => {}
-        }
-        line.clear();
-    }
-    kept
 }
 
 impl Shape<3> for TriangleMesh {

@@ -16,7 +16,7 @@ pub(super) enum StlError {
         /// Number of bytes.
         found: u64,
     },
-    /// A binary file that is cut off, or longer than its triangles.
+    /// A binary file that is cut off, or has room for more triangles.
     #[error("a binary STL file of {triangles} triangles has {expected} bytes, but {found} were found")]
     Length {
         /// Number of triangles, by the file itself.
@@ -54,29 +54,39 @@ pub(super) enum StlError {
     },
 }
 
-/// The triangles of all solids of a file, ASCII or binary, corners in the unit of the file.
+/// The triangles of all solids of a file, ASCII or binary, corners in the unit of the file. Fewer bytes than a triangle has may follow those of
+/// a binary file.
 ///
 /// # Errors
 /// [`StlError`] for anything but whole solids, and blanks around them.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
-    let head: Option<&[u8; HEAD]> = bytes.first_chunk();
-    let count = head.map(|h| u32::from_le_bytes([h[80], h[81], h[82], h[83]]));
-    let expected = |count: u32| HEAD as u64 + RECORD as u64 * u64::from(count);
     let found = bytes.len() as u64;
     // Many binary files begin with the word that marks the ASCII ones, so the length is asked first.
-    match count {
-        Some(count) if expected(count) == found => binary(bytes),
+    if is_binary(bytes) {
+        return binary(bytes);
+    }
+    match count(bytes) {
         _ if is_text(bytes) => Reader::new(bytes).solids(),
-        Some(triangles) => Err(StlError::Length { triangles, expected: expected(triangles), found }),
+        Some(triangles) => Err(StlError::Length { triangles, expected: length(triangles), found }),
         None => Err(StlError::NotStl { found }),
     }
 }
 
-/// Has a file the length of a binary one with its number of triangles?
+/// Number of triangles, if the file is binary.
+fn count(bytes: &[u8]) -> Option<u32> {
+    let head: &[u8; HEAD] = bytes.first_chunk()?;
+    Some(u32::from_le_bytes([head[80], head[81], head[82], head[83]]))
+}
+
+/// Length of a binary file.
+fn length(triangles: u32) -> u64 {
+    HEAD as u64 + RECORD as u64 * u64::from(triangles)
+}
+
+/// Has a file the length of a binary one with its number of triangles, or fewer bytes more than another triangle would have?
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
-    let head: Option<&[u8; HEAD]> = bytes.first_chunk();
-    let count = head.map(|h| u32::from_le_bytes([h[80], h[81], h[82], h[83]]));
-    count.is_some_and(|count| HEAD as u64 + RECORD as u64 * u64::from(count) == bytes.len() as u64)
+    let more = count(bytes).and_then(|count| (bytes.len() as u64).checked_sub(length(count)));
+    more.is_some_and(|more| more < RECORD as u64)
 }
 
 /// Does a file that has not the length of a binary one begin like text?

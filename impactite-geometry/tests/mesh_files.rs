@@ -246,6 +246,49 @@ fn elements_of_several_groups_are_read_once() {
     assert_eq!((mesh.node_sets["all"].len(), mesh.node_sets["left"].len()), (4, 3));
 }
 
+/// Elements of several physical groups are in the element set of each, by their entity in version 4 and by repetition in version 2.
+#[test]
+fn an_element_is_in_every_physical_group_that_has_it() {
+    let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"all\"\n2 2 \"left\"\n1 3 \"rim\"\n$EndPhysicalNames\n\
+               $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n$EndNodes\n\
+               $Elements\n4\n1 1 2 3 9 1 2\n2 2 2 2 1 1 2 3\n3 2 2 1 1 1 2 3\n4 2 2 1 1 2 4 3\n$EndElements\n";
+    let four = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"all\"\n2 2 \"left\"\n1 3 \"rim\"\n$EndPhysicalNames\n\
+                $Entities\n0 1 2 0\n5 0 0 0 1 0 0 1 3 0\n1 0 0 0 1 1 0 2 2 1 0\n2 0 0 0 1 1 0 1 1 0\n$EndEntities\n\
+                $Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n$EndNodes\n\
+                $Elements\n3 3 1 3\n1 5 1 1\n1 1 2\n2 1 2 1\n2 1 2 3\n2 2 2 1\n3 2 4 3\n$EndElements\n";
+    for file in [two, four] {
+        let mesh = ElementMesh::<2>::from_gmsh("groups.msh", file.as_bytes(), 1.0).unwrap();
+        let groups: Vec<_> = mesh.groups().into_iter().collect();
+        assert_eq!(groups, [("all", 2), ("left", 1)]);
+        let left = mesh.only_groups(&["left"]).unwrap();
+        assert_eq!((left.nodes.len(), left.measure(Metric::Cartesian).unwrap()), (3, 0.5));
+        assert_eq!(left.bounds(), Bounds { min: [0.0; 2], max: [1.0; 2] });
+        assert_eq!(left.node_sets["rim"], [0, 1]);
+        let all = mesh.only_groups(&["all"]).unwrap();
+        assert_eq!((all.elements(), all.measure(Metric::Cartesian).unwrap()), (2, 1.0));
+    }
+}
+
+/// A prism and a pyramid upon one of its quadrilaterals, of first and second order.
+#[test]
+fn prisms_and_pyramids_become_tetrahedra() {
+    for (prism, pyramid, more) in [(6, 7, [0, 0]), (13, 14, [12, 9]), (18, 19, [9, 8])] {
+        let own = |corners: &str, more: usize| format!("{corners}{}", " 1".repeat(more));
+        let file = format!(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n7\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 1 0 1\n6 0 1 1\n7 .5 -1 .5\n$EndNodes\n\
+             $Elements\n2\n1 {prism} 0 {}\n2 {pyramid} 0 {}\n$EndElements\n",
+            own("1 2 3 4 5 6", more[0]),
+            own("1 4 5 2 7", more[1])
+        );
+        let mesh = gmsh(&file);
+        let mesh = mesh.unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!((mesh.elements(), mesh.blocks[0].kind), (5, ElementKind::Tetra4));
+        assert!((mesh.measure(Metric::Cartesian).unwrap() - (0.5 + 1.0 / 3.0)).abs() < 1e-15);
+        // Two triangles and two quadrilaterals of the prism, four triangles of the pyramid.
+        assert_eq!(mesh.surface().unwrap().len(), 2 + 4 + 4);
+    }
+}
+
 /// Elements of second order are what their corners make.
 #[test]
 fn second_order_is_read_by_corners() {
@@ -267,35 +310,6 @@ fn third_coordinates_of_rounding_are_none() {
     let read = |z: &str| ElementMesh::<2>::from_gmsh("z.msh", file(z).as_bytes(), 1.0);
     assert_eq!(read("1e-17").unwrap().measure(Metric::Cartesian).unwrap(), 1.0);
     assert!(read("1e-6").unwrap_err().to_string().contains("beyond the 2"));
-}
-
-/// Surfaces of OBJ files as programs write them.
-#[test]
-fn obj_files_are_read_as_programs_write_them() {
-    let plain = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
-    let dialects = [
-        ("plain", plain.to_string()),
-        ("byte order mark", format!("\u{feff}{plain}")),
-        ("carriage returns alone", plain.replace('\n', "\r")),
-        ("continued lines", plain.replace("f 1 3 2", "f 1 3 \\\n 2")),
-        ("continued lines of Windows", plain.replace("f 1 3 2", "f 1 3 \\\n 2").replace('\n', "\r\n")),
-        ("a last line without an end", plain.trim_end().to_string()),
-        ("comments", plain.replace("v 1 0 0", "v 1 0 0 # 2").replace("f 1 2 4", "f 1 2 4 # 3")),
-        ("materials without name", format!("mtllib\nusemtl\n{plain}usemtl \n")),
-        ("colours", plain.replace("v 1 0 0", "v 1 0 0 0.5 0.5 0.5 1")),
-        ("textures and normals that are not there", plain.replace("f 1 2 4", "f 1/7/9 2//9 4/7")),
-        ("numbers from the end", plain.replace("f 1 3 2", "f -4 -2 -3")),
-        ("groups, smoothing, points, lines", format!("o a\ng b c\ns off\n{plain}p 1\nl 1 2\n")),
-    ];
-    let folder = std::env::temp_dir().join(format!("impactite-obj-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    for (what, text) in dialects {
-        let path = folder.join("tetrahedron.obj");
-        std::fs::write(&path, text).unwrap();
-        let mesh = TriangleMesh::read_obj(&path, 1.0).unwrap_or_else(|e| panic!("{what}: {e}"));
-        assert_eq!((mesh.vertices().len(), mesh.triangles().len()), (4, 4), "{what}");
-    }
-    std::fs::remove_dir_all(&folder).unwrap();
 }
 
 /// The file above in binary form.
@@ -432,9 +446,11 @@ fn bad_gmsh_files_are_refused_by_line_and_key() {
         ),
         ("0 1 0\n", "0 1e999 0\n", "a coordinate of a node = `inf`"),
         ("0 1 0\n", "0 x 0\n", "line 26: a coordinate of a node = `x`"),
-        ("3 1 5 2", "3 1 6 2", "line 54: type of elements = `6, prism of 6 nodes` is not allowed"),
-        ("3 1 5 2", "3 1 13 2", "13, prism of second order"),
-        ("3 1 5 2", "3 1 99 2", "type of elements = `99` is not allowed"),
+        (
+            "3 1 5 2",
+            "3 1 99 2",
+            "line 54: type of elements = `99` is not allowed; allowed is points, lines, triangles",
+        ),
         ("3 1 5 2", "3 1 3 2", "allowed is one of 3 dimensions"),
         ("3 1 5 2", "3 1 5 18446744073709551615", "the tag of an element = `$EndElements`"),
         (
@@ -478,15 +494,25 @@ fn bad_abaqus_files_are_refused_by_line_and_key() {
     let cases = [
         (
             "type=C3D8R",
-            "type=C3D20",
-            "line 18: TYPE of *ELEMENT = `C3D20` is not allowed; allowed is one of C3D8, C3D8R",
+            "type=AC3D8",
+            "line 18: TYPE of *ELEMENT = `AC3D8` is not allowed; allowed is one of C3D4, C3D5, C3D6, C3D8",
         ),
-        ("type=C3D8R", "type=C3D6", "TYPE of *ELEMENT = `C3D6`"),
+        ("type=C3D8R", "type=C3D27", "TYPE of *ELEMENT = `C3D27`"),
+        (
+            "type=C3D8R",
+            "type=C3D20R",
+            "line 21: the file ends where node 18 of element 1 (C3D20R) was expected",
+        ),
         (", type=C3D8R", "", "line 18: *ELEMENT = `` is not allowed; allowed is a parameter TYPE=..."),
         (
             "nset=All",
-            "system=C",
-            "line 5: parameter of *NODE = `SYSTEM` is not allowed; allowed is one of NSET",
+            "system=S",
+            "line 5: SYSTEM of *NODE = `S` is not allowed; allowed is R (rectangular) or C (cylindrical)",
+        ),
+        (
+            "nset=All",
+            "csys=C",
+            "line 5: parameter of *NODE = `CSYS` is not allowed; allowed is one of NSET, SYSTEM, INPUT",
         ),
         (
             "2, 0., 1.0, 0",
@@ -520,8 +546,41 @@ fn bad_abaqus_files_are_refused_by_line_and_key() {
             "line 30: *ELSET = `` is not allowed; allowed is a parameter ELSET=...",
         ),
         ("*END PART", "*NGEN", "line 32: keyword = `*NGEN`"),
-        ("*END PART", "*PART, NAME=B", "allowed is one part"),
-        ("*END PART", "*INSTANCE, NAME=I, PART=Rod\n1., 0., 0.", "line 33: data of *INSTANCE = `1., 0., 0.`"),
+        (
+            "*END PART",
+            "*PART, NAME=B",
+            "line 32: keyword = `*PART` is not allowed; allowed is *END PART of `Rod` before it",
+        ),
+        ("*END PART", "*INSTANCE, NAME=I, PART=Rod\n", "allowed is *END PART of `Rod` before it"),
+        ("*END PART", "**", "line 4: the file ends where *END PART of `Rod`, which begins in this line, was"),
+        (
+            "*END PART",
+            "*END INSTANCE",
+            "line 32: keyword = `*ENDINSTANCE` is not allowed; allowed is *INSTANCE",
+        ),
+        ("*END PART", "*END PART\n*PART, NAME=rod\n*END PART", "line 33: NAME of *PART = `rod`"),
+        ("*END PART", "*END PART\n*PART, NAME=B\n*END PART", "the parts B, ROD have no *INSTANCE"),
+        (
+            "*END PART",
+            "*END PART\n*INSTANCE, NAME=I, PART=B\n*END INSTANCE",
+            "line 33: PART of *INSTANCE = `B` is not allowed; allowed is the name of a *PART before it",
+        ),
+        (
+            "*END PART",
+            "*END PART\n*INSTANCE, NAME=I, PART=Rod\n1, 2, 3, 4\n*END INSTANCE",
+            "line 34: translation of *INSTANCE = `1, 2, 3, 4` is not allowed; allowed is three numbers",
+        ),
+        (
+            "*END PART",
+            "*END PART\n*INSTANCE, NAME=I, PART=Rod\n1, 2\n0,0,0, 0,0,0, 90\n*END INSTANCE",
+            "line 35: rotation of *INSTANCE = `0,0,0, 0,0,0, 90` is not allowed; allowed is two different points",
+        ),
+        (
+            "*END PART",
+            "*END PART\n*NSET, NSET=A, INSTANCE=I\n1",
+            "line 33: INSTANCE of *NSET = `I` is not allowed; allowed is the name of an *INSTANCE before it",
+        ),
+        ("*END PART", "*END PART\n*INCLUDE, INPUT=a.inp", "line 33: `a.inp` cannot be included: these bytes"),
         ("*HEADING\n a part of two bricks and a bar\n", "x", "line 1: first line = `x** a comment`"),
     ];
     for (from, to, expected) in cases {
@@ -564,8 +623,18 @@ proptest! {
                 prop_assert!(mesh.check().is_ok());
             }
         }
-        if let Ok(mesh) = ElementMesh::<3>::from_abaqus("m.inp", &mutilate(ABAQUS.as_bytes(), &changes), 1.0) {
-            prop_assert!(mesh.check().is_ok());
+        let assembly = format!(
+            "{ABAQUS}*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=Rod\n1,2\n0,0,0,0,0,1,90\n*NODE,SYSTEM=C\n5,1,30,2\n*END INSTANCE\n\
+             *INSTANCE, NAME=J, PART=Rod\n*ELEMENT, TYPE=C3D6\n9,1,2,4,11,12,14\n*END INSTANCE\n*NSET, NSET=N, INSTANCE=J\nLeft, 3\n\
+             *ELSET, ELSET=E\nI.Core, J.9\n*END ASSEMBLY\n"
+        );
+        for text in [ABAQUS, &assembly] {
+            if let Ok(mesh) = ElementMesh::<3>::from_abaqus("m.inp", &mutilate(text.as_bytes(), &changes), 1.0) {
+                prop_assert!(mesh.check().is_ok());
+                for group in mesh.groups().keys() {
+                    prop_assert!(mesh.only_groups(&[group]).is_ok_and(|part| part.check().is_ok()));
+                }
+            }
         }
     }
 
@@ -573,6 +642,9 @@ proptest! {
     fn any_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
         prop_assert!(ElementMesh::<3>::from_gmsh("m.msh", &bytes, 1.0).is_err());
         prop_assert!(ElementMesh::<2>::from_abaqus("m.inp", &bytes, 1.0).is_err());
+        prop_assert!(TriangleMesh::from_stl("m.stl", &bytes, 1.0).is_err());
+        prop_assert!(TriangleMesh::from_obj("m.obj", &bytes, 1.0).is_err());
+        prop_assert!(TriangleMesh::from_ply("m.ply", &bytes, 1.0).is_err());
     }
 }
 
@@ -606,13 +678,14 @@ fn files_of_gmsh_itself_are_read() {
 }
 
 /// Message of each reader for a file at `path`.
-fn said(path: &std::path::Path) -> [String; 4] {
+fn said(path: &std::path::Path) -> [String; 5] {
     fn said<X>(read: Result<X, GeometryError>) -> String {
         read.err().expect("refused").to_string()
     }
     [
         said(TriangleMesh::read_stl(path, 1.0)),
         said(TriangleMesh::read_obj(path, 1.0)),
+        said(TriangleMesh::read_ply(path, 1.0)),
         said(ElementMesh::<3>::read_gmsh(path, 1.0)),
         said(ElementMesh::<3>::read_abaqus(path, 1.0)),
     ]
@@ -625,6 +698,7 @@ fn a_file_of_another_kind_is_named_with_its_reader() {
     let kinds = [
         ("solid cube\nendsolid cube\n", "an STL file", "`TriangleMesh::read_stl`"),
         ("# cube\no cube\nv 0 0 0\n", "an OBJ file", "`TriangleMesh::read_obj`"),
+        ("ply\nformat ascii 1.0\n", "a PLY file", "`TriangleMesh::read_ply`"),
         (GMSH, "a Gmsh file of elements", "`ElementMesh::read_gmsh`"),
         ("** cube\n*NODE\n1, 0., 0., 0.\n", "an Abaqus file of elements", "`ElementMesh::read_abaqus`"),
     ];
@@ -635,10 +709,11 @@ fn a_file_of_another_kind_is_named_with_its_reader() {
         let names_kind = |path: &std::path::Path, k: usize| match k {
             0 => TriangleMesh::read_stl(path, 1.0).err(),
             1 => TriangleMesh::read_obj(path, 1.0).err(),
-            2 => ElementMesh::<3>::read_gmsh(path, 1.0).err(),
+            2 => TriangleMesh::read_ply(path, 1.0).err(),
+            3 => ElementMesh::<3>::read_gmsh(path, 1.0).err(),
             _ => ElementMesh::<3>::read_abaqus(path, 1.0).err(),
         };
-        for k in 0..4 {
+        for k in 0..5 {
             let said = names_kind(&path, k).map_or(String::new(), |e| e.to_string());
             assert_eq!(said.contains(kind) && said.contains(reader), k != n, "{k}: {said}");
         }

@@ -5,7 +5,7 @@ use impactite::parallel::Float;
 use impactite::scene::embedding::unit_of_part;
 use impactite::scene::{Solver, StepLimit};
 
-use crate::build::{material, shape, size, wrong};
+use crate::build::{material, mesh, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
@@ -199,6 +199,22 @@ impl Source {
         for name in scene.materials.keys() {
             if !scene.bodies.values().any(|b| b.material.as_ref() == Some(name)) {
                 notes.push(format!("materials.{name}: no body uses this material"));
+            }
+        }
+        for (name, body) in &scene.bodies {
+            let folder = wrong::Folder(self.folder());
+            let divided = body.mesh.as_ref().and_then(|spec| match scene.space {
+                Space::Full => mesh::divided::<3>(&folder, spec),
+                Space::Axisymmetric | Space::PlaneStrain | Space::PlaneStress => {
+                    mesh::divided::<2>(&folder, spec)
+                }
+            });
+            if let Some((word, groups)) = divided {
+                notes.push(format!(
+                    "bodies.{name}.mesh.{word}: the file has the groups `{}`; the body takes all of them as one material; `groups = [...]` \
+                     takes some",
+                    groups.join("`, `")
+                ));
             }
         }
         let weighed = scene.gravity.is_some();

@@ -334,3 +334,47 @@ fn files_of_a_scene_are_found_from_anywhere() {
     }
     assert!(source.resumes_as(&source.anchored()) && source.anchored().resumes_as(&source));
 }
+
+/// A body has the groups of its mesh file that it names; one that names none of several is told of them.
+#[test]
+fn groups_of_mesh_files_are_chosen_by_name() {
+    let folder = std::env::temp_dir().join(format!("impactite-groups-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let mesh = "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n5, 3, 0\n6, 3, 1\n\
+        *ELEMENT, TYPE=CPE4, ELSET=STEEL\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=CPE4, ELSET=RUBBER\n2, 2, 5, 6, 3\n";
+    std::fs::write(folder.join("two.inp"), mesh).unwrap();
+    let one = "*NODE\n1, 0, 0\n2, 1, 0\n3, 1, 1\n4, 0, 1\n*ELEMENT, TYPE=CPE4, ELSET=ALL\n1, 1, 2, 3, 4\n";
+    std::fs::write(folder.join("one.inp"), one).unwrap();
+    let ahead = |file: &str, groups: &str| {
+        let text = format!(
+            "title = \"groups\"\nspace = \"plane strain\"\nend = \"1 us\"\nmethod.fem = {{}}\n\
+             materials.m.elastic = {{ density = 1000, young = \"1 GPa\", poisson = 0.3 }}\n\
+             [bodies.b]\nmaterial = \"m\"\nmesh.abaqus = {{ file = \"{file}\", unit = \"1 mm\"{groups} }}\n"
+        );
+        let source = Source::new(folder.join("scene.toml").display().to_string(), text);
+        let scene = source.parse().unwrap_or_else(|e| panic!("{e}"));
+        let mut solver = source.build(&scene)?;
+        source.estimate(&scene, &mut *solver)
+    };
+    for (groups, area, noted) in [
+        ("", 3e-6, true),
+        (", groups = [\"steel\"]", 1e-6, false),
+        (", groups = [\"RUBBER\"]", 2e-6, false),
+        (", groups = [\"STEEL\", \"RUBBER\"]", 3e-6, false),
+    ] {
+        let ahead = ahead("two.inp", groups).unwrap_or_else(|e| panic!("{e}"));
+        // Round-off of a sum of eight points of integration.
+        assert!((ahead.bodies[0].mass / (1000.0 * area) - 1.0).abs() < 1e-14, "{groups}");
+        let note = "bodies.b.mesh.abaqus: the file has the groups `RUBBER`, `STEEL`; the body takes all of them as one material";
+        assert_eq!(ahead.notes.iter().any(|n| n.starts_with(note)), noted, "{groups}: {:?}", ahead.notes);
+    }
+    assert_eq!(ahead("one.inp", "").unwrap_or_else(|e| panic!("{e}")).notes, Vec::<String>::new());
+    for (groups, expected) in [
+        (", groups = [\"wood\"]", "no group of elements has the name `wood`; there are RUBBER, STEEL"),
+        (", groups = []", "needs the name of a group"),
+    ] {
+        let said = ahead("two.inp", groups).err().map(|e| e.to_string()).unwrap_or_default();
+        assert!(said.contains("bodies.b.mesh.abaqus.groups") && said.contains(expected), "{said}");
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}

@@ -120,6 +120,10 @@ pub const REMEDIES: &[Remedy] = &[
         "read it by `TriangleMesh::read_obj`",
         "give it to the body as `bodies.NAME.shape.surface`, by a name that ends with .obj",
     ),
+    remedy(
+        "read it by `TriangleMesh::read_ply`",
+        "give it to the body as `bodies.NAME.shape.surface`, by a name that ends with .ply",
+    ),
     remedy("read it by `ElementMesh::read_gmsh`", "give it to the body as `bodies.NAME.mesh.gmsh`"),
     remedy("read it by `ElementMesh::read_abaqus`", "give it to the body as `bodies.NAME.mesh.abaqus`"),
     // Conditions.

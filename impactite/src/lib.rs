@@ -40,7 +40,7 @@
 //! tension-positive, pressure compression-positive.
 //!
 //! # Features
-//! - `mesh` (default): bodies from STL and OBJ files.
+//! - `mesh` (default): bodies from STL, OBJ and PLY files.
 //! - `single`: kernels of the most used methods and laws in single precision, too.
 //! - `one-width`: no AVX-512, so that kernels compile faster.
 //! - `hdf5`: frames for ParaView in VTKHDF, [`output::Format`]`::Hdf`.

@@ -41,7 +41,7 @@
 //! `REFERENCES.md` of the repository explain symbols, rules and the keys in square brackets.
 //!
 //! # Features
-//! - `mesh` (default): bodies from STL and OBJ files.
+//! - `mesh` (default): bodies from STL, OBJ and PLY files.
 //! - `conformance`: tests for shape functions, transfers, grids and methods written elsewhere.
 
 mod combine;

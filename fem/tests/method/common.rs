@@ -77,7 +77,8 @@ pub fn mesh<const D: usize>(
         };
         list.extend(cut.iter().flat_map(|nodes| nodes.iter().map(|&c| corner(c))));
     }
-    ElementMesh { nodes, blocks: vec![ElementBlock { name: "all".into(), kind, nodes: list }], node_sets }
+    let blocks = vec![ElementBlock { name: "all".into(), kind, nodes: list }];
+    ElementMesh { nodes, blocks, node_sets, ..ElementMesh::default() }
 }
 
 /// The mesh with the nodes inside, not those on the outside, moved by up to a part of the spacing.

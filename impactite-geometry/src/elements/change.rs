@@ -1,9 +1,11 @@
 //! Meshes moved, joined, welded, cut and extruded.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Rotation;
 
 use super::check::repeated;
-use super::{ElementBlock, ElementKind, ElementMesh, MeshError};
+use super::{ElementBlock, ElementKind, ElementMesh, Facet, MeshError};
 use crate::error::{Check, GeometryError};
 use crate::search::{NeighbourSearch, Points, Reach, SortedCells};
 use crate::transform::Rotated;
@@ -73,7 +75,7 @@ impl<const D: usize> ElementMesh<D> {
         })
     }
 
-    /// This mesh and another one: its nodes and blocks after those of this one, node sets of one name made one. Nodes at the same place
+    /// This mesh and another one: its nodes and blocks after those of this one, sets of one name made one. Nodes at the same place
     /// remain two: see [`welded`](Self::welded).
     ///
     /// # Errors
@@ -88,6 +90,7 @@ impl<const D: usize> ElementMesh<D> {
             return Err(MeshError::Count { what: "nodes", count, allowed }.into());
         }
         let moved = |nodes: &[u32]| -> Vec<u32> { nodes.iter().map(|n| n + first as u32).collect() };
+        let elements = self.elements();
         self.nodes.extend_from_slice(&other.nodes);
         self.blocks.extend(other.blocks.iter().map(|block| ElementBlock {
             name: block.name.clone(),
@@ -96,6 +99,16 @@ impl<const D: usize> ElementMesh<D> {
         }));
         for (name, nodes) in &other.node_sets {
             self.node_sets.entry(name.clone()).or_default().extend(moved(nodes));
+        }
+        if !(self.element_sets.is_empty() && other.element_sets.is_empty()) {
+            let (what, count) = ("elements", elements + other.elements());
+            if count > Facet::NONE as usize {
+                return Err(MeshError::Count { what, count, allowed: Facet::NONE }.into());
+            }
+        }
+        for (name, set) in &other.element_sets {
+            let moved = set.iter().map(|e| e + elements as u32);
+            self.element_sets.entry(name.clone()).or_default().extend(moved);
         }
         Ok(self)
     }
@@ -169,8 +182,30 @@ impl<const D: usize> ElementMesh<D> {
             },
         });
         let blocks = blocks.collect();
-        let part = Self { nodes: self.nodes.clone(), blocks, node_sets: self.node_sets.clone() };
+        let kept = |(b, block): (usize, &ElementBlock)| (0..block.len()).map(move |e| u32::from(keep(b, e)));
+        let element_sets = match self.element_sets.is_empty() {
+            true => BTreeMap::new(),
+            false => {
+                self.element_sets_after(&self.blocks.iter().enumerate().flat_map(kept).collect::<Vec<_>>())
+            }
+        };
+        let part =
+            Self { nodes: self.nodes.clone(), blocks, node_sets: self.node_sets.clone(), element_sets };
         Ok(part.without_unused_nodes())
+    }
+
+    /// Element sets of a mesh in which every element is replaced by `counts` elements at its place: none, itself, or parts of it.
+    pub(super) fn element_sets_after(&self, counts: &[u32]) -> BTreeMap<String, Vec<u32>> {
+        let mut first = 0;
+        let new: Vec<std::ops::Range<u32>> = counts
+            .iter()
+            .map(|count| {
+                first += count;
+                first - count..first
+            })
+            .collect();
+        let renumbered = |set: &Vec<u32>| set.iter().flat_map(|&e| new[e as usize].clone()).collect();
+        self.element_sets.iter().map(|(name, set)| (name.clone(), renumbered(set))).collect()
     }
 
     /// Drops nodes that belong to no element: they would have no mass. The numbers must be in range.
@@ -191,7 +226,7 @@ impl<const D: usize> ElementMesh<D> {
 }
 
 impl ElementMesh<2> {
-    /// The mesh drawn out along the third axis, with nodes at these `heights` (m), ascending: bricks of quadrilaterals. Node sets reach through
+    /// The mesh drawn out along the third axis, with nodes at these `heights` (m), ascending: bricks of quadrilaterals. Sets reach through
     /// all heights; `start` and `end` are those at the first and the last one.
     ///
     /// ```
@@ -233,6 +268,22 @@ impl ElementMesh<2> {
         for (name, nodes) in &self.node_sets {
             let through = (0..levels).flat_map(|l| nodes.iter().map(move |&n| at(l, n))).collect();
             solid.node_sets.insert(name.clone(), through);
+        }
+        // Bricks of a block are numbered by layer, in each as the quadrilaterals.
+        let layers = levels - 1;
+        let mut numbers: Vec<[usize; 2]> = Vec::new();
+        if !self.element_sets.is_empty() {
+            let mut first = 0;
+            for block in &self.blocks {
+                numbers.extend((0..block.len()).map(|e| [first + e, block.len()]));
+                first += layers * block.len();
+            }
+        }
+        for (name, set) in &self.element_sets {
+            let copies = |[first, stride]: [usize; 2]| (0..layers).map(move |l| (first + l * stride) as u32);
+            let mut through: Vec<u32> = set.iter().flat_map(|&e| copies(numbers[e as usize])).collect();
+            through.sort_unstable();
+            solid.element_sets.insert(name.clone(), through);
         }
         for (name, level) in [("start", 0), ("end", levels - 1)] {
             solid.node_sets.insert(name.into(), (0..flat as u32).map(|n| at(level, n)).collect());

@@ -9,8 +9,8 @@ const FLAT: f64 = 1e-9;
 
 impl<const D: usize> ElementMesh<D> {
     /// Refuses what is no mesh: positions that are not finite, elements of more dimensions than space, that name nodes which do not exist
-    /// or one of them twice, that are flat, inverted or numbered the wrong way round, and node sets that are not ascending or name
-    /// nodes that do not exist.
+    /// or one of them twice, that are flat, inverted or numbered the wrong way round, and sets that are not ascending or name
+    /// nodes or elements that do not exist.
     ///
     /// An element of as many dimensions as space must have positive Jacobians at its corners, a brick at its eight Gauss points too; one of
     /// fewer dimensions (a bar in space) must not be flat.
@@ -80,6 +80,19 @@ impl<const D: usize> ElementMesh<D> {
             }
             if let Some(pair) = numbers.windows(2).find(|pair| pair[0] >= pair[1]) {
                 return Err(MeshError::SetOrder { set: set.clone(), node: pair[1], before: pair[0] });
+            }
+        }
+        let elements = self.elements();
+        if !self.element_sets.is_empty() && elements > Facet::NONE as usize {
+            return Err(MeshError::Count { what: "elements", count: elements, allowed: Facet::NONE });
+        }
+        for (set, numbers) in &self.element_sets {
+            if let Some(&element) = numbers.iter().find(|&&n| n as usize >= elements) {
+                return Err(MeshError::SetElement { set: set.clone(), element, elements });
+            }
+            if let Some(pair) = numbers.windows(2).find(|pair| pair[0] >= pair[1]) {
+                let (element, before) = (pair[1], pair[0]);
+                return Err(MeshError::ElementSetOrder { set: set.clone(), element, before });
             }
         }
         Ok(())

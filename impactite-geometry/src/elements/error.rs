@@ -127,6 +127,36 @@ pub enum MeshError {
         /// The node before it.
         before: u32,
     },
+    /// An element set that names an element that does not exist.
+    #[error("mesh: element set `{set}` names element {element}; allowed are numbers below {elements}")]
+    SetElement {
+        /// The set.
+        set: String,
+        /// The element it names, counted through all blocks.
+        element: u32,
+        /// Number of elements of all blocks.
+        elements: usize,
+    },
+    /// An element set out of order.
+    #[error(
+        "mesh: element set `{set}` has element {element} after element {before}; numbers must ascend, each one once"
+    )]
+    ElementSetOrder {
+        /// The set.
+        set: String,
+        /// An element.
+        element: u32,
+        /// The element before it.
+        before: u32,
+    },
+    /// No group of this name.
+    #[error("mesh: no group of elements has the name `{name}`; {}", among(groups))]
+    NoGroup {
+        /// The name.
+        name: String,
+        /// Names of all groups.
+        groups: Vec<String>,
+    },
     /// A facet of more than two elements, or of two on the same side of it.
     #[error(
         "mesh: the facet of nodes {nodes:?} belongs to {count} elements, among them {first:?} and {second:?} (block, element); allowed are one, or two on opposite sides"
@@ -171,4 +201,9 @@ pub enum MeshError {
         /// What was asked for.
         what: &'static str,
     },
+}
+
+/// Names that are allowed, in words.
+fn among(names: &[String]) -> String {
+    if names.is_empty() { "there is none".into() } else { format!("there are {}", names.join(", ")) }
 }

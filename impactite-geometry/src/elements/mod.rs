@@ -3,6 +3,7 @@
 mod change;
 mod check;
 mod error;
+mod groups;
 #[cfg(feature = "mesh")]
 mod read;
 mod reference;
@@ -181,6 +182,7 @@ impl Facet {
 /// | nodes | [`nodes_where`](ElementMesh::nodes_where), [`nodes_in`](ElementMesh::nodes_in), [`with_node_set`](ElementMesh::with_node_set) |
 /// | place | [`translated`](ElementMesh::translated), [`rotated`](ElementMesh::rotated), [`scaled`](ElementMesh::scaled), [`mirrored`](ElementMesh::mirrored), [`mapped`](ElementMesh::mapped) |
 /// | build | [`joined`](ElementMesh::joined), [`welded`](ElementMesh::welded), [`part`](ElementMesh::part), [`extruded`](ElementMesh::extruded) |
+/// | groups | [`groups`](ElementMesh::groups), [`only_groups`](ElementMesh::only_groups), [`with_element_set`](ElementMesh::with_element_set) |
 /// | other elements | [`split_to_triangles`](ElementMesh::split_to_triangles), [`split_to_tetrahedra`](ElementMesh::split_to_tetrahedra) |
 #[cfg_attr(
     feature = "mesh",
@@ -213,4 +215,6 @@ pub struct ElementMesh<const D: usize> {
     pub blocks: Vec<ElementBlock>,
     /// Named sets of nodes, ascending.
     pub node_sets: BTreeMap<String, Vec<u32>>,
+    /// Named sets of elements, ascending. Elements are numbered through all blocks, from 0 in the first; an element may be in several sets.
+    pub element_sets: BTreeMap<String, Vec<u32>>,
 }

@@ -12,17 +12,25 @@ impl<const D: usize> ElementMesh<D> {
         split: impl Fn(&[u32], &mut Vec<u32>),
     ) -> Result<Self, GeometryError> {
         self.check()?;
+        let mut counts: Vec<u32> = Vec::new();
         for (b, block) in self.blocks.iter_mut().enumerate() {
             if block.kind == from {
                 let mut nodes = Vec::with_capacity(3 * block.nodes.len());
-                block.elements().for_each(|element| split(element, &mut nodes));
+                for element in block.elements() {
+                    let before = nodes.len();
+                    split(element, &mut nodes);
+                    counts.push(((nodes.len() - before) / to.nodes()) as u32);
+                }
                 *block = ElementBlock { name: std::mem::take(&mut block.name), kind: to, nodes };
             } else if block.kind.dimensions() == D && block.kind != to {
                 let (name, kind) = (block.name.clone(), block.kind);
                 let allowed = if D == 2 { "quadrilaterals and triangles" } else { "bricks and tetrahedra" };
                 return Err(MeshError::Kind { what, block: b, name, kind, allowed }.into());
+            } else {
+                counts.resize(counts.len() + block.len(), 1);
             }
         }
+        self.element_sets = self.element_sets_after(&counts);
         self.check()?;
         Ok(self)
     }
@@ -87,6 +95,19 @@ impl ElementMesh<3> {
             }
         })
     }
+}
+
+/// Tetrahedra of a wedge or pyramid of these facets, seen from outside counter-clockwise: every quadrilateral is split by the diagonal through
+/// its smallest node number, as [`split_to_tetrahedra`](ElementMesh::split_to_tetrahedra) does.
+#[cfg(feature = "mesh")]
+pub(super) fn tetrahedra(nodes: &[u32], facets: &[&[usize]]) -> Vec<[u32; 4]> {
+    let Some(&tip) = nodes.iter().min() else { return Vec::new() };
+    let far = facets.iter().filter(|facet| facet.iter().all(|&place| nodes[place] != tip));
+    let split = far.flat_map(|facet| match facet[..] {
+        [a, b, c, d] => halves([a, b, c, d].map(|place| nodes[place])).to_vec(),
+        _ => vec![[0, 1, 2].map(|corner| nodes[facet[corner]])],
+    });
+    split.map(|t| outside(t, tip)).collect()
 }
 
 /// The tetrahedron below a triangle that is seen from outside counter-clockwise.

@@ -198,6 +198,7 @@ fn ring_of(
         node_sets: [("inner", 0), ("outer", radial)]
             .map(|(name, j)| (name.to_string(), (0..around).map(|k| number(j, k)).collect()))
             .into(),
+        ..ElementMesh::default()
     };
     mesh.check()?;
     Ok(mesh)

@@ -7,7 +7,11 @@ use impactite::geometry::structured::{
 use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Tube};
 
 use super::common::World;
+<<<<<<< HEAD
 use super::wrong::{At, Made, Wrong, wrong};
+=======
+use super::wrong::{At, Folder, Made, wrong};
+>>>>>>> meshes
 use crate::model::body::{Bars, Body, HOURGLASS_STIFFNESS, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
@@ -55,7 +59,7 @@ fn bars<const D: usize>(key: &str, spec: &Bars) -> Made<ElementMesh<D>> {
         return wrong(format!("{key}.lines"), "needs a bar");
     }
     let block = ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links };
-    Ok(ElementMesh { nodes, blocks: vec![block], node_sets: Default::default() })
+    Ok(ElementMesh { nodes, blocks: vec![block], ..ElementMesh::default() })
 }
 
 fn read<const D: usize>(
@@ -65,7 +69,41 @@ fn read<const D: usize>(
     file: &MeshFile,
     read: impl Fn(std::path::PathBuf, f64) -> Result<ElementMesh<D>, impactite::geometry::GeometryError>,
 ) -> Made<ElementMesh<D>> {
-    read(world.folder.0.join(&file.file), file.unit.value).at(format!("{key}.mesh.{word}"))
+    let key = format!("{key}.mesh.{word}");
+    let mesh = read(world.folder.0.join(&file.file), file.unit.value).at(&key)?;
+    let key = format!("{key}.groups");
+    match file.groups.as_deref() {
+        None => Ok(mesh),
+        Some([]) => wrong(key, "needs the name of a group; without the key the body has all elements"),
+        Some(names) => mesh.only_groups(names).at(key),
+    }
+}
+
+/// Groups of the file of a body that takes all of its elements, if several groups divide these: it may be a file of several materials.
+pub(crate) fn divided<const D: usize>(folder: &Folder, mesh: &Mesh) -> Option<(&'static str, Vec<String>)> {
+    let (word, file) = match mesh {
+        Mesh::Gmsh(file) => ("gmsh", file),
+        Mesh::Abaqus(file) => ("abaqus", file),
+        Mesh::Edge(_) | Mesh::Bars(_) => return None,
+    };
+    if file.groups.is_some() {
+        return None;
+    }
+    let path = folder.0.join(&file.file);
+    let mesh = match mesh {
+        Mesh::Gmsh(_) => ElementMesh::<D>::read_gmsh(path, file.unit.value),
+        _ => ElementMesh::<D>::read_abaqus(path, file.unit.value),
+    };
+    let mesh = mesh.ok()?;
+    let elements = mesh.elements();
+    let parts: Vec<String> = mesh
+        .groups()
+        .into_iter()
+        .filter(|(_, count)| *count < elements)
+        .map(|(name, _)| name.into())
+        .collect();
+    let together = mesh.only_groups(&parts).ok()?.elements();
+    (parts.len() > 1 && together == elements).then_some((word, parts))
 }
 
 /// A regular mesh with about these edges.

@@ -6,7 +6,7 @@ mod fem;
 mod fpm;
 pub(crate) mod kernels;
 pub(crate) mod material;
-mod mesh;
+pub(crate) mod mesh;
 mod mpm;
 mod output;
 mod particles;

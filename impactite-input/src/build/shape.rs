@@ -58,9 +58,11 @@ pub(crate) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> 
         }
         Spec::Surface(s) => {
             let path = folder.0.join(&s.file);
-            let obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-            let read = if obj {
+            let is = |ending| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+            let read = if is("obj") {
                 TriangleMesh::read_obj(path, s.unit.value)
+            } else if is("ply") {
+                TriangleMesh::read_ply(path, s.unit.value)
             } else {
                 TriangleMesh::read_stl(path, s.unit.value)
             };

@@ -234,9 +234,9 @@ pub enum Mesh {
     Edge(Quantity<Length>),
     /// Straight bars.
     Bars(Bars),
-    /// File of Gmsh, `.msh`, of versions 2 and 4. Elements of second order are read as what their corners make.
+    /// File of Gmsh, `.msh`, of versions 2 and 4. Elements of second order are read by their corners.
     Gmsh(MeshFile),
-    /// Input file of Abaqus, `.inp`.
+    /// Input file of Abaqus or CalculiX, `.inp`, with the files that it includes.
     #[schemars(extend("examples" = [{"abaqus": {"file": "part.inp", "unit": "1 mm"}}]))]
     Abaqus(MeshFile),
 }
@@ -250,5 +250,9 @@ parts! {
         /// Length of a unit of the file.
         #[schemars(example = "1 mm")]
         unit: Quantity<Length>,
+        /// Groups whose elements the body has: physical groups of Gmsh, element sets and instances of Abaqus; all elements if not given.
+        #[serde(default)]
+        #[schemars(example = ("steel",))]
+        groups: Option<Vec<String>>,
     }
 }

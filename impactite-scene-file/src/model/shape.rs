@@ -31,7 +31,7 @@ pub enum Shape {
     Polygon(PolygonShape),
     /// Half space behind a plane, to cut other shapes.
     HalfSpace(HalfSpaceShape),
-    /// Closed surface of triangles from an STL or OBJ file, in three dimensions.
+    /// Closed surface of triangles from an STL, OBJ or PLY file, in three dimensions.
     Surface(SurfaceShape),
     /// Union: points in any of these shapes.
     #[schemars(extend("examples" = [{"union": [{"ball": {"centre": [0, 0], "radius": "5 mm"}}, {"box": {"from": [0, 0], "to": ["9 mm", "2 mm"]}}]}]))]
@@ -182,7 +182,7 @@ parts! {
     }
     /// A file.
     SurfaceShape {
-        /// Path of the STL or OBJ file, relative to the folder of the scene file.
+        /// Path of the STL, OBJ or PLY file, relative to the folder of the scene file.
         #[schemars(example = "part.stl")]
         file: PathBuf,
         /// Length of a unit of the file.

@@ -99,7 +99,7 @@ fn lines(setup: &Setup) -> ElementMesh<3> {
         }
     }
     let block = ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links };
-    ElementMesh { nodes, blocks: vec![block], node_sets: Default::default() }
+    ElementMesh { nodes, blocks: vec![block], ..ElementMesh::default() }
 }
 
 /// Those of these seeds that are in a bar, and those that are not.

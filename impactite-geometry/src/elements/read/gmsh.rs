@@ -1,9 +1,9 @@
 //! Gmsh files of versions 2 to 4. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap};
 
-use super::builder::Builder;
-use super::cursor::{Cursor, Encoding, ReadError, shown};
+use super::builder::{Builder, Elements, Form};
+use crate::cursor::{Cursor, Encoding, ReadError, shown};
 use crate::elements::ElementKind;
 
 /// Dimension and tag.
@@ -13,7 +13,7 @@ type Entity = (i32, i32);
 struct Group {
     entity: Entity,
     /// `None`: points.
-    kind: Option<ElementKind>,
+    form: Option<Form>,
     nodes: Vec<u32>,
 }
 
@@ -28,38 +28,35 @@ struct File {
     groups: Option<Vec<Group>>,
 }
 
-/// What the elements of a type are, by the type's number, and how many nodes they have, corners first. Those of second order are taken as what
-/// their corners make.
-fn kind(number: i32) -> Result<(Option<ElementKind>, usize), String> {
-    let (kind, nodes) = match number {
-        1 => (ElementKind::Bar2, 2),
-        2 => (ElementKind::Triangle3, 3),
-        3 => (ElementKind::Quad4, 4),
-        4 => (ElementKind::Tetra4, 4),
-        5 => (ElementKind::Hexa8, 8),
-        8 => (ElementKind::Bar2, 3),
-        9 => (ElementKind::Triangle3, 6),
-        10 => (ElementKind::Quad4, 9),
-        11 => (ElementKind::Tetra4, 10),
-        12 => (ElementKind::Hexa8, 27),
-        15 => return Ok((None, 1)),
-        16 => (ElementKind::Quad4, 8),
-        17 => (ElementKind::Hexa8, 20),
-        other => {
-            let name = match other {
-                6 => "prism of 6 nodes",
-                7 => "pyramid of 5 nodes",
-                13 | 18 => "prism of second order",
-                14 | 19 => "pyramid of second order",
-                _ => return Err(format!("{other}")),
-            };
-            return Err(format!("{other}, {name}"));
-        }
+/// Form of the elements of a type, by the type's number, and number of their nodes, corners first. Elements of second order are read by their
+/// corners. `None` are points.
+fn form(number: i32) -> Option<(Option<Form>, usize)> {
+    let (form, nodes) = match number {
+        1 => (Form::Whole(ElementKind::Bar2), 2),
+        2 => (Form::Whole(ElementKind::Triangle3), 3),
+        3 => (Form::Whole(ElementKind::Quad4), 4),
+        4 => (Form::Whole(ElementKind::Tetra4), 4),
+        5 => (Form::Whole(ElementKind::Hexa8), 8),
+        6 => (Form::Wedge, 6),
+        7 => (Form::Pyramid, 5),
+        8 => (Form::Whole(ElementKind::Bar2), 3),
+        9 => (Form::Whole(ElementKind::Triangle3), 6),
+        10 => (Form::Whole(ElementKind::Quad4), 9),
+        11 => (Form::Whole(ElementKind::Tetra4), 10),
+        12 => (Form::Whole(ElementKind::Hexa8), 27),
+        13 => (Form::Wedge, 18),
+        14 => (Form::Pyramid, 14),
+        15 => return Some((None, 1)),
+        16 => (Form::Whole(ElementKind::Quad4), 8),
+        17 => (Form::Whole(ElementKind::Hexa8), 20),
+        18 => (Form::Wedge, 15),
+        19 => (Form::Pyramid, 13),
+        _ => return None,
     };
-    Ok((Some(kind), nodes))
+    Some((Some(form), nodes))
 }
 
-const KINDS: &str = "lines, triangles, quadrilaterals, tetrahedra and bricks of first or second order, and points (1 to 5, 8 to 12, 15 to 17)";
+const FORMS: &str = "points, lines, triangles, quadrilaterals, tetrahedra, bricks, prisms and pyramids of first or second order (1 to 19)";
 
 /// How the sections are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -233,18 +230,30 @@ impl File {
         };
         let mut builder = self.builder.ok_or_else(|| missing("$Nodes"))?;
         let groups = self.groups.as_ref().ok_or_else(|| missing("$Elements"))?;
-        let dimension = |g: &Group| g.kind.map_or(0, ElementKind::dimensions);
+        let dimension = |g: &Group| g.form.map_or(0, Form::dimensions);
         let highest = groups.iter().map(dimension).max().unwrap_or(0);
         // Taken out, so that names can be asked for while the builder grows.
         let file = File { builder: None, groups: None, ..self };
+        // Version 2 repeats an element for every physical group that it is in.
+        let repeats = file.version == Version::Two;
+        let mut known: HashMap<(Form, &[u32]), Elements> = HashMap::new();
         for group in self.groups.iter().flatten() {
             let physical = file.physical.get(&group.entity).map(Vec::as_slice).unwrap_or_default();
             let names: Vec<String> = physical.iter().map(|&tag| file.name((group.entity.0, tag))).collect();
             for name in &names {
-                builder.add_to_set(name, group.nodes.iter().copied());
+                builder.add_to_node_set(name, group.nodes.iter().copied());
             }
-            if let Some(kind) = group.kind.filter(|k| k.dimensions() == highest) {
-                builder.add_element(names.first().map_or("", String::as_str), kind, &group.nodes);
+            let Some(form) = group.form.filter(|form| form.dimensions() == highest) else { continue };
+            let block = names.first().map_or("", String::as_str);
+            for nodes in group.nodes.chunks_exact(form.corners()) {
+                let elements = match known.get(&(form, nodes)) {
+                    Some(&elements) => elements,
+                    None => builder.add_element(block, form, nodes)?,
+                };
+                if repeats {
+                    known.insert((form, nodes), elements);
+                }
+                names.iter().for_each(|name| builder.add_to_element_set(name, elements));
             }
         }
         Ok(builder)
@@ -290,13 +299,11 @@ fn plain_count(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
     Ok(count)
 }
 
-/// Elements one by one, of version 2, by physical group. One that is in several groups stands there once for each: it is an element of the
-/// first, and of the others its nodes are.
+/// Elements one by one, of version 2, by physical group.
 fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, ReadError> {
     let count = plain_count(cursor, "the number of elements")?;
     let text = cursor.encoding == Encoding::Text;
     let (mut groups, mut found): (Vec<Group>, u64) = (Vec::new(), 0);
-    let mut known = HashSet::new();
     while found < count {
         if text {
             cursor.int("the number of an element")?;
@@ -304,8 +311,8 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
         cursor.skip_text_blanks();
         let at = cursor.at();
         let number = cursor.int("the type of an element")?;
-        let (kind, own) =
-            kind(number).map_err(|name| cursor.refuse(at, "type of an element", name, KINDS))?;
+        let (form, own) =
+            form(number).ok_or_else(|| cursor.refuse(at, "type of an element", number, FORMS))?;
         // In binary files several of a type follow, each with its number.
         let following = if text { 1 } else { cursor.int("the number of elements of a type")? };
         cursor.skip_text_blanks();
@@ -323,12 +330,11 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
                 let tag = cursor.int("a tag of an element")?;
                 physical = if n == 0 { tag.saturating_abs() } else { physical };
             }
-            let entity = (kind.map_or(0, |k| k.dimensions() as i32), physical);
-            let corners = corners(cursor, builder, (kind, own), int_tag)?;
-            let kind = kind.filter(|_| known.insert((number, corners.clone())));
-            match groups.last_mut().filter(|g| (g.entity, g.kind) == (entity, kind)) {
+            let entity = (form.map_or(0, |f| f.dimensions() as i32), physical);
+            let corners = corners(cursor, builder, (form, own), int_tag)?;
+            match groups.last_mut().filter(|g| (g.entity, g.form) == (entity, form)) {
                 Some(group) => group.nodes.extend(corners),
-                None => groups.push(Group { entity, kind, nodes: corners }),
+                None => groups.push(Group { entity, form, nodes: corners }),
             }
             found += 1;
         }
@@ -352,7 +358,7 @@ fn size_tag(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
 fn corners(
     cursor: &mut Cursor,
     builder: &Builder,
-    (kind, own): (Option<ElementKind>, usize),
+    (form, own): (Option<Form>, usize),
     tag_of: fn(&mut Cursor, &str) -> Result<u64, ReadError>,
 ) -> Result<Vec<u32>, ReadError> {
     let mut corners = Vec::with_capacity(own);
@@ -364,7 +370,7 @@ fn corners(
             cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
         })?);
     }
-    corners.truncate(kind.map_or(1, ElementKind::nodes));
+    corners.truncate(form.map_or(1, Form::corners));
     Ok(corners)
 }
 
@@ -459,8 +465,8 @@ fn elements(cursor: &mut Cursor, builder: &Builder, version: Version) -> Result<
         cursor.skip_text_blanks();
         let at = cursor.at();
         let number = cursor.int("the type of elements")?;
-        let (kind, own) = kind(number).map_err(|name| cursor.refuse(at, "type of elements", name, KINDS))?;
-        if kind.map_or(0, |k| k.dimensions() as i32) != entity.0 {
+        let (form, own) = form(number).ok_or_else(|| cursor.refuse(at, "type of elements", number, FORMS))?;
+        if form.map_or(0, |f| f.dimensions() as i32) != entity.0 {
             let allowed = format!("one of {} dimensions, as its entity", entity.0);
             return Err(cursor.refuse(at, "type of elements", number, allowed));
         }
@@ -468,10 +474,10 @@ fn elements(cursor: &mut Cursor, builder: &Builder, version: Version) -> Result<
         let mut nodes = Vec::new();
         for _ in 0..count {
             tag_of(cursor, "the tag of an element")?;
-            nodes.extend(corners(cursor, builder, (kind, own), tag_of)?);
+            nodes.extend(corners(cursor, builder, (form, own), tag_of)?);
         }
         found += count;
-        groups.push(Group { entity, kind, nodes });
+        groups.push(Group { entity, form, nodes });
     }
     check_total(cursor, start, "number of blocks and elements", total, found)?;
     expect(cursor, "$EndElements")?;

@@ -2,7 +2,6 @@
 
 mod abaqus;
 mod builder;
-mod cursor;
 mod gmsh;
 
 use std::path::Path;
@@ -10,10 +9,10 @@ use std::path::Path;
 use super::change::reverse;
 use super::reference::Reference;
 use super::{ElementMesh, MeshError};
+use crate::cursor::ReadError;
 use crate::error::{Check, GeometryError};
 use crate::file::{Kind, read};
 use builder::Builder;
-use cursor::ReadError;
 
 impl<const D: usize> ElementMesh<D> {
     /// Numbers those elements the other way round that are inverted at every corner, and leaves the others.
@@ -37,11 +36,12 @@ impl<const D: usize> ElementMesh<D> {
     ///
     /// - The elements of the highest dimension there is become blocks, one for each kind and physical group (the first one of their entity),
     ///   whose name they take; without a name `physical 7`, without a group none.
-    /// - Every physical group, of points, curves and surfaces too, becomes a set of its nodes.
+    /// - Every physical group becomes a set of its nodes, of points, curves and surfaces too, and one of the highest dimension an element set
+    ///   of all its elements, those of other groups among them ([`only_groups`](Self::only_groups)).
     /// - Elements that are inverted at every corner are numbered the other way round (a surface that faces down); nodes without an
     ///   element are dropped.
-    /// - Bars, triangles, quadrilaterals, tetrahedra and bricks are allowed, those of second order as what their corners make; prisms and
-    ///   pyramids are refused by name.
+    /// - Bars, triangles, quadrilaterals, tetrahedra, bricks, prisms and pyramids are read, those of second order by their corners. Prisms
+    ///   and pyramids become tetrahedra that conform to each other; a brick that shares a quadrilateral with one of them is refused.
     /// - In fewer than three dimensions the remaining coordinates must be zero to rounding.
     /// - Of the sections, `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, `$PartitionedEntities` is refused, others are
     ///   skipped (as data of post-processing).
@@ -74,24 +74,34 @@ impl<const D: usize> ElementMesh<D> {
 
     /// Reads the mesh of an Abaqus input file. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
     ///
-    /// - `*NODE` (NSET), `*ELEMENT` (TYPE, ELSET), `*NSET` and `*ELSET` (GENERATE) are read. Elements: C3D8, C3D8R, C3D4, CPE4, CPE4R,
-    ///   CAX4, CAX4R, CPE3, CAX3, and T2D2, T3D2, B31 as bars; all others are refused by name (also the CPS3 and CPS4 that Gmsh writes for
-    ///   faces: read its own files).
+    /// - Elements: C3D4 to C3D20 with C3D5 and C3D6; CPS, CPE and CAX of 3 to 8 nodes; shells (S, STRI), membranes (M3D, SFM3D) and
+    ///   rigid faces (R3D) as the triangles and quadrilaterals that they are; T2D2, T3D2, B21 and B31 as bars; letters after the number (R,
+    ///   I, M, H, T, ...) change nothing. All others are refused by name. Elements of second order are read by their corners. Wedges and
+    ///   pyramids become tetrahedra that conform to each other; a brick that shares a quadrilateral with one of them is refused.
+    /// - In a file with elements of three dimensions, those of two are sets of nodes alone; bars remain (edges that Gmsh
+    ///   writes as T3D2 are left out by [`only_groups`](Self::only_groups)).
+    /// - Parts (`*PART`) are read as their instances (`*INSTANCE`) place them, translated and then rotated; one part alone needs no
+    ///   instance. Nodes, elements and sets may be in the part, in the instance or in the assembly.
     /// - A block holds the elements of a kind and a set: that of their `*ELEMENT` line, else the first `*ELSET` that has them.
-    /// - Every NSET becomes a node set, and every ELSET the set of its nodes unless an NSET has its name. Names are compared without regard
-    ///   to case.
+    /// - Every NSET becomes a node set; every ELSET an element set, which may share elements with others, and the set of its nodes unless an
+    ///   NSET has its name; every instance an element set of its name. Sets of several instances with one name are `INSTANCE.SET`. Names are
+    ///   compared without regard to case.
+    /// - `*INCLUDE`, and INPUT of `*NODE` and `*ELEMENT`, name files in the folder of the file that names them, or in that of the main file.
+    /// - Coordinates are rectangular, or cylindrical with an angle in degrees (`SYSTEM=C` of `*NODE`).
     /// - Elements that are inverted at every corner are numbered the other way round; nodes without an element are dropped.
-    /// - One `*PART` and one `*INSTANCE` that is not moved are allowed; what makes or moves nodes and elements (`*NGEN`, `*NFILL`, `*NCOPY`,
-    ///   `*NMAP`, `*ELGEN`, `*ELCOPY`, `*SYSTEM`, `*INCLUDE`) is refused. Other keywords describe no mesh and are skipped.
+    /// - What makes or moves nodes and elements (`*NGEN`, `*NFILL`, `*NCOPY`, `*NMAP`, `*ELGEN`, `*ELCOPY`, `*SYSTEM`) is refused. Other
+    ///   keywords describe no mesh and are skipped. Keywords and parameters may be abbreviated to four and three letters.
     ///
     /// # Errors
-    /// [`GeometryError::File`] with the line, the keyword or parameter, and what is allowed; else as [`check`](Self::check).
+    /// [`GeometryError::File`] with file and line, the keyword or parameter, and what is allowed; files that include themselves, more than 16 in
+    /// a row or 10 000 in all, or that have more than 4 GiB together; else as [`check`](Self::check).
     pub fn read_abaqus(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
-        let (name, bytes) = load(path.as_ref(), Kind::Abaqus)?;
-        Self::from_abaqus(&name, &bytes, unit)
+        let path = path.as_ref();
+        let (name, bytes) = load(path, Kind::Abaqus)?;
+        Self::from_file(&name, unit, abaqus::read(&bytes, Some(path)))
     }
 
-    /// The mesh of the bytes of an Abaqus input file; `name` stands for the file in errors.
+    /// The mesh of the bytes of an Abaqus input file, which may include no others; `name` stands for the file in errors.
     ///
     /// ```
     /// use impactite_geometry::{ElementMesh, Metric};
@@ -106,7 +116,7 @@ impl<const D: usize> ElementMesh<D> {
     /// # Errors
     /// As [`read_abaqus`](Self::read_abaqus).
     pub fn from_abaqus(name: &str, bytes: &[u8], unit: f64) -> Result<Self, GeometryError> {
-        Self::from_file(name, unit, abaqus::read(bytes))
+        Self::from_file(name, unit, abaqus::read(bytes, None))
     }
 
     fn from_file(name: &str, unit: f64, builder: Result<Builder, ReadError>) -> Result<Self, GeometryError> {

@@ -195,7 +195,7 @@ fn reinforced(bars_from: f64) -> Result<Measured, String> {
         }
     }
     let block = ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links };
-    let mesh = ElementMesh { nodes, blocks: vec![block], node_sets: Default::default() };
+    let mesh = ElementMesh { nodes, blocks: vec![block], ..ElementMesh::default() };
     let mut steel = Fem::new(PlaneStrain);
     steel
         .add(MeshBody::new("bars", mesh, law(7850.0, 200e9)?).section(0.1 * H).moving(mode))

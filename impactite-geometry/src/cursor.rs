@@ -4,9 +4,11 @@ use std::fmt;
 
 /// Where something stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Place {
+pub(crate) enum Place {
     /// A line of text, from 1.
     Line(usize),
+    /// A line of an included file, by number of the file.
+    LineOf(u32, usize),
     /// A byte of a binary file, from 0.
     Byte(usize),
 }
@@ -14,7 +16,7 @@ pub(super) enum Place {
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Line(line) => write!(f, "line {line}"),
+            Place::Line(line) | Place::LineOf(_, line) => write!(f, "line {line}"),
             Place::Byte(byte) => write!(f, "byte {byte}"),
         }
     }
@@ -22,7 +24,7 @@ impl fmt::Display for Place {
 
 /// Why a file is no mesh.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(super) enum ReadError {
+pub(crate) enum ReadError {
     /// Something that does not belong there.
     #[error("{place}: {key} = `{found}` is not allowed; allowed is {allowed}")]
     Found {
@@ -43,6 +45,24 @@ pub(super) enum ReadError {
         /// What should have been there.
         expected: String,
     },
+    /// A file that cannot be included.
+    #[error("{place}: `{file}` cannot be included: {reason}")]
+    Include {
+        /// Where it is named.
+        place: Place,
+        /// Its name there.
+        file: String,
+        /// Reason.
+        reason: String,
+    },
+    /// An error within an included file.
+    #[error("{file}, {error}")]
+    Within {
+        /// The file.
+        file: String,
+        /// The error, with its line.
+        error: Box<ReadError>,
+    },
     /// What belongs to no place.
     #[error("{what}; allowed is {allowed}")]
     Whole {
@@ -53,14 +73,27 @@ pub(super) enum ReadError {
     },
 }
 
+impl ReadError {
+    /// Where it is, if at one place.
+    pub fn place(&self) -> Option<Place> {
+        match self {
+            ReadError::Found { place, .. }
+            | ReadError::End { place, .. }
+            | ReadError::Include { place, .. } => Some(*place),
+            ReadError::Within { error, .. } => error.place(),
+            ReadError::Whole { .. } => None,
+        }
+    }
+}
+
 /// A word for a message, not too long.
-pub(super) fn shown(text: &[u8]) -> String {
+pub(crate) fn shown(text: &[u8]) -> String {
     String::from_utf8_lossy(text).trim().chars().take(40).collect()
 }
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Encoding {
+pub(crate) enum Encoding {
     /// As words.
     Text,
     /// As bytes.
@@ -73,7 +106,7 @@ pub(super) enum Encoding {
 }
 
 /// Reads bytes from front to back.
-pub(super) struct Cursor<'a> {
+pub(crate) struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
     pub encoding: Encoding,
@@ -85,7 +118,13 @@ impl<'a> Cursor<'a> {
         Self { bytes, at, encoding: Encoding::Text }
     }
 
-    fn rest(&self) -> &'a [u8] {
+    /// What is left from a byte on.
+    pub fn after(bytes: &'a [u8], at: usize, encoding: Encoding) -> Self {
+        Self { bytes, at, encoding }
+    }
+
+    /// Bytes that are left.
+    pub fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at..).unwrap_or_default()
     }
 
@@ -98,7 +137,12 @@ impl<'a> Cursor<'a> {
         match self.encoding {
             Encoding::Text => {
                 let before = self.bytes.get(..at).unwrap_or(self.bytes);
-                Place::Line(1 + before.iter().filter(|b| **b == b'\n').count())
+                // A carriage return alone ends a line, too.
+                let feeds = before.iter().filter(|b| **b == b'\n').count();
+                let next = self.bytes.iter().skip(1).map(Some).chain([None]);
+                let returns =
+                    before.iter().zip(next).filter(|(b, next)| **b == b'\r' && *next != Some(&b'\n'));
+                Place::Line(1 + feeds + returns.count())
             }
             Encoding::Binary { .. } => Place::Byte(at),
         }
@@ -146,6 +190,16 @@ impl<'a> Cursor<'a> {
         rest[..length].trim_ascii()
     }
 
+    /// The next word of the line; none at its end, a line feed or a carriage return.
+    pub fn word_of_line(&mut self) -> Option<(usize, &'a [u8])> {
+        let rest = self.rest();
+        let blanks = rest.iter().take_while(|b| matches!(b, b' ' | b'\t' | 0x0b | 0x0c)).count();
+        self.at += blanks;
+        let word = rest[blanks..].split(u8::is_ascii_whitespace).next().filter(|word| !word.is_empty())?;
+        self.at += word.len();
+        Some((self.at - word.len(), word))
+    }
+
     /// Goes past the next place where these bytes stand.
     pub fn skip_past(&mut self, text: &[u8]) -> Result<(), ReadError> {
         match self.rest().windows(text.len()).position(|w| w == text) {
@@ -163,8 +217,8 @@ impl<'a> Cursor<'a> {
         value.ok_or_else(|| self.refuse(start, key, shown(word), allowed))
     }
 
-    /// So many bytes in the order of this machine's least significant first.
-    fn raw<const N: usize>(&mut self, big_endian: bool, key: &str) -> Result<[u8; N], ReadError> {
+    /// The next bytes, the least significant first.
+    pub fn raw<const N: usize>(&mut self, big_endian: bool, key: &str) -> Result<[u8; N], ReadError> {
         let mut raw = *self.rest().first_chunk::<N>().ok_or_else(|| self.end(key))?;
         if big_endian {
             raw.reverse();
