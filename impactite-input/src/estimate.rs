@@ -263,6 +263,19 @@ fn box_of([low, high]: &[Vec<f64>; 2]) -> String {
 }
 
 impl SceneEstimate {
+    /// Memory of bodies and scratch with its unit.
+    #[must_use]
+    pub fn memory(&self) -> String {
+        size::size(self.bytes as f64)
+    }
+
+    /// Number of steps, and their time on this machine: `about 2488; about 16.7 s here`. `seconds` is the time of a step, where it was measured.
+    #[must_use]
+    pub fn cost(&self, seconds: Option<f64>) -> String {
+        let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
+        format!("about {:.0}{time}", self.steps.ceil())
+    }
+
     /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
     #[must_use]
     pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
@@ -295,10 +308,9 @@ impl SceneEstimate {
                 box_of(&bounds)
             ));
         }
-        lines.push(format!("memory: {}", size::size(self.bytes as f64)));
+        lines.push(format!("memory: {}", self.memory()));
         lines.push(format!("first step: {:.3e} s, limited by {}", self.step, self.limit));
-        let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
-        lines.push(format!("steps: about {:.0}{time}", self.steps.ceil()));
+        lines.push(format!("steps: {}", self.cost(seconds)));
         lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
         lines
     }
