@@ -163,8 +163,8 @@ fn warn_of_unlike(scene: &SceneFile, coarse: &SceneEstimate, fine: &SceneEstimat
         worst.filter(|(_, growth, expected)| (growth / expected - 1.0).abs() > UNLIKE)
     {
         tracing::warn!(
-            "bodies.{name}: {growth:.2} times as many points at the next level, and not {expected:.2}: its sides are no multiples of the \
-             sizes, and observed orders are uncertain"
+            "bodies.{name}: {growth:.2} times as many points at the next level, and not {expected:.2}: its shape is no multiple of the sizes, or \
+             depends on them; observed orders are uncertain"
         );
     }
 }

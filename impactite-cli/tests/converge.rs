@@ -184,7 +184,10 @@ fn exit_codes_tell_checks_from_errors() {
     std::fs::create_dir_all(at.join("f")).unwrap();
     std::fs::write(at.join("f/003"), "").unwrap();
     let (code, text) = run(&["--out", "f"]);
-    assert!(code == Some(2) && text.contains("a level has no value") && text.contains("003 failed: "), "{text}");
+    assert!(
+        code == Some(2) && text.contains("a level has no value") && text.contains("003 failed: "),
+        "{text}"
+    );
     let study = json(&read(at.join("f/converge.json")));
     assert!(study["measures"][0]["values"][1].is_number() && study["measures"][0]["values"][2].is_null());
     std::fs::remove_dir_all(at).unwrap();
@@ -202,7 +205,7 @@ fn a_study_goes_on_where_it_was_stopped() {
         "--set",
         "parameters.cells=8",
         "--set",
-        "time_step.fixed=\"5 us\"",
+        "time_step.fixed=\"10 us\"",
     ];
     let whole = impactite(&at, &[&options[..], &["--out", "whole"]].concat());
     assert!(whole.status.success(), "{}", said(&whole));

@@ -118,8 +118,8 @@ fn what_cannot_be_refined_is_refused_with_its_key() {
 #[test]
 fn parameters_of_the_resolution_that_others_use_are_found() {
     let source = scene(
-        "[parameters]\nlength = \"0.1 m\"\ncells = 10\nspacing = \"length / cells\"\nhalf = \"spacing / 2\"\n\
-         [method.mpm]\ncell = \"spacing\"\n[output]\nhistories = \"cells * 10 ns\"",
+        "parameters = { length = \"0.1 m\", cells = 10, spacing = \"length / cells\", half = \"spacing / 2\" }\n\
+         output.histories = \"cells * 10 ns\"\nmethod.mpm.cell = \"spacing\"",
         "velocity = [\"= 3 * cells\", 0]\ntraction = { region.box = { from = [0, \"length - spacing\"], to = [\"length\", \"length\"] }, normal = \"y\", traction = [0, 0] }",
     );
     let parsed = source.parse().unwrap_or_else(|e| panic!("{e}"));
