@@ -218,7 +218,8 @@ impl Job {
         outcome
     }
 
-    fn threads(&self) -> usize {
+    /// Threads of the run.
+    pub(crate) fn threads(&self) -> usize {
         let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
         self.threads.unwrap_or_else(all)
     }
@@ -495,6 +496,28 @@ fn planes(scene: &SceneFile) -> u32 {
         _ => false,
     };
     scene.conditions.iter().filter(halves).count() as u32
+}
+
+/// Seconds that a step of a scene takes, by its first steps but one: as many as half a second holds, at most 20. None where the scene has one step.
+///
+/// # Errors
+/// A step that cannot be made.
+pub fn seconds_a_step(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
+    let mut taken = Duration::ZERO;
+    let mut steps = 0;
+    for n in 0..20 {
+        if solver.reached(end) || taken > Duration::from_millis(500) {
+            break;
+        }
+        let start = Instant::now();
+        solver.step_towards(end).map_err(RunError::from)?;
+        // The first step makes what the others use.
+        if n > 0 {
+            taken += start.elapsed();
+            steps += 1;
+        }
+    }
+    Ok((steps > 0).then(|| taken.as_secs_f64() / f64::from(steps)))
 }
 
 /// Why a folder has no checkpoint.

@@ -1,10 +1,12 @@
-//! What the program `impactite` does, for programs of one's own: run a scene file in a folder, resume it, vary it.
+//! What the program `impactite` does, for programs of one's own: run a scene file in a folder, resume it, vary it, refine it.
 
+pub mod converge;
 pub mod error;
 pub mod folder;
 pub mod job;
 pub mod lists;
 pub mod pictures;
+pub mod resume;
 pub mod shared_progress;
 pub mod sweep;
 pub mod templates;

@@ -5,17 +5,20 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use clap::{Args, Parser, Subcommand};
 use impactite::parallel::Team;
-use impactite::scene::{RunError, Solver};
+use impactite::scene::RunError;
+use impactite_cli::converge::{Refinement, converge};
 use impactite_cli::folder::CHECKPOINT;
-use impactite_cli::job::Measured;
+use impactite_cli::job::{Measured, seconds_a_step};
 use impactite_cli::lists;
-use impactite_cli::sweep::{PLAN, Point, Values, resume, sweep};
+use impactite_cli::resume::{Swept, resume};
+use impactite_cli::sweep::{PLAN, Point, Values, sweep};
 use impactite_cli::{CliError, Job, Outcome, templates};
 use impactite_input::{Source, shown};
+use impactite_report::convergence::{Convergence, PAGE};
 use impactite_report::{checks_passed, energy_error};
 
 /// Runs scenes of impact, penetration, explosion, fracture and granular flow from files.
@@ -42,6 +45,8 @@ enum Command {
     Resume(ResumeOptions),
     /// Run a scene file for each value of a key; a table and a chart of its measures
     Sweep(SweepOptions),
+    /// Run a scene file at several resolutions; observed order, extrapolated value and error band of each measure
+    Converge(ConvergeOptions),
     /// List what scene files accept
     List(ListOptions),
     /// Write a scene file to begin with
@@ -108,7 +113,7 @@ struct RunOptions {
 
 #[derive(Debug, Args)]
 struct ResumeOptions {
-    /// The folder of the run or of the sweep, or a checkpoint
+    /// The folder of the run, the sweep or the study of convergence, or a checkpoint
     folder: PathBuf,
     /// Change a key that no step depends on, as end="200 us"; title, description, checks
     #[arg(long = "set", value_name = "KEY=VALUE")]
@@ -124,6 +129,31 @@ struct SweepOptions {
     /// The key and its values: KEY=A,B,C or KEY="A..B/N UNIT"; several keys: all combinations
     #[arg(long = "over", value_name = "KEY=VALUES", required = true)]
     over: Vec<Values>,
+}
+
+#[derive(Debug, Args)]
+struct ConvergeOptions {
+    #[command(flatten)]
+    scene: SceneOptions,
+    /// Folder for the files [default: out/NAME-converge, NAME that of the scene file]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Number of levels; two have no order
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(2..=8))]
+    levels: u32,
+    /// Ratio of the sizes of neighbouring levels
+    #[arg(long, value_name = "R", default_value_t = 2.0, value_parser = ratio)]
+    ratio: f64,
+    /// The scene as it is written is the finest level, and not the coarsest
+    #[arg(long)]
+    coarser: bool,
+    /// Key to scale, as parameters.spacing; may be repeated [default: cell or spacing of the method, edges of meshes, time_step.fixed]
+    #[arg(long, value_name = "KEY")]
+    refine: Vec<String>,
+    #[command(flatten)]
+    files: FilesOptions,
+    #[command(flatten)]
+    how: HowOptions,
 }
 
 #[derive(Debug, Args)]
@@ -153,6 +183,13 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+fn ratio(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if (1.2..=10.0).contains(&x) => Ok(x),
+        _ => Err("it must be a number from 1.2 to 10".into()),
+    }
+}
+
 /// Exit codes: checks that failed; errors. Ctrl-C has 130, as in shells.
 const CHECKS_FAILED: u8 = 1;
 const ERROR: u8 = 2;
@@ -162,7 +199,9 @@ fn main() -> ExitCode {
     let options = Options::parse();
     log(&options);
     let json = match &options.command {
-        Command::Run(RunOptions { how, .. }) | Command::Resume(ResumeOptions { how, .. }) => how.json,
+        Command::Run(RunOptions { how, .. })
+        | Command::Resume(ResumeOptions { how, .. })
+        | Command::Converge(ConvergeOptions { how, .. }) => how.json,
         _ => false,
     };
     let done = Signals::new().and_then(|signals| perform(options.command, &signals));
@@ -286,7 +325,11 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
                 folder
             };
             if folder.join(PLAN).exists() && set.is_empty() {
-                return print_sweep(&resume(&folder, |job| with(job, &how, signals), stop)?, &folder);
+                let swept = resume(&folder, |job| with(job, &how, signals), stop)?;
+                return match swept {
+                    Swept::Values(points) => print_sweep(&points, &folder),
+                    Swept::Levels(study) => print_convergence(&study, &folder, how.json),
+                };
             }
             let job = with(Job::resume(&folder)?, &how, signals).set(&set)?;
             print_outcome(&job.run(stop)?, &job, &how)
@@ -313,6 +356,14 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             let job = job(&run, signals)?;
             print_sweep(&sweep(&job, &over, stop)?, &job.folder)
         }
+        Command::Converge(ConvergeOptions { scene, out, levels, ratio, coarser, refine, files, how }) => {
+            let name = scene.scene.file_stem().unwrap_or_default().to_string_lossy();
+            let out = out.unwrap_or_else(|| Path::new("out").join(format!("{name}-converge")));
+            let json = how.json;
+            let job = job(&RunOptions { scene, out: Some(out), files, how }, signals)?;
+            let refinement = Refinement { levels, ratio, coarser, keys: refine };
+            print_convergence(&converge(&job, &refinement, stop)?, &job.folder, json)
+        }
         Command::List(ListOptions { topic, prefix, markdown }) => {
             let list = lists::list(topic.as_deref(), prefix.as_deref(), markdown);
             let list = list.map_err(|why| CliError::Option { option: "list".into(), why })?;
@@ -337,25 +388,6 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             Ok(ExitCode::SUCCESS)
         }
     }
-}
-
-/// Seconds that a step of a scene takes, by its first steps but one: as many as half a second holds, at most 20.
-fn seconds_a_step(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
-    let mut taken = Duration::ZERO;
-    let mut steps = 0;
-    for n in 0..20 {
-        if solver.reached(end) || taken > Duration::from_millis(500) {
-            break;
-        }
-        let start = Instant::now();
-        solver.step_towards(end).map_err(RunError::from)?;
-        // The first step makes what the others use.
-        if n > 0 {
-            taken += start.elapsed();
-            steps += 1;
-        }
-    }
-    Ok((steps > 0).then(|| taken.as_secs_f64() / f64::from(steps)))
 }
 
 fn source(options: &SceneOptions) -> Result<Source, CliError> {
@@ -415,6 +447,33 @@ fn print_sweep(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
     Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::from(ERROR) })
 }
 
+/// The table of a study of convergence with its checks, and the exit code: failure if a run or a check of the finest level failed.
+fn print_convergence(study: &Convergence, folder: &Path, json: bool) -> Result<ExitCode, CliError> {
+    for line in study.lines() {
+        print_words(format_args!("{line}"))?;
+    }
+    let page = folder.join(PAGE);
+    let look = if page.is_file() { format!("; look at {}", page.display()) } else { String::new() };
+    print_words(format_args!("files in {}{look}", folder.display()))?;
+    if json {
+        print_json(study)?;
+    }
+    Ok(if study.levels.iter().any(|level| level.error.is_some()) {
+        ExitCode::from(ERROR)
+    } else if study.checks.iter().any(|judged| judged.check.pass == Some(false)) {
+        ExitCode::from(CHECKS_FAILED)
+    } else {
+        ExitCode::SUCCESS
+    })
+}
+
+/// The JSON object of `--json`, on a line.
+fn print_json(result: &impl serde::Serialize) -> Result<(), CliError> {
+    let json = serde_json::to_string(result)
+        .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
+    print_line(format_args!("{json}"))
+}
+
 /// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
 fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
     for Measured(name, value, unit) in &outcome.measures {
@@ -459,9 +518,7 @@ fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitC
         if job.report { format!("; look at {}", page.display()) } else { String::new() }
     ))?;
     if how.json {
-        let json = serde_json::to_string(outcome)
-            .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
-        print_line(format_args!("{json}"))?;
+        print_json(outcome)?;
     }
     Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::from(CHECKS_FAILED) })
 }

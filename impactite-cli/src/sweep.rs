@@ -8,6 +8,7 @@ use impactite::output::History;
 use impactite::output::picture::{Axis, Chart, Marker, Panels, Picture, Series};
 use impactite::scene::RunError;
 use impactite_input::Source;
+use impactite_report::convergence;
 use serde::{Deserialize, Serialize};
 
 use crate::CliError;
@@ -77,11 +78,14 @@ const CHART: &str = "sweep.png";
 
 /// A sweep, and how far it came.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Plan {
+pub(crate) struct Plan {
     /// Name and text of the scene.
     name: String,
     scene: String,
-    keys: Vec<Values>,
+    pub(crate) keys: Vec<Values>,
+    /// Ratio of the levels, of a study of convergence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(crate) ratio: Option<f64>,
     pictures: bool,
     report: bool,
     keep_checkpoint: bool,
@@ -105,17 +109,28 @@ impl Plan {
 }
 
 /// Run a scene for all combinations of values, each in a folder of its own (`001`, ...); then write the table `sweep.csv` and, of one
-/// key with numbers, the chart `sweep.png`. The plan `sweep.json` is what [`resume`] goes on with.
+/// key with numbers, the chart `sweep.png`. The plan `sweep.json` is what
+/// [`resume`](crate::resume::resume) goes on with.
 ///
 /// A run that fails is a row of NaN, and `sweep.json` has its reason; the others go on.
 ///
 /// # Errors
 /// A key that the scene does not have, a file that cannot be written, a folder that another run holds; a request to stop.
 pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
+    let (mut plan, _lock) = begin(base, keys, None)?;
+    let points = go_on(base, &mut plan, stop)?;
+    write(&base.folder, keys, &points)?;
+    Ok(points)
+}
+
+/// The saved plan of a new sweep in its folder, from which the files of an earlier one are removed. `ratio` is that of the levels of a study of
+/// convergence.
+pub(crate) fn begin(base: &Job, keys: &[Values], ratio: Option<f64>) -> Result<(Plan, FolderLock), CliError> {
     let plan = Plan {
         name: base.source.name.clone(),
         scene: base.source.anchored().text,
         keys: keys.to_vec(),
+        ratio,
         pictures: base.pictures,
         report: base.report,
         keep_checkpoint: base.keep_checkpoint,
@@ -123,30 +138,29 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
     };
     let lock = FolderLock::new(&base.folder)?;
     sources(base, &plan)?;
-    for name in [PLAN, TABLE, CHART] {
+    for name in [PLAN, TABLE, CHART].iter().chain(&convergence::FILES) {
         remove(&base.folder.join(name))?;
     }
     // Runs of an earlier sweep, of which there may have been more.
     for number in 1.. {
-        let folder = base.folder.join(format!("{number:03}"));
+        let folder = base.folder.join(run_folder(number));
         if !folder.is_dir() {
             break;
         }
         FolderLock::new(&folder)?.clear()?;
     }
     plan.save(&base.folder)?;
-    go_on(base, plan, stop, &lock)
+    Ok((plan, lock))
 }
 
-/// Go on with the sweep in a folder: runs that have ended are read, runs that were stopped are resumed, the others are made.
+/// The sweep in a folder: its base, its plan, and the lock of the folder.
 ///
 /// # Errors
-/// [`sweep`] in a folder without a plan.
-pub fn resume(
+/// A folder without a plan, or that another run holds.
+pub(crate) fn reopen(
     folder: &Path,
     how: impl FnOnce(Job) -> Job,
-    stop: &AtomicBool,
-) -> Result<Vec<Point>, CliError> {
+) -> Result<(Job, Plan, FolderLock), CliError> {
     let path = folder.join(PLAN);
     let text = std::fs::read_to_string(&path).map_err(CliError::file(&path))?;
     let plan: Plan = serde_json::from_str(&text)
@@ -158,8 +172,7 @@ pub fn resume(
         keep_checkpoint: plan.keep_checkpoint,
         ..job
     });
-    let lock = FolderLock::new(folder)?;
-    go_on(&base, plan, stop, &lock)
+    Ok((base, plan, FolderLock::new(folder)?))
 }
 
 /// The scene of each run. Invalid scenes are refused before the first run.
@@ -175,11 +188,12 @@ fn sources(base: &Job, plan: &Plan) -> Result<Vec<Source>, CliError> {
     plan.combinations().iter().map(one).collect()
 }
 
-fn go_on(base: &Job, mut plan: Plan, stop: &AtomicBool, _lock: &FolderLock) -> Result<Vec<Point>, CliError> {
+/// The runs of a plan, whose folder the caller has locked.
+pub(crate) fn go_on(base: &Job, plan: &mut Plan, stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
     let mut points = Vec::new();
-    for (n, (source, values)) in sources(base, &plan)?.into_iter().zip(plan.combinations()).enumerate() {
+    for (n, (source, values)) in sources(base, plan)?.into_iter().zip(plan.combinations()).enumerate() {
         let number = n + 1;
-        let folder = base.folder.join(format!("{number:03}"));
+        let folder = base.folder.join(run_folder(number));
         let outcome = match (done(&folder, &source), plan.failed.get(&number)) {
             (Some(outcome), _) => Ok(outcome),
             (None, Some(why)) => Err(why.clone()),
@@ -210,8 +224,12 @@ fn go_on(base: &Job, mut plan: Plan, stop: &AtomicBool, _lock: &FolderLock) -> R
         };
         points.push(Point { values, outcome });
     }
-    write(&base.folder, &plan.keys, &points)?;
     Ok(points)
+}
+
+/// Folder of the run of a number from 1, within that of the sweep.
+pub(crate) fn run_folder(number: usize) -> String {
+    format!("{number:03}")
 }
 
 /// The outcome of a run that has ended in its folder, of this scene.
@@ -237,7 +255,8 @@ fn common_unit(values: &Values) -> &str {
     }
 }
 
-fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
+/// Write the table of a sweep and, of one key with numbers, its chart.
+pub(crate) fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
     let Some(first) = points.iter().find_map(|p| p.outcome.as_ref().ok()) else { return Ok(()) };
     let columns = keys.iter().map(|k| (k.key.as_str(), common_unit(k)));
     let columns =

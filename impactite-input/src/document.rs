@@ -33,7 +33,7 @@ pub const RESUMABLE: &[&str] = &["end", "until", "title", "description", "checks
 
 /// One step down from a table or a list.
 #[derive(Clone, Debug, PartialEq)]
-enum Step {
+pub(crate) enum Step {
     Key(String),
     Number(usize),
 }
@@ -320,7 +320,12 @@ impl Source {
         self.fault(span, key.into(), message.into(), help)
     }
 
-    fn syntax(&self, error: &toml_edit::TomlError) -> Fault {
+    /// The scene of another text, whose lines are not those of the file.
+    pub(crate) fn with_text(&self, text: String) -> Self {
+        Source { text, json: None, ..self.clone() }
+    }
+
+    pub(crate) fn syntax(&self, error: &toml_edit::TomlError) -> Fault {
         self.fault(error.span(), String::new(), format!("no TOML: {}", error.message()), None)
     }
 
@@ -355,7 +360,7 @@ impl Source {
 }
 
 /// The text of a parameter: a finite number, or a text.
-fn text_of(item: &Item) -> Option<String> {
+pub(crate) fn text_of(item: &Item) -> Option<String> {
     match item.as_value()? {
         Value::String(text) => Some(text.value().clone()),
         Value::Integer(number) => Some(number.value().to_string()),
@@ -387,7 +392,7 @@ fn anchor_table(table: &mut dyn TableLike, folder: &Path) -> bool {
 }
 
 /// The steps of a key: `bodies.rod.velocity[2]`.
-fn steps_of(key: &str) -> Vec<Step> {
+pub(crate) fn steps_of(key: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     for part in key.split('.').filter(|p| !p.is_empty()) {
         let (name, numbers) = part.split_once('[').unwrap_or((part, ""));

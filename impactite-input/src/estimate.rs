@@ -282,6 +282,19 @@ fn box_of([low, high]: &[Vec<f64>; 2]) -> String {
 }
 
 impl SceneEstimate {
+    /// Memory of bodies and scratch with its unit.
+    #[must_use]
+    pub fn memory(&self) -> String {
+        size::size(self.bytes as f64)
+    }
+
+    /// Number of steps, and their time on this machine: `about 2488; about 16.7 s here`. `seconds` is the time of a step, where it was measured.
+    #[must_use]
+    pub fn cost(&self, seconds: Option<f64>) -> String {
+        let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
+        format!("about {:.0}{time}", self.steps.ceil())
+    }
+
     /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
     #[must_use]
     pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
@@ -314,10 +327,9 @@ impl SceneEstimate {
                 box_of(&bounds)
             ));
         }
-        lines.push(format!("memory: {}", size::size(self.bytes as f64)));
+        lines.push(format!("memory: {}", self.memory()));
         lines.push(format!("first step: {:.3e} s, limited by {}", self.step, self.limit));
-        let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
-        lines.push(format!("steps: about {:.0}{time}", self.steps.ceil()));
+        lines.push(format!("steps: {}", self.cost(seconds)));
         if let Some(all) = seconds.map(|s| s * self.steps).filter(|all| *all > DAYS) {
             lines.push(format!(
                 "note: {} are long; larger cells or spacings shorten the run by their third to fourth power. Or is a unit wrong, of `end`, of lengths, of densities or moduli?",

@@ -42,6 +42,7 @@ mod json;
 pub mod keys;
 pub mod list;
 pub mod measured;
+mod refine;
 mod sets;
 
 pub use build::size::bytes_a_point;
@@ -49,3 +50,4 @@ pub use document::{RESUMABLE, Source};
 pub use error::{Fault, InputError, shown};
 pub use estimate::{BodyEstimate, SceneEstimate};
 pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema};
+pub use refine::Size;

@@ -30,10 +30,12 @@
 //! | [`folder`] | reading what a run left, finished or not |
 //! | [`page`] | the page |
 //! | [`animation`] | animated PNG files |
+//! | [`convergence`] | measures of runs of several resolutions: order, extrapolated value, error band |
 //!
 //! Energy errors are printed by [`percent`] everywhere: the change of the total energy over the largest energy so far, with its sign.
 
 pub mod animation;
+pub mod convergence;
 mod error;
 pub mod folder;
 mod number;
@@ -43,6 +45,6 @@ pub mod recorder;
 
 pub use error::ReportError;
 pub use number::{checks_passed, energy_error, percent};
-pub use page::write_page;
+pub use page::{write_convergence, write_page};
 pub use record::{Check, FILE, Frames, HistoryRecord, Progress, Record};
 pub use recorder::{Recorder, Warned};

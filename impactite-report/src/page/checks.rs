@@ -50,7 +50,7 @@ fn difference(check: &Check) -> String {
     }
 }
 
-fn allowed(check: &Check) -> String {
+pub(super) fn allowed(check: &Check) -> String {
     match (check.tolerance, check.reference) {
         (Some(t), Some(0.0)) => format!("± {}", of_check(check, t).trim_start_matches('+')),
         (Some(t), _) => format!("± {} %", significant(100.0 * t, 3)),

@@ -6,6 +6,8 @@
 mod balances;
 mod chart;
 mod checks;
+mod convergence;
+mod document;
 mod head;
 mod media;
 mod parts;
@@ -15,15 +17,16 @@ mod warnings;
 
 use std::path::{Path, PathBuf};
 
-use impactite_output::{printable, write_whole};
-use maud::{DOCTYPE, PreEscaped, html};
+use impactite_output::write_whole;
+use maud::{PreEscaped, html};
 
 use crate::error::ReportError;
 use crate::record::Record;
 use chart::Charts;
+use document::document;
 
-/// The page in the folder of its run.
-pub const FILE: &str = "report.html";
+pub use convergence::write_convergence;
+pub use document::FILE;
 
 /// Read the record in `folder` ([`Record::open`]) and write its page, `report.html`, there. Returns its path.
 ///
@@ -36,15 +39,10 @@ pub fn write_page(folder: impl AsRef<Path>) -> Result<PathBuf, ReportError> {
     Ok(path)
 }
 
-const STYLE: &str =
-    concat!(include_str!("../../vendor/uplot/uPlot.min.css"), "\n", include_str!("style.css"));
 const PLOT: &str = include_str!("../../vendor/uplot/uPlot.iife.min.js");
 const CHARTS: &str = include_str!("charts.js");
 /// What goes wrong in a script is kept where a test finds it.
 const WATCH: &str = "addEventListener('error',e=>{document.body.dataset.error=e.message})";
-/// Nothing is fetched from anywhere.
-const POLICY: &str =
-    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
 /// The page of `record`, whose files are in `folder`.
 #[must_use]
@@ -72,41 +70,27 @@ pub fn page(record: &Record, folder: &Path) -> String {
         _ => "Files",
     };
     let there = || sections.iter().filter(|(id, body)| !id.is_empty() && body.is_some());
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                title { (record.title) }
-                style { (PreEscaped(STYLE)) }
+    let body = html! {
+        script { (PreEscaped(WATCH)) }
+        main {
+            (head::head(record))
+            nav { @for (id, _) in there() { a href={ "#" (id) } { (titles(id)) } } }
+            @if !charts.is_empty() {
+                p.hint.faint hidden { small { "Drag across a chart to zoom, double-click to see all of it, click a name to hide its line." } }
             }
-            body {
-                script { (PreEscaped(WATCH)) }
-                main {
-                    (head::head(record))
-                    nav { @for (id, _) in there() { a href={ "#" (id) } { (titles(id)) } } }
-                    @if !charts.is_empty() {
-                        p.hint.faint hidden { small { "Drag across a chart to zoom, double-click to see all of it, click a name to hide its line." } }
-                    }
-                    @for (id, body) in &sections {
-                        @if let Some(body) = body {
-                            @if id.is_empty() { (body) } @else { section id=(id) { h2 { (titles(id)) } (body) } }
-                        }
-                    }
-                }
-                @if !charts.is_empty() {
-                    script type="application/json" id="charts" { (PreEscaped(charts.json())) }
-                    script { (PreEscaped(PLOT)) }
-                    script { (PreEscaped(CHARTS)) }
+            @for (id, body) in &sections {
+                @if let Some(body) = body {
+                    @if id.is_empty() { (body) } @else { section id=(id) { h2 { (titles(id)) } (body) } }
                 }
             }
         }
+        @if !charts.is_empty() {
+            script type="application/json" id="charts" { (PreEscaped(charts.json())) }
+            script { (PreEscaped(PLOT)) }
+            script { (PreEscaped(CHARTS)) }
+        }
     };
-    // The title of a scene must have no effect.
-    printable(&page.into_string()).into_owned()
+    document(&record.title, &body)
 }
 
 #[cfg(test)]
