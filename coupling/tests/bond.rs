@@ -33,7 +33,7 @@ fn bar(mesh: &mut ElementMesh<2>, points: &[[f64; 2]], parts: usize) {
 }
 
 fn empty() -> ElementMesh<2> {
-    ElementMesh { nodes: Vec::new(), blocks: Vec::new(), node_sets: Default::default() }
+    ElementMesh { nodes: Vec::new(), blocks: Vec::new(), ..ElementMesh::default() }
 }
 
 /// A bar in matter that is strained evenly: E A s'' = k p s, with no force at its ends, so that its stress is

@@ -59,7 +59,11 @@ impl<const D: usize> Fem<D> {
             let (view, areas) = view(&body.mesh.nodes, &facet, hoop);
             if picked(&view) {
                 count += 1;
-                facet.nodes().iter().zip(areas).for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
+                facet
+                    .nodes()
+                    .iter()
+                    .zip(areas)
+                    .for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
             }
         }
         if count == 0 {
@@ -69,7 +73,12 @@ impl<const D: usize> Fem<D> {
                 why: "no facet of its surface is there",
             });
         }
-        body.loads.push(SurfaceLoad { facets: facets.into(), areas: shares.into_iter().collect(), history, acting: [0.0; D] });
+        body.loads.push(SurfaceLoad {
+            facets: facets.into(),
+            areas: shares.into_iter().collect(),
+            history,
+            acting: [0.0; D],
+        });
         Ok(count)
     }
 }
@@ -143,13 +152,14 @@ impl<const D: usize> ElementBody<D> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use impactite_geometry::structured::box_mesh;
     use impactite_geometry::Cuboid;
+    use impactite_geometry::structured::box_mesh;
 
     /// Surfaces of a box: areas and outward normals, and moments of the shares about the axis.
     #[test]
     fn facets_of_boxes_have_their_areas_and_normals() {
-        let mesh = box_mesh(&Cuboid::new([0.0; 3], [1.0, 2.0, 3.0]).expect("a box"), [2, 3, 4]).expect("a mesh");
+        let mesh =
+            box_mesh(&Cuboid::new([0.0; 3], [1.0, 2.0, 3.0]).expect("a box"), [2, 3, 4]).expect("a mesh");
         let mut sums = [[0.0; 2]; 3];
         for facet in surface_of(&mesh, &|_| true) {
             let (view, shares) = view(&mesh.nodes, &facet, false);

@@ -370,8 +370,8 @@ impl<const D: usize> Motion<'_, D> {
             if node.is_held(d) {
                 continue;
             }
-            let gained =
-                kick * (force[d] / node.mass + body.acceleration[d]) + (given[d] + touch[d] + load[d]) / node.mass;
+            let gained = kick * (force[d] / node.mass + body.acceleration[d])
+                + (given[d] + touch[d] + load[d]) / node.mass;
             let start = node.velocity[d] - gained;
             let change = self.damping.slowed(start, node.velocity[d]) - node.velocity[d];
             if change == 0.0 {

@@ -159,7 +159,10 @@ impl<const D: usize> ElementBody<D> {
         file.same(&of("sets with a prescribed velocity"), &format!("{sets:?}"))?;
         for load in &self.loads {
             let (start, area) = ((load.history)(0.0), load.areas.iter().map(|(_, area)| area).sum::<f64>());
-            file.same(&of("traction"), &format!("{start:?} Pa at the start on {}, {area:?} m^2", load.facets))?;
+            file.same(
+                &of("traction"),
+                &format!("{start:?} Pa at the start on {}, {area:?} m^2", load.facets),
+            )?;
         }
         for node in &mut self.nodes {
             file.reals(node.position.iter_mut().chain(&mut node.velocity).chain([&mut node.mass]))?;

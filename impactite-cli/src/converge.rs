@@ -119,7 +119,7 @@ pub fn converge(base: &Job, refinement: &Refinement, stop: &AtomicBool) -> Resul
             }
         }
         let mut solver = source.build(&scene)?;
-        impactite_input::measured::Measures::new(&scene, &*solver)?;
+        impactite_input::measured::Measures::new(&source, &scene, &*solver)?;
         let ahead = source.estimate(&scene, &mut *solver)?;
         let seconds = cost_of_a_step(&base, &mut *solver, scene.end.value)?;
         tracing::info!(
@@ -191,11 +191,11 @@ pub(crate) fn conclude(
         values: sizes.iter().map(|level| level[n].value).collect(),
     });
     let outcomes: Vec<Option<&Outcome>> = points.iter().map(|point| point.outcome.as_ref().ok()).collect();
-    let measure = |(m, (name, unit)): (usize, (String, &str))| {
+    let measure = |(m, (name, unit)): (usize, (String, String))| {
         let value = |outcome: &Option<&Outcome>| {
             outcome.and_then(|o| o.measures.get(m)).map_or(f64::NAN, |Measured(_, value, _)| *value)
         };
-        MeasureConvergence::new(name, unit, outcomes.iter().map(value).collect(), ratio)
+        MeasureConvergence::new(name, &unit, outcomes.iter().map(value).collect(), ratio)
     };
     let measures: Vec<MeasureConvergence> =
         impactite_input::measured::columns(&scene).into_iter().enumerate().map(measure).collect();

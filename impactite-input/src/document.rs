@@ -281,7 +281,9 @@ impl Source {
             };
             // What it is in words is said where the whole scene is read.
             let Ok(text) = item.clone().into_table().map(|table| table.to_string()) else { continue };
-            let Ok(spec) = parameters.during(|| toml_edit::de::from_str::<TableSpec>(&text)) else { continue };
+            let Ok(spec) = parameters.during(|| toml_edit::de::from_str::<TableSpec>(&text)) else {
+                continue;
+            };
             let table = spec.table(&self.folder()).map_err(fault)?;
             parameters.define_table(name, table).map_err(fault)?;
         }

@@ -92,7 +92,9 @@ mod tests {
     #[test]
     fn values_are_linear_between_points_and_constant_beyond() {
         let table = Table::new([(1.0, 10.0), (2.0, 20.0), (4.0, -20.0)]).expect("a table");
-        for (time, value) in [(0.0, 10.0), (1.0, 10.0), (1.5, 15.0), (2.0, 20.0), (3.0, 0.0), (4.0, -20.0), (9.0, -20.0)] {
+        for (time, value) in
+            [(0.0, 10.0), (1.0, 10.0), (1.5, 15.0), (2.0, 20.0), (3.0, 0.0), (4.0, -20.0), (9.0, -20.0)]
+        {
             assert_eq!(table.at(time), value, "at {time} s");
         }
     }

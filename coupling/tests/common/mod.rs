@@ -20,7 +20,7 @@ pub fn seeds<const D: usize>(cuboid: &Cuboid<D>, lattice: &Lattice<D>) -> Seeds<
 /// Bars between points, `parts` elements each.
 #[allow(dead_code, reason = "not all that share this have bars")]
 pub fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh<D> {
-    let mut mesh = ElementMesh { nodes: Vec::new(), blocks: Vec::new(), node_sets: Default::default() };
+    let mut mesh = ElementMesh { nodes: Vec::new(), blocks: Vec::new(), ..ElementMesh::default() };
     let mut links = Vec::new();
     for [from, to] in ends {
         for n in 0..=parts {

@@ -49,7 +49,9 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
                     "is not of axisymmetric scenes, in which nothing turns about the axis",
                 ),
                 (Space::Full, None) => wrong(format!("{key}.{word}"), "needs an `axis`: x, y or z"),
-                (Space::Full, Some(axis)) => scene.space.axis(axis).at(format!("{key}.{word}.axis")).map(|_| ()),
+                (Space::Full, Some(axis)) => {
+                    scene.space.axis(axis).at(format!("{key}.{word}.axis")).map(|_| ())
+                }
                 (_, Some(_)) => wrong(
                     format!("{key}.{word}.axis"),
                     "is not of scenes in the plane, whose bodies turn about z alone; leave it out",
@@ -118,10 +120,16 @@ fn over_time(scene: &SceneFile, key: &str, over: &OverTime) -> Made<()> {
     let (from, to) = (over.from.map_or(0.0, |q| q.value), over.to.map_or(scene.end.value, |q| q.value));
     if from < 0.0 || from >= scene.end.value {
         let end = scene.end.value;
-        return wrong(format!("{key}.from"), format!("{from} s is not allowed; it must be 0 or more and below `end`, {end} s"));
+        return wrong(
+            format!("{key}.from"),
+            format!("{from} s is not allowed; it must be 0 or more and below `end`, {end} s"),
+        );
     }
     if to <= from {
-        return wrong(format!("{key}.to"), format!("{to} s is not allowed; it must be above `from`, {from} s"));
+        return wrong(
+            format!("{key}.to"),
+            format!("{to} s is not allowed; it must be above `from`, {from} s"),
+        );
     }
     Ok(())
 }
@@ -129,7 +137,12 @@ fn over_time(scene: &SceneFile, key: &str, over: &OverTime) -> Made<()> {
 /// Ends of the run by measures: their names and values.
 pub fn ends(scene: &SceneFile) -> Made<()> {
     for (key, until) in scene.until.iter().flat_map(|until| until.keyed("until")) {
-        known(&format!("{key}.measure"), "measure", &until.measure, scene.measures.keys().map(String::as_str))?;
+        known(
+            &format!("{key}.measure"),
+            "measure",
+            &until.measure,
+            scene.measures.keys().map(String::as_str),
+        )?;
         let values = [("below", &until.below), ("above", &until.above)];
         let given = values.iter().filter_map(|(word, value)| Some((word, value.as_ref()?)));
         let mut any = false;

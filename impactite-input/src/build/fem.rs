@@ -18,12 +18,12 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let mut fem = Scene::new(embedding);
     let names: Vec<&str> = world.scene.expanded.keys().map(String::as_str).collect();
     for (name, body) in &world.scene.expanded {
-        let number = fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
+        let number =
+            fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
         for (key, load) in body.traction.keyed(&format!("bodies.{name}.traction")) {
             let Surface { region, axis, history } = world.load(&key, load)?;
-            let picked = |facet: &SurfaceFacet<D>| {
-                facet.normal[axis].abs() > 0.5 && region.contains(facet.centre)
-            };
+            let picked =
+                |facet: &SurfaceFacet<D>| facet.normal[axis].abs() > 0.5 && region.contains(facet.centre);
             fem.load(number, &format!("faces across axis {axis} in a region"), picked, history)
                 .at(format!("{key}.region"))?;
         }

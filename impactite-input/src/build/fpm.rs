@@ -1,6 +1,5 @@
 //! Scenes of fragile points.
 
-
 use impactite::fpm::{
     AnyCriterion, Cells, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
     MixedTensionShear, NoCracks, Notch, Penalty, Space, Symmetric, relaxed, scattered,
@@ -12,9 +11,9 @@ use super::common::{Surface, World};
 use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, particles, placement, seeds};
 use crate::model::body::Body as Spec;
+use crate::model::fixed;
 use crate::model::method::{Cracks, Flux as FluxWord, Fpm, PENALTY, Points};
 use crate::model::shape::Shape;
-use crate::model::fixed;
 
 /// Longest notch, in spacings of points.
 const LONGEST: f64 = 1e6;

@@ -7,11 +7,7 @@ use impactite::geometry::structured::{
 use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Tube};
 
 use super::common::World;
-<<<<<<< HEAD
-use super::wrong::{At, Made, Wrong, wrong};
-=======
-use super::wrong::{At, Folder, Made, wrong};
->>>>>>> meshes
+use super::wrong::{At, Folder, Made, Wrong, wrong};
 use crate::model::body::{Bars, Body, HOURGLASS_STIFFNESS, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;

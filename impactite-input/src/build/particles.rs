@@ -9,10 +9,10 @@ use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 
 use super::common::World;
 use super::kernels::Setting;
-use super::{mpm, placement};
 use super::seeds::{Cells, seeds};
 use super::shape::MovedBox;
 use super::wrong::{At, Made, of_body, wrong};
+use super::{mpm, placement};
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCES};
 use crate::model::shape::Shape as Spec;

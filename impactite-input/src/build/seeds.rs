@@ -163,12 +163,12 @@ mod tests {
 
     #[test]
     fn boxes_are_divided_where_they_are() {
-        let seeds = divided(&[5.03, 0.07], &[6.03, 0.57], &[10, 5], false);
+        let seeds = divided(&MovedBox::along([5.03, 0.07], [6.03, 0.57]), &[10, 5], false);
         let mean = |d: usize| seeds.positions.iter().map(|x| x[d]).sum::<f64>() / seeds.len() as f64;
         assert!((mean(0) - 5.53).abs() < 1e-14 && (mean(1) - 0.32).abs() < 1e-14);
         assert!((seeds.volumes.iter().sum::<f64>() - 0.5).abs() < 1e-14);
         // About an axis, per radian.
-        let tube = divided(&[1.0, 0.0], &[3.0, 1.0], &[7, 2], true);
+        let tube = divided(&MovedBox::along([1.0, 0.0], [3.0, 1.0]), &[7, 2], true);
         assert!((tube.volumes.iter().sum::<f64>() - 4.0).abs() < 1e-14);
     }
 

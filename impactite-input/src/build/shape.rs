@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use impactite::geometry::{
-    Ball, Compose, Cuboid, Cylinder, Frustum, HalfSpace, OgiveRod, Polygon, Shape, Shell,
-    TriangleMesh, Tube,
+    Ball, Compose, Cuboid, Cylinder, Frustum, HalfSpace, OgiveRod, Polygon, Shape, Shell, TriangleMesh, Tube,
 };
 
 use nalgebra::Rotation;
@@ -147,6 +146,12 @@ pub(super) struct MovedBox<const D: usize> {
 }
 
 impl<const D: usize> MovedBox<D> {
+    /// Along the axes.
+    #[cfg(test)]
+    pub fn along(low: [f64; D], high: [f64; D]) -> Self {
+        MovedBox { low, high, moves: Vec::new() }
+    }
+
     /// The box that a shape is.
     pub fn of(spec: &Spec) -> Option<Self> {
         match spec {
@@ -164,7 +169,9 @@ impl<const D: usize> MovedBox<D> {
                 match &moved.turn {
                     Some(turn) => inner.moves.push((rotation("", moved, turn.value).ok()?, about, by)),
                     None if inner.moves.is_empty() => {
-                        (0..D).for_each(|d| (inner.low[d], inner.high[d]) = (inner.low[d] + by[d], inner.high[d] + by[d]));
+                        (0..D).for_each(|d| {
+                            (inner.low[d], inner.high[d]) = (inner.low[d] + by[d], inner.high[d] + by[d])
+                        });
                     }
                     None => inner.moves.push((Rotation::identity(), [0.0; D], by)),
                 }

@@ -57,9 +57,12 @@ struct Taken {
     past: Past,
 }
 
+/// Is a place in it?
+type Contains = dyn Fn(&[f64; 3]) -> bool + Send + Sync;
+
 /// A region, fixed in space.
 #[derive(Clone)]
-struct Region(Arc<dyn Fn(&[f64; 3]) -> bool + Send + Sync>);
+struct Region(Arc<Contains>);
 
 impl Region {
     fn contains(&self, place: &[f64; 3]) -> bool {
@@ -124,9 +127,8 @@ impl Measures {
     /// Are they to [look](Self::look) at every step? Where not, looking does nothing.
     #[must_use]
     pub fn looks(&self) -> bool {
-        let over_steps = |taken: &Taken| {
-            matches!(taken.what, Measurement::OverTime(_) | Measurement::ConditionForce(_))
-        };
+        let over_steps =
+            |taken: &Taken| matches!(taken.what, Measurement::OverTime(_) | Measurement::ConditionForce(_));
         !self.ends.is_empty() || self.list.iter().any(over_steps)
     }
 
@@ -260,4 +262,3 @@ pub fn reference(scene: &SceneFile, check: usize) -> Option<(usize, f64)> {
     let place = scene.measures.get_index_of(&scene.checks.get(check)?.measure)?;
     Some((place, describe::reference(scene, check).ok()?))
 }
-

@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn components_have_the_letters_of_the_space() {
-        let stress = |space, name| match component(space, name) {
+        let stress = |space, name: &str| match component(space, name) {
             Some(Component::Stress(n)) => n,
             _ => usize::MAX,
         };
@@ -252,6 +252,8 @@ mod tests {
             assert_eq!(stress(Space::Axisymmetric, &format!("stress_{name}")), n);
         }
         assert!(component(Space::PlaneStrain, "velocity_z").is_none(), "no motion across the plane");
-        assert!(component(Space::Full, "velocity_r").is_none() && component(Space::Full, "stress_x").is_none());
+        assert!(
+            component(Space::Full, "velocity_r").is_none() && component(Space::Full, "stress_x").is_none()
+        );
     }
 }

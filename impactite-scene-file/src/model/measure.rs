@@ -68,8 +68,12 @@ impl Measurement {
     #[must_use]
     pub fn region(&self) -> Option<&Shape> {
         match self {
-            Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => of.region.as_ref(),
-            Measurement::Largest(of) | Measurement::Smallest(of) | Measurement::Mean(of) => of.region.as_ref(),
+            Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => {
+                of.region.as_ref()
+            }
+            Measurement::Largest(of) | Measurement::Smallest(of) | Measurement::Mean(of) => {
+                of.region.as_ref()
+            }
             _ => None,
         }
     }
@@ -77,8 +81,12 @@ impl Measurement {
     /// The same, to be changed.
     pub(crate) fn region_mut(&mut self) -> Option<&mut Shape> {
         match self {
-            Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => of.region.as_mut(),
-            Measurement::Largest(of) | Measurement::Smallest(of) | Measurement::Mean(of) => of.region.as_mut(),
+            Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => {
+                of.region.as_mut()
+            }
+            Measurement::Largest(of) | Measurement::Smallest(of) | Measurement::Mean(of) => {
+                of.region.as_mut()
+            }
             _ => None,
         }
     }

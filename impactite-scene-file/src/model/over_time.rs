@@ -47,13 +47,17 @@ impl TableSpec {
             (Some(points), None) => {
                 let of_file = [self.columns.is_some(), self.time.is_some(), self.value.is_some()];
                 if of_file.contains(&true) {
-                    return Err("`columns`, `time` and `value` are of a `file`; points have units of their own".into());
+                    return Err(
+                        "`columns`, `time` and `value` are of a `file`; points have units of their own"
+                            .into(),
+                    );
                 }
                 Table::new(points.iter().map(|[time, value]| (time.0, value.0)))
             }
             (None, Some(file)) => {
                 let path = folder.join(file);
-                let text = std::fs::read_to_string(&path).map_err(|e| format!("`{}`: {e}", path.display()))?;
+                let text =
+                    std::fs::read_to_string(&path).map_err(|e| format!("`{}`: {e}", path.display()))?;
                 let columns = self.columns.unwrap_or([1, 2]).map(|n| n as usize);
                 let units = [self.time.map_or(1.0, |q| q.value), self.value.map_or(1.0, |any| any.0)];
                 Table::of_columns(&text, columns, units).map_err(|why| format!("`{}`: {why}", path.display()))

@@ -155,8 +155,10 @@ impl SceneFile {
         let mut shapes: IndexMap<String, Option<Shape>> =
             self.expanded.iter().map(|(name, body)| (name.clone(), spec(body))).collect();
         for name in self.bodies.keys().filter(|name| !self.expanded.contains_key(*name)) {
-            let copy = |other: &&String| other.strip_prefix(name.as_str()).is_some_and(|n| n.starts_with(' '));
-            let copies = self.expanded.keys().filter(copy).filter_map(|other| shapes.get(other).cloned().flatten());
+            let copy =
+                |other: &&String| other.strip_prefix(name.as_str()).is_some_and(|n| n.starts_with(' '));
+            let copies =
+                self.expanded.keys().filter(copy).filter_map(|other| shapes.get(other).cloned().flatten());
             let all = Shape::Union(copies.collect());
             shapes.insert(name.clone(), Some(all));
         }

@@ -54,7 +54,11 @@ impl Shape {
     ///
     /// # Errors
     /// A body that there is not, that has no shape, or whose shape is that of itself.
-    pub(crate) fn name_no_body(&mut self, of: &dyn Fn(&str) -> Result<Shape, String>, depth: usize) -> Result<(), String> {
+    pub(crate) fn name_no_body(
+        &mut self,
+        of: &dyn Fn(&str) -> Result<Shape, String>,
+        depth: usize,
+    ) -> Result<(), String> {
         /// Most bodies whose shapes are those of others in turn.
         const DEEPEST: usize = 32;
         match self {
