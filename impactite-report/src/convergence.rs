@@ -1,6 +1,6 @@
 //! Convergence of the measures of a scene under refinement: observed order, extrapolated value, error band.
 //!
-//! The procedure is that of [Celik2008] with the grid convergence index of [Roache1994], for levels whose sizes have a constant ratio r.
+//! The procedure is that of \[Celik2008\] with the grid convergence index of \[Roache1994\], for levels whose sizes have a constant ratio r.
 //! With the value f1 of the finest level, f2 and f3 of the next coarser ones, and the differences e21 = f2 - f1 and e32 = f3 - f2:
 //!
 //! | result | formula |
