@@ -3,12 +3,6 @@
 use std::sync::Arc;
 
 use impactite_geometry::Facet;
-use impactite_scene::SceneError;
-
-use crate::body::ElementBody;
-use crate::push::Push;
-use crate::solver::Fem;
-use crate::surface::surface_of;
 
 /// A traction over time: Pa at a time in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
@@ -36,55 +30,12 @@ pub struct SurfaceFacet<const D: usize> {
     pub area: f64,
 }
 
-impl<const D: usize> Fem<D> {
-    /// Load facets of the surface of a body, as it is at the start, by a traction over time; several loads add up. Returns how many facets
-    /// it is on. `facets` says which they are, for checkpoints to compare.
-    ///
-    /// # Errors
-    /// No facet is picked.
-    ///
-    /// # Panics
-    /// There is no such body.
-    pub fn load(
-        &mut self,
-        body: usize,
-        facets: &str,
-        picked: impl Fn(&SurfaceFacet<D>) -> bool,
-        history: TractionHistory<D>,
-    ) -> Result<usize, SceneError> {
-        let hoop = self.hoop();
-        let body = &mut self.bodies[body];
-        let (mut shares, mut count) = (std::collections::BTreeMap::new(), 0);
-        for facet in surface_of(&body.mesh, &|_| true) {
-            let (view, areas) = view(&body.mesh.nodes, &facet, hoop);
-            if picked(&view) {
-                count += 1;
-                facet
-                    .nodes()
-                    .iter()
-                    .zip(areas)
-                    .for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
-            }
-        }
-        if count == 0 {
-            return Err(SceneError::NotWith {
-                what: format!("a traction on {facets}"),
-                method: format!("the mesh of body `{}`", body.name),
-                why: "no facet of its surface is there",
-            });
-        }
-        body.loads.push(SurfaceLoad {
-            facets: facets.into(),
-            areas: shares.into_iter().collect(),
-            history,
-            acting: [0.0; D],
-        });
-        Ok(count)
-    }
-}
-
 /// A facet, and the shares of its area that its nodes have: integrals of their shape functions.
-fn view<const D: usize>(nodes: &[[f64; D]], facet: &Facet, hoop: bool) -> (SurfaceFacet<D>, [f64; 4]) {
+pub(crate) fn view<const D: usize>(
+    nodes: &[[f64; D]],
+    facet: &Facet,
+    hoop: bool,
+) -> (SurfaceFacet<D>, [f64; 4]) {
     let x: Vec<[f64; D]> = facet.nodes().iter().map(|n| nodes[*n as usize]).collect();
     let centre = std::array::from_fn(|d| x.iter().map(|x| x[d]).sum::<f64>() / x.len() as f64);
     let (mut normal, mut shares) = ([0.0; D], [0.0; 4]);
@@ -119,39 +70,10 @@ fn view<const D: usize>(nodes: &[[f64; D]], facet: &Facet, hoop: bool) -> (Surfa
     (facet, shares)
 }
 
-impl<const D: usize> ElementBody<D> {
-    /// Give the nodes the impulses of the loads at a time, s.
-    pub(crate) fn push_loads(&mut self, time: f64) {
-        let mut loads = std::mem::take(&mut self.loads);
-        for load in &mut loads {
-            let traction = (load.history)(time);
-            load.acting = traction;
-            for &(node, area) in &load.areas {
-                // Nodes without mass are those of elements that became something else.
-                if self.nodes[node as usize].mass > 0.0 {
-                    let load = traction.map(|t| self.pace.kick * area * t);
-                    self.push(Push { load, ..Push::of(node) });
-                }
-            }
-        }
-        self.loads = loads;
-    }
-
-    /// Force of the loads on a node in the last step, N.
-    pub(crate) fn loaded_by(&self, node: usize) -> [f64; D] {
-        let mut force = [0.0; D];
-        for load in &self.loads {
-            if let Ok(at) = load.areas.binary_search_by_key(&(node as u32), |(node, _)| *node) {
-                (0..D).for_each(|d| force[d] += load.areas[at].1 * load.acting[d]);
-            }
-        }
-        force
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::surface_of;
     use impactite_geometry::Cuboid;
     use impactite_geometry::structured::box_mesh;
 

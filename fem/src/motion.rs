@@ -173,7 +173,35 @@ impl<const D: usize> ElementBody<D> {
         self.push(Push { touch: impulse, ..Push::of(node) });
     }
 
-    pub(crate) fn push(&mut self, push: Push<D>) {
+    /// Give the nodes the impulses of the loads at a time, s.
+    pub(crate) fn push_loads(&mut self, time: f64) {
+        let mut loads = std::mem::take(&mut self.loads);
+        for load in &mut loads {
+            let traction = (load.history)(time);
+            load.acting = traction;
+            for &(node, area) in &load.areas {
+                // Nodes without mass are those of elements that became something else.
+                if self.nodes[node as usize].mass > 0.0 {
+                    let load = traction.map(|t| self.pace.kick * area * t);
+                    self.push(Push { load, ..Push::of(node) });
+                }
+            }
+        }
+        self.loads = loads;
+    }
+
+    /// Force of the loads on a node in the last step, N.
+    pub(crate) fn loaded_by(&self, node: usize) -> [f64; D] {
+        let mut force = [0.0; D];
+        for load in &self.loads {
+            if let Ok(at) = load.areas.binary_search_by_key(&(node as u32), |(node, _)| *node) {
+                (0..D).for_each(|d| force[d] += load.areas[at].1 * load.acting[d]);
+            }
+        }
+        force
+    }
+
+    fn push(&mut self, push: Push<D>) {
         let (Node { velocity, mass, .. }, impulse) = (&mut self.nodes[push.node as usize], push.sum());
         for d in 0..D {
             velocity[d] += impulse[d] / *mass;

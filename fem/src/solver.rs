@@ -1,5 +1,6 @@
 //! The solver: bodies of elements in a scene, and their steps.
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
 use impactite_scene::boundary::{BodyForce, VelocityHistory, check_at};
@@ -19,7 +20,9 @@ use mpm_contact::mesh::MeshStep;
 
 use crate::body::{ElementBody, MeshBody, Prescribed};
 use crate::contact::{ContactSurface, Contacts, look};
+use crate::load::{SurfaceFacet, SurfaceLoad, TractionHistory, view};
 use crate::motion::Part;
+use crate::surface::surface_of;
 use crate::sweep::Scratch;
 
 /// The default safety factor of the time step: of two over the bound of the highest frequency.
@@ -203,9 +206,49 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Do coordinates (r, z) turn about an axis?
-    pub(crate) fn hoop(&self) -> bool {
-        self.hoop
+    /// Load facets of the surface of a body, as it is at the start, by a traction over time; several loads add up. Returns how many facets
+    /// it is on. `facets` says which they are, for checkpoints to compare.
+    ///
+    /// # Errors
+    /// No facet is picked.
+    ///
+    /// # Panics
+    /// There is no such body.
+    pub fn load(
+        &mut self,
+        body: usize,
+        facets: &str,
+        picked: impl Fn(&SurfaceFacet<D>) -> bool,
+        history: TractionHistory<D>,
+    ) -> Result<usize, SceneError> {
+        let hoop = self.hoop;
+        let body = &mut self.bodies[body];
+        let (mut shares, mut count) = (BTreeMap::new(), 0);
+        for facet in surface_of(&body.mesh, &|_| true) {
+            let (view, areas) = view(&body.mesh.nodes, &facet, hoop);
+            if picked(&view) {
+                count += 1;
+                facet
+                    .nodes()
+                    .iter()
+                    .zip(areas)
+                    .for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
+            }
+        }
+        if count == 0 {
+            return Err(SceneError::NotWith {
+                what: format!("a traction on {facets}"),
+                method: format!("the mesh of body `{}`", body.name),
+                why: "no facet of its surface is there",
+            });
+        }
+        body.loads.push(SurfaceLoad {
+            facets: facets.into(),
+            areas: shares.into_iter().collect(),
+            history,
+            acting: [0.0; D],
+        });
+        Ok(count)
     }
 
     /// An acceleration of all nodes, m/s^2, over time.

@@ -45,6 +45,8 @@ pub mod structured;
 mod surface;
 mod transform;
 mod tree;
+#[cfg(feature = "mesh")]
+mod triangles;
 mod vector;
 
 pub use bounds::Bounds;

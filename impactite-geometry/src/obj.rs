@@ -1,7 +1,7 @@
 //! Triangles from Wavefront OBJ files: the lines `v` and `f`.
 
 use super::cursor::{Place, ReadError, shown};
-use super::surface::{Triangles, fan};
+use super::triangles::{Triangles, fan};
 
 /// Vertices and triangles of a file, in its unit.
 ///

@@ -1,7 +1,7 @@
 //! Triangles from PLY files. After Greg Turk's description of the format (1994).
 
 use super::cursor::{Cursor, Encoding, Place, ReadError, shown};
-use super::surface::{Triangles, fan};
+use super::triangles::{Triangles, fan};
 
 /// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,10 +5,8 @@ use std::path::Path;
 use super::error::{Check, GeometryError};
 use super::file::{Kind, read};
 use super::mesh::TriangleMesh;
+use super::triangles::Triangles;
 use super::{obj, ply, stl};
-
-/// Vertices, and triangles that name them.
-pub(super) type Triangles = (Vec<[f64; 3]>, Vec<[usize; 3]>);
 
 impl TriangleMesh {
     /// Reads an STL file, ASCII or binary: all its solids together, as pieces of one. Coordinates are multiplied by
@@ -103,12 +101,5 @@ fn load(path: &Path, kind: Kind, unit: f64) -> Result<(String, Vec<u8>), Geometr
     match read(path, kind) {
         Ok(bytes) => Ok((name, bytes)),
         Err(reason) => Err(refuse(&name, reason)),
-    }
-}
-
-/// Adds the triangles of a polygon about its first corner.
-pub(super) fn fan(polygon: &[usize], triangles: &mut Vec<[usize; 3]>) {
-    if let [first, rest @ ..] = polygon {
-        triangles.extend(rest.windows(2).map(|edge| [*first, edge[0], edge[1]]));
     }
 }

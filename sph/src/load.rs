@@ -2,11 +2,6 @@
 
 use std::sync::Arc;
 
-use impactite_scene::SceneError;
-
-use crate::method::Composition;
-use crate::solver::Sph;
-
 /// A traction over time: Pa at a time in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
@@ -14,7 +9,7 @@ pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + 
 #[derive(Clone)]
 pub(crate) struct SurfaceLoad<const D: usize> {
     /// Loaded area of each particle by its number, m^2 (per metre of depth or per radian).
-    areas: Vec<f64>,
+    pub areas: Vec<f64>,
     pub history: TractionHistory<D>,
 }
 
@@ -49,29 +44,5 @@ impl<'a, const D: usize> Outer<'a, D> {
             (0..D).for_each(|d| acceleration[d] += per * traction[d]);
         }
         acceleration
-    }
-}
-
-impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// Load particles by a traction over time: `areas` of their faces by number, m^2 (per metre of depth or per radian). Several loads add up.
-    ///
-    /// # Errors
-    /// Another number of areas than of particles; no area that is positive; one that is negative or no number.
-    pub fn load(&mut self, areas: Vec<f64>, history: TractionHistory<D>) -> Result<(), SceneError> {
-        let refuse = |why| {
-            let (what, method) = ("a traction".into(), format!("body `{}`", self.name));
-            Err(SceneError::NotWith { what, method, why })
-        };
-        if areas.len() != self.positions.len() {
-            return refuse("it has not as many areas as the body has particles");
-        }
-        if !areas.iter().all(|area| area.is_finite() && *area >= 0.0) {
-            return refuse("an area is negative or no number");
-        }
-        if areas.iter().all(|area| *area == 0.0) {
-            return refuse("it loads no particle");
-        }
-        self.loads.push(SurfaceLoad { areas, history });
-        Ok(())
     }
 }

@@ -23,7 +23,7 @@ use crate::form::{Correction as _, Form};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::kernel::Kernel as _;
 use crate::layout::{BODY, Layout, number};
-use crate::load::SurfaceLoad;
+use crate::load::{SurfaceLoad, TractionHistory};
 use crate::matrix::identity;
 use crate::method::Composition;
 use crate::records::{Has, Records};
@@ -367,6 +367,28 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// An acceleration of all particles, m/s^2, over time.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);
+    }
+
+    /// Load particles by a traction over time: `areas` of their faces by number, m^2 (per metre of depth or per radian). Several loads add up.
+    ///
+    /// # Errors
+    /// Another number of areas than of particles; no area that is positive; one that is negative or no number.
+    pub fn load(&mut self, areas: Vec<f64>, history: TractionHistory<D>) -> Result<(), SceneError> {
+        let refuse = |why| {
+            let (what, method) = ("a traction".into(), format!("body `{}`", self.name));
+            Err(SceneError::NotWith { what, method, why })
+        };
+        if areas.len() != self.positions.len() {
+            return refuse("it has not as many areas as the body has particles");
+        }
+        if !areas.iter().all(|area| area.is_finite() && *area >= 0.0) {
+            return refuse("an area is negative or no number");
+        }
+        if areas.iter().all(|area| *area == 0.0) {
+            return refuse("it loads no particle");
+        }
+        self.loads.push(SurfaceLoad { areas, history });
+        Ok(())
     }
 
     /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every particle, contact and conditions included, is taken away while

@@ -28,7 +28,7 @@ use crate::model::method::Method;
 use crate::model::output::FrameFormat;
 use crate::model::{SceneFile, Space};
 use kernels::Setting;
-use wrong::{Folder, Made, Wrong, wrong};
+use wrong::{At, Folder, Made, Wrong, wrong};
 
 impl Source {
     /// The scene, ready to run: as a program would set it up with the same parts, bit for bit.
@@ -80,6 +80,9 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
     }
     if scene.end.value <= 0.0 {
         return wrong("end", format!("{} s is not allowed; it must be positive", scene.end.value));
+    }
+    for (name, spec) in &scene.tables {
+        spec.table(&folder.0).at(format!("tables.{name}"))?;
     }
     common::check(scene)?;
     frame_format(scene)?;

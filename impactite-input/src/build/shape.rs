@@ -74,7 +74,9 @@ pub(crate) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> 
         Spec::Intersection(list) => folded(&here, list, folder, |a, b| Arc::new(a.and(b)))?,
         Spec::Difference(list) => folded(&here, list, folder, |a, b| Arc::new(a.minus(b)))?,
         Spec::Moved(s) => moved(&here, s, folder)?,
-        Spec::Body(name) => return wrong(here, format!("no shape is known of the body `{name}`")),
+        Spec::Body(name) => {
+            return wrong(here, format!("no body has the name `{name}` and a shape that is not its own"));
+        }
     })
 }
 

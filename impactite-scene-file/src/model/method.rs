@@ -142,7 +142,7 @@ parts! {
         /// Gap between the radii of particles that still touch, in spacings; 0.5 in the plane and 0.8 in space if not given. Where particles begin
         /// on a lattice at least 0.42 in the plane and 0.74 in space.
         #[serde(default)]
-        #[schemars(example = 0.45, extend("exclusiveMinimum" = 0))]
+        #[schemars(example = 0.45, extend("default" = TOLERANCES[0], "exclusiveMinimum" = 0))]
         tolerance: Option<Quantity<Plain>>,
         /// Gap beyond which an element is a crack, in tolerances: 20 for metal that flows.
         #[serde(default)]

@@ -13,7 +13,7 @@ use super::method::{Method, TimeStep};
 use super::output::Output;
 use super::over_time::TableSpec;
 use super::several::Several;
-use super::shape::{MovedShape, Shape};
+use super::shape::{Bodies, MovedShape, Shape};
 use super::space::Space;
 use crate::formula::Formula;
 use crate::quantity::{Acceleration, Parameters, Quantity, Time};
@@ -146,11 +146,14 @@ impl SceneFile {
             }
         }
         self.expanded = all;
-        self.resolve()
+        self.resolve();
+        Ok(())
     }
 
     /// Put shapes of bodies in the place of their names.
-    fn resolve(&mut self) -> Result<(), (String, String)> {
+    fn resolve(&mut self) {
+        /// Most names that are resolved.
+        const NAMES: usize = 100_000;
         let spec = |body: &Body| body.shape.clone();
         let mut shapes: IndexMap<String, Option<Shape>> =
             self.expanded.iter().map(|(name, body)| (name.clone(), spec(body))).collect();
@@ -162,36 +165,21 @@ impl SceneFile {
             let all = Shape::Union(copies.collect());
             shapes.insert(name.clone(), Some(all));
         }
-        let of = |name: &str| match shapes.get(name) {
-            Some(Some(shape)) => Ok(shape.clone()),
-            Some(None) => Err(format!("the body `{name}` has no `shape`")),
-            None => {
-                let names: Vec<&str> = self.bodies.keys().map(String::as_str).collect();
-                Err(format!("no body has the name `{name}`; there are {}", names.join(", ")))
-            }
-        };
+        let mut bodies = Bodies { shapes: &shapes, trail: Vec::new(), left: NAMES };
         for (name, body) in &mut self.expanded {
-            let at = |word: &str, why| (format!("bodies.{name}.{word}"), why);
-            if let Some(shape) = &mut body.shape {
-                shape.name_no_body(&of, 0).map_err(|why| at("shape", why))?;
-            }
-            for load in &mut body.traction.0 {
-                load.region.name_no_body(&of, 0).map_err(|why| at("traction.region", why))?;
-            }
+            bodies.trail.push(name.clone());
+            body.shape.iter_mut().for_each(|shape| shape.resolve(&mut bodies));
+            bodies.trail.pop();
+            body.traction.0.iter_mut().for_each(|load| load.region.resolve(&mut bodies));
         }
-        for (n, condition) in self.conditions.iter_mut().enumerate() {
+        for condition in &mut self.conditions {
             if let Condition::Prescribed(prescribed) = condition {
-                let at = |why| (format!("conditions[{n}].prescribed.region"), why);
-                prescribed.region.name_no_body(&of, 0).map_err(at)?;
+                prescribed.region.resolve(&mut bodies);
             }
         }
-        for (name, measure) in &mut self.measures {
-            if let Some(region) = measure.region_mut() {
-                let at = |why| (format!("measures.{name}"), why);
-                region.name_no_body(&of, 0).map_err(at)?;
-            }
+        for measure in self.measures.values_mut() {
+            measure.region_mut().into_iter().for_each(|region| region.resolve(&mut bodies));
         }
-        Ok(())
     }
 }
 

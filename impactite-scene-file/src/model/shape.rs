@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use indexmap::IndexMap;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -45,39 +46,40 @@ pub enum Shape {
     /// Shape that is turned about a place, then shifted.
     Moved(Box<MovedShape>),
     /// Shape of another body at the start, by its name; of a body with `repeat` that of all its copies.
-    #[schemars(extend("examples" = [{"difference": [{"box": {"from": [0, 0], "to": ["9 mm", "9 mm"]}}, {"body": "body"}]}]))]
+    #[schemars(extend("examples" = [{"body": "rod"}]))]
     Body(String),
 }
 
 impl Shape {
-    /// Put the shapes of bodies in the place of their names.
-    ///
-    /// # Errors
-    /// A body that there is not, that has no shape, or whose shape is that of itself.
-    pub(crate) fn name_no_body(
-        &mut self,
-        of: &dyn Fn(&str) -> Result<Shape, String>,
-        depth: usize,
-    ) -> Result<(), String> {
-        /// Most bodies whose shapes are those of others in turn.
-        const DEEPEST: usize = 32;
+    /// Put the shapes of bodies in the place of their names. A name stays of a body that there is not, that has no shape, or whose shape is
+    /// that of itself.
+    pub(crate) fn resolve(&mut self, bodies: &mut Bodies<'_>) {
         match self {
             Shape::Union(list) | Shape::Intersection(list) | Shape::Difference(list) => {
-                list.iter_mut().try_for_each(|shape| shape.name_no_body(of, depth))
+                list.iter_mut().for_each(|shape| shape.resolve(bodies));
             }
-            Shape::Moved(moved) => moved.shape.name_no_body(of, depth),
-            Shape::Body(name) if depth == DEEPEST => {
-                Err(format!("the shape of the body `{name}` is that of itself, by way of others"))
-            }
-            Shape::Body(name) => {
-                let mut shape = of(name)?;
-                shape.name_no_body(of, depth + 1)?;
+            Shape::Moved(moved) => moved.shape.resolve(bodies),
+            Shape::Body(name) if bodies.left > 0 && !bodies.trail.contains(name) => {
+                let Some(Some(shape)) = bodies.shapes.get(name) else { return };
+                let mut shape = shape.clone();
+                bodies.left -= 1;
+                bodies.trail.push(name.clone());
+                shape.resolve(bodies);
+                bodies.trail.pop();
                 *self = shape;
-                Ok(())
             }
-            _ => Ok(()),
+            _ => {}
         }
     }
+}
+
+/// Shapes of bodies by name, while names are resolved.
+pub(crate) struct Bodies<'a> {
+    pub shapes: &'a IndexMap<String, Option<Shape>>,
+    /// Names that are being resolved.
+    pub trail: Vec<String>,
+    /// How many names may still be resolved: shapes of shapes could double without end.
+    pub left: usize,
 }
 
 parts! {
