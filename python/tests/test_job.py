@@ -23,7 +23,8 @@ def test_a_run_leaves_its_files_and_the_bits_of_steps(scene, tmp_path):
     assert (result.steps, result.time, result.points) == (simulation.steps, scene.end, len(simulation.bodies["disc"]))
     assert result.title == scene.title and result.settings["parameters"] == scene.parameters
     assert result.settings["threads"] == 2 and result.wall_seconds > 0
-    assert result.energy_error == simulation.energy()["error"]
+    # The largest of the run is at least that of its end.
+    assert abs(result.energy_error) >= abs(simulation.energy()["error"]) > 0
     (check,) = result.checks
     assert result.met and check.met and (check.name, check.reference, check.source) == ("mass", 0.31416, "density times area")
     assert result.report == tmp_path / "out" / "report.html" and scene.title in result.report.read_text()
