@@ -79,6 +79,10 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
         only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
         let pcmm = matches!(scene.method, Method::Pcmm(_));
         only(!body.traction.0.is_empty(), "traction", "mpm, fpm, fem and sph", !pcmm)?;
+        if !body.traction.0.is_empty() && body.rigid.is_some() {
+            let message = "is not of rigid bodies; prescribe their motion, or push them by another body";
+            return wrong(format!("bodies.{name}.traction"), message);
+        }
         if !body.traction.0.is_empty() && body.elements.is_some() {
             let message = "is not of bodies of elements among particles; take `method.fem`, or particles";
             return wrong(format!("bodies.{name}.traction"), message);
