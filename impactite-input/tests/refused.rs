@@ -378,3 +378,84 @@ fn groups_of_mesh_files_are_chosen_by_name() {
     }
     std::fs::remove_dir_all(folder).unwrap();
 }
+
+/// A block of a material with more keys.
+fn block(space: &str, material: &str, body: &str, rest: &str) -> String {
+    let corner = if space == "3d" { "[1, 1, 1]" } else { "[1, 1]" };
+    let from = if space == "3d" { "[0, 0, 0]" } else { "[0, 0]" };
+    format!(
+        r#"
+title = "block"
+space = "{space}"
+end = "1 ms"
+method.mpm.cell = "0.25 m"
+{rest}
+materials.m.{material}
+[bodies.block]
+material = "m"
+shape.box = {{ from = {from}, to = {corner} }}
+{body}
+"#
+    )
+}
+
+#[test]
+fn initial_stresses_that_cannot_be_are_refused() {
+    let elastic = r#"elastic = { density = 2000, young = "50 MPa", poisson = 0.3 }"#;
+    let soil = r#"ground.drucker_prager = { density = 2000, young = "50 MPa", poisson = 0.3, friction = "35 deg", cone = "plane_strain" }"#;
+    for (space, material, stress, words) in [
+        ("plane strain", elastic, r#"{ rr = "1 kPa" }"#, ["initial_stress.rr", "xx, yy, zz, xy"]),
+        ("axisymmetric", elastic, r#"{ xx = "1 kPa" }"#, ["initial_stress.xx", "rr, zz, tt, rz"]),
+        ("plane strain", elastic, r#"{ yz = "1 kPa" }"#, ["initial_stress.yz", "xx, yy, zz, xy"]),
+        ("3d", elastic, r#"{ xx = "= 1e3 * t" }"#, ["initial_stress.xx", "cannot depend on `t`"]),
+        ("plane strain", elastic, r#"{ xx = "= 1 / (x - x)" }"#, ["initial_stress", "not finite"]),
+        // Without cohesion: tension, and a shear stress that the pressure does not bear.
+        (
+            "plane strain",
+            soil,
+            r#"{ xx = "1 MPa", yy = "1 MPa", zz = "1 MPa" }"#,
+            ["initial_stress", "beyond its strength"],
+        ),
+        (
+            "plane strain",
+            soil,
+            r#"{ xx = "-1 kPa", yy = "-1 kPa", zz = "-1 kPa", xy = "5 MPa" }"#,
+            ["initial_stress", "beyond its strength"],
+        ),
+    ] {
+        refused(&block(space, material, &format!("initial_stress = {stress}"), ""), &words);
+    }
+    let bearable = r#"initial_stress = { xx = "-90 kPa", yy = "-100 kPa", zz = "-90 kPa", xy = "5 kPa" }"#;
+    assert_eq!(said(&block("plane strain", soil, bearable, "")), None);
+}
+
+#[test]
+fn tables_and_shapes_of_bodies_that_are_not_there_are_refused() {
+    let elastic = r#"elastic = { density = 2000, young = "50 MPa", poisson = 0.3 }"#;
+    let load = r#"traction = { region.box = { from = [0, 0.7], to = [1, 1] }, normal = "y", traction = [0, "= -2 * pulse"] }"#;
+    let with = |table: &str| block("plane strain", elastic, load, table);
+    assert_eq!(said(&with(r#"tables.pulse.points = [[0, 0], ["1 ms", "10 kPa"]]"#)), None);
+    refused(&with(""), &["traction", "`pulse` is neither a coordinate"]);
+    refused(&with("tables.pulse.points = [[0, 1]]"), &["tables.pulse", "at least 2"]);
+    refused(&with("tables.pulse.points = [[1, 1], [1, 2]]"), &["tables.pulse", "times must rise"]);
+    refused(&with("tables.pulse = {}"), &["tables.pulse", "needs `points` or a `file`"]);
+    refused(&with("tables.pulse.file = \"none.csv\""), &["tables.pulse", "none.csv"]);
+    refused(
+        &with("tables.pulse = { points = [[0, 1], [1, 2]], columns = [1, 2] }"),
+        &["tables.pulse", "are of a `file`"],
+    );
+    refused(&with("tables.t.points = [[0, 1], [1, 2]]"), &["tables.t", "variable of formulas"]);
+    refused(
+        &with("parameters.pulse = 1\ntables.pulse.points = [[0, 1], [1, 2]]"),
+        &["tables.pulse", "is a parameter, too"],
+    );
+    let cut = |of: &str| {
+        let text = block("plane strain", elastic, "", "");
+        let shape = format!(
+            "shape.difference = [{{ box = {{ from = [0, 0], to = [1, 1] }} }}, {{ body = \"{of}\" }}]"
+        );
+        text.replace("shape.box = { from = [0, 0], to = [1, 1] }", &shape)
+    };
+    refused(&cut("rod"), &["bodies.block.shape", "no body has the name `rod`"]);
+    refused(&cut("block"), &["bodies.block.shape", "is that of itself"]);
+}

@@ -414,13 +414,23 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         if names != self.material.state_names() {
             return Err(SceneError::OtherState { law: self.material.name(), there: names.join(", ") });
         }
+        self.set_numbers(|x, state| {
+            if let Ok(old) = unflatten::<f64, C::State<f64>>(state) {
+                state.copy_from_slice(&flatten(&change(x, old)));
+            }
+        })
+    }
+
+    /// The same by the numbers of the state, in the order of [`Material::state_names`], of a law that is an object. Masses stay.
+    ///
+    /// # Errors
+    /// A number that is not finite.
+    pub fn set_numbers(&mut self, mut change: impl FnMut([f64; D], &mut [f64])) -> Result<(), SceneError> {
         let mut state = vec![0.0; self.virgin.len()];
         for i in 0..self.positions.len() {
             let batch = &mut self.batches[i / BATCH];
             batch.read(i % BATCH, &mut state);
-            if let Ok(old) = unflatten::<f64, C::State<f64>>(&state) {
-                state.copy_from_slice(&flatten(&change(self.positions[i], old)));
-            }
+            change(self.positions[i], &mut state);
             let broken = state.iter().find(|x| !x.is_finite()).copied();
             number(broken.is_none(), "state", self.numbers[i] as usize, broken.unwrap_or(0.0), "finite")?;
             batch.write(i % BATCH, &state);

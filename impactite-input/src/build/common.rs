@@ -77,6 +77,9 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
         only(body.split_at.is_some(), "split_at", "mpm", mpm)?;
         only(body.elements.is_some(), "elements", "mpm", mpm)?;
         only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
+        let sph = matches!(scene.method, Method::Sph(_));
+        let particles = (mpm && body.elements.is_none() || sph) && body.rigid.is_none();
+        only(body.initial_stress.is_some(), "initial_stress", "mpm (particles) and sph", particles)?;
         let pcmm = matches!(scene.method, Method::Pcmm(_));
         only(!body.traction.0.is_empty(), "traction", "mpm, fpm, fem and sph", !pcmm)?;
         if !body.traction.0.is_empty() && body.rigid.is_some() {

@@ -33,6 +33,8 @@ pub(crate) struct Acting<'a, const D: usize> {
     pub tractions: Vec<Traction<D>>,
     pub field: Option<FieldForce<D>>,
     pub splitting: Option<Splitting>,
+    /// Numbers of the states by position, m.
+    pub state: Option<&'a dyn Fn([f64; D]) -> Vec<f64>>,
     pub lit: &'a [Start],
 }
 
@@ -67,7 +69,7 @@ impl Law {
         velocity: &Velocity<D>,
         acting: Acting<'_, D>,
     ) -> Result<(), String> {
-        let Acting { tractions, field, splitting, lit } = acting;
+        let Acting { tractions, field, splitting, state, lit } = acting;
         let velocity = velocity.clone();
         macro_rules! body {
             ($law:expr) => {{
@@ -106,6 +108,9 @@ impl Law {
                 let mut body = body!(self.material.clone());
                 if let Some(splitting) = splitting {
                     body = body.with_splitting(splitting);
+                }
+                if let Some(state) = state {
+                    body = body.in_numbers(state);
                 }
                 mpm.add_body(body).map_err(|e| e.to_string())
             }

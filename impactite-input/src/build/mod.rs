@@ -14,6 +14,7 @@ mod placement;
 mod seeds;
 pub(crate) mod shape;
 pub(crate) mod size;
+mod stressed;
 pub(crate) mod wrong;
 
 use std::path::PathBuf;

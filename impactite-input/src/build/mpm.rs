@@ -19,7 +19,7 @@ use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
-use super::{mesh, placement};
+use super::{mesh, placement, stressed};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
 use crate::model::method::{Dense, Grid, Mpm};
@@ -266,8 +266,29 @@ fn add_particles<const D: usize>(
                         .transpose()?;
                     lit.push(Start { at: wide(at), plane: plane.map(wide), time: start.time.value });
                 }
-                law.add(mpm, name, &seeds, &velocity, Acting { tractions, field, splitting, lit: &lit })
-                    .at(&key)?;
+                if body.initial_stress.is_some() && !lit.is_empty() {
+                    return wrong(format!("{key}.initial_stress"), "is not of an explosive that is `lit`");
+                }
+                let material = law.material.clone();
+                let stressed = body.initial_stress.as_ref().map(|spec| {
+                    stressed::states(
+                        world,
+                        &format!("{key}.initial_stress"),
+                        spec,
+                        &*material,
+                        &seeds.positions,
+                    )
+                });
+                let stressed = stressed.transpose()?;
+                let state = stressed.as_deref();
+                law.add(
+                    mpm,
+                    name,
+                    &seeds,
+                    &velocity,
+                    Acting { tractions, field, splitting, state, lit: &lit },
+                )
+                .at(&key)?;
             }
         }
     }

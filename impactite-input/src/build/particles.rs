@@ -12,7 +12,7 @@ use super::kernels::Setting;
 use super::seeds::{Cells, seeds};
 use super::shape::MovedBox;
 use super::wrong::{At, Made, of_body, wrong};
-use super::{mpm, placement};
+use super::{mpm, placement, stressed};
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCES};
 use crate::model::shape::Shape as Spec;
@@ -73,6 +73,11 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
                 }
                 if let Some(gravity) = world.gravity()? {
                     body.set_body_force(gravity);
+                }
+                if let Some(stress) = &spec.initial_stress {
+                    let (key, material) = (format!("{key}.initial_stress"), world.law(&key, spec)?.material);
+                    let states = stressed::states(world, &key, stress, &*material, &seeds.positions)?;
+                    body.set_numbers(|x, state| state.copy_from_slice(&states(x))).at(&key)?;
                 }
                 for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
                     let load = mpm::traction(world, &key, load)?;

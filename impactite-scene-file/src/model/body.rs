@@ -71,6 +71,11 @@ pub struct Body {
     /// Traction on a part of the surface (not of `pcmm`): a table, or a list of tables.
     #[serde(default)]
     pub traction: Several<Traction>,
+    /// Stress at the start, Pa, tension positive: formulas of place, a key a component (`mpm` and `sph`); components that are not given are zero. Points are in
+    /// the state of a virgin one that was strained to that stress. What balances it is up to the scene.
+    #[serde(default)]
+    #[schemars(extend("examples" = [{"xx": "= 4905 * (y - 10)", "yy": "= 9810 * (y - 10)", "zz": "= 4905 * (y - 10)"}]))]
+    pub initial_stress: Option<InitialStress>,
     /// Starts of the detonation of an explosive (`mpm`).
     #[serde(default)]
     pub lit: Vec<Lit>,
@@ -114,6 +119,45 @@ parts! {
         /// Traction vector, a component an axis: numbers, or formulas of time.
         #[schemars(example = (0, "-10 MPa"))]
         traction: Vec<Formula<Pressure>>,
+    }
+    /// Components of a stress.
+    InitialStress {
+        /// Component along x.
+        #[serde(default)]
+        #[schemars(example = "-10 kPa")]
+        xx: Option<Formula<Pressure>>,
+        /// Component along y.
+        #[serde(default)]
+        #[schemars(example = "= 9810 * (y - 10)")]
+        yy: Option<Formula<Pressure>>,
+        /// Component along z, in the plane across it; around an axis along that.
+        #[serde(default)]
+        #[schemars(example = "-10 kPa")]
+        zz: Option<Formula<Pressure>>,
+        /// Shear stress of y and z.
+        #[serde(default)]
+        #[schemars(example = "1 kPa")]
+        yz: Option<Formula<Pressure>>,
+        /// Shear stress of x and z.
+        #[serde(default)]
+        #[schemars(example = "1 kPa")]
+        xz: Option<Formula<Pressure>>,
+        /// Shear stress of x and y.
+        #[serde(default)]
+        #[schemars(example = "1 kPa")]
+        xy: Option<Formula<Pressure>>,
+        /// Component along r.
+        #[serde(default)]
+        #[schemars(example = "-10 kPa")]
+        rr: Option<Formula<Pressure>>,
+        /// Component around the axis.
+        #[serde(default)]
+        #[schemars(example = "-10 kPa")]
+        tt: Option<Formula<Pressure>>,
+        /// Shear stress of r and z.
+        #[serde(default)]
+        #[schemars(example = "1 kPa")]
+        rz: Option<Formula<Pressure>>,
     }
     /// A start of a detonation.
     Lit {

@@ -38,6 +38,7 @@ pub struct SceneFile {
     pub end: Quantity<Time>,
     /// Ends of the run before `end`: when a measure is below or above a value. One table, or a list of them, of which the first counts.
     #[serde(default)]
+    #[schemars(extend("examples" = [{"measure": "speed", "below": "1 m/s"}]))]
     pub until: Option<Several<Until>>,
     /// Named values, with which all quantities after them may be written.
     #[serde(default)]

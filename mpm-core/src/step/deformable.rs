@@ -90,6 +90,12 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
         self.state = Some(Box::new(numbers));
         self
     }
+    /// The same by the numbers of the state, in the order of [`Material::state_names`], of a law that is an object.
+    #[must_use]
+    pub fn in_numbers(mut self, state: impl Fn([f64; D]) -> Vec<T> + 'a) -> Self {
+        self.state = Some(Box::new(state));
+        self
+    }
     /// With particles that are split where they are stretched too far.
     ///
     /// ```compile_fail
