@@ -97,3 +97,19 @@ def test_a_sweep_has_a_run_a_value(scene, tmp_path):
         assert point.result.measures == alone.measures()
     with pytest.raises(im.SceneError, match="speed"):
         im.sweep(scene, {"parameters.sped": ["1 m/s"]}, tmp_path / "none", **how)
+
+
+def test_a_measure_ends_a_run_and_a_simulation_alike(tree, tmp_path):
+    tree["until"] = {"measure": "velocity", "above": 0}
+    tree["measures"]["peak"] = {"over_time": {"of": "floor", "take": "largest"}}
+    tree["measures"]["floor"] = {"condition_force": {"axis": "y"}}
+    scene = im.Scene(tree)
+    result = im.run(scene, tmp_path / "out", pictures=False, report=False)
+    simulation = scene.simulation(threads=1)
+    simulation.run()
+    assert simulation.time == result.time < scene.end and simulation.measures() == result.measures
+    assert simulation.reached_end and simulation.step() == 0 and result.measures["peak"] > 0
+    # What is known over time is in checkpoints of runs alone.
+    simulation.save(tmp_path / "checkpoint")
+    with pytest.raises(ValueError, match="over time"):
+        scene.simulation().resume(tmp_path / "checkpoint")
