@@ -313,6 +313,9 @@ impl Job {
         if let (Ok(_), Some(why)) = (&ended, &looks.ended) {
             tracing::info!("ended at t = {:.6e} s by `until`: {why}", solver.time());
         }
+        if ended.is_ok() && looks.ended.is_none() {
+            measures.borrow().missing(solver)?.iter().for_each(|line| tracing::warn!("{line}"));
+        }
         if let Err(RunError::Interrupted { time, .. }) = &ended {
             tracing::warn!(
                 "asked to stop at t = {time:.4e} s; `impactite resume {}` goes on",

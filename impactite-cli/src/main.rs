@@ -477,7 +477,11 @@ fn print_json(result: &impl serde::Serialize) -> Result<(), CliError> {
 /// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
 fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
     for Measured(name, value, unit) in &outcome.measures {
-        print_words(format_args!("{name}: {value:.6e} {unit}"))?;
+        if value.is_nan() {
+            print_words(format_args!("{name}: no value"))?;
+        } else {
+            print_words(format_args!("{name}: {value:.6e} {unit}"))?;
+        }
     }
     let mut checks: Vec<_> = outcome.checks.iter().collect();
     checks.sort_by_key(|c| c.pass != Some(false));

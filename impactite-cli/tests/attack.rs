@@ -198,7 +198,7 @@ fn random_scene(numbers: &mut Numbers) -> String {
     let options = match method {
         "mpm" => format!(
             "cell = {spacing}, for = \"{}\"",
-            numbers.of(&["impact", "contact at rest", "large elastic"])
+            numbers.of(&["impact", "contact at rest", "machine parts", "large elastic"])
         ),
         "fem" => String::new(),
         _ => format!("spacing = {spacing}"),

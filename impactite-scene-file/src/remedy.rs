@@ -41,8 +41,7 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("take FLIP or a blend", "take `method.mpm.parts.transfer = \"flip\"` or `\"blend\"`"),
     remedy(
         "FLIP with MUSL where nothing spins, AFLIP with USF",
-        "FLIP with MUSL where nothing spins (`method.mpm.parts = { shape_function = \"linear\", transfer = \"flip\", \
-         stress_update = \"musl\" }` instead of `method.mpm.for`)",
+        "FLIP with MUSL where nothing spins (`method.mpm.for = \"machine parts\"`)",
     ),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(

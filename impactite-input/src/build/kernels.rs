@@ -60,6 +60,7 @@ pub(crate) const PURPOSES: &[(Purpose, ShapeFunction, Transfer, StressUpdate, &s
         StressUpdate::Usl,
         "updated Lagrangian",
     ),
+    (Purpose::MachineParts, ShapeFunction::Cpgimp, Transfer::Flip, StressUpdate::Musl, "updated Lagrangian"),
     (Purpose::LargeElastic, ShapeFunction::Linear, Transfer::Flip, StressUpdate::Musl, "total Lagrangian"),
 ];
 
@@ -114,6 +115,7 @@ macro_rules! kernels {
             (None, purpose) => Ok(match purpose.unwrap_or_default() {
                 Purpose::Impact => Method::impact($space).into_kernels(),
                 Purpose::ContactAtRest => Method::contact_at_rest($space).into_kernels(),
+                Purpose::MachineParts => Method::machine_parts($space).into_kernels(),
                 Purpose::LargeElastic => Method::large_elastic($space).into_kernels(),
             }),
             (Some(parts), None) => {

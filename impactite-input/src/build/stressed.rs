@@ -13,8 +13,12 @@ use crate::quantity::Pressure;
 
 /// Time over which a point is strained, s: slow for all laws with a rate.
 const SLOW: f64 = 1e6;
-/// Strain by which the stiffness is found.
-const PROBE: f64 = 1e-6;
+/// Part of the largest strain by which the stiffness is found: small, as what yields near by has another one. And the least such strain.
+const PROBE: f64 = 1e-4;
+const LEAST: f64 = 1e-8;
+/// Volumetric strain along each axis, of the sign of the mean stress, at which the search begins: soil without cohesion has no stiffness where
+/// it has no pressure.
+const START: f64 = 1e-4;
 /// Largest change of a strain in a step of Newton's method.
 const STRIDE: f64 = 0.05;
 /// Most steps.
@@ -104,7 +108,9 @@ pub(super) fn state(material: &dyn Material<f64>, stress: &[f64; 6]) -> Result<V
     if wanted == Vector6::zeros() {
         return Ok(material.virgin());
     }
-    let mut strain = Vector6::zeros();
+    let mean = stress[0] + stress[1] + stress[2];
+    let start = if mean == 0.0 { 0.0 } else { START.copysign(mean) };
+    let mut strain = Vector6::new(start, start, start, 0.0, 0.0, 0.0);
     let mut missed = f64::INFINITY;
     for _ in 0..STEPS {
         let (state, found) = strained(material, &strain)?;
@@ -114,11 +120,12 @@ pub(super) fn state(material: &dyn Material<f64>, stress: &[f64; 6]) -> Result<V
             return Ok(state);
         }
         let mut stiffness = Matrix6::zeros();
+        let size = PROBE * strain.amax().max(LEAST);
         for n in 0..6 {
             let mut probe = strain;
-            probe[n] += PROBE;
+            probe[n] += size;
             let (_, more) = strained(material, &probe)?;
-            stiffness.set_column(n, &((more - found) / PROBE));
+            stiffness.set_column(n, &((more - found) / size));
         }
         // Fluids have no stiffness against shear: of the strains that do not matter none.
         let least = 1e-9 * stiffness.amax();

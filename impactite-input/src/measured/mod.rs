@@ -186,6 +186,36 @@ impl Measures {
         Ok(None)
     }
 
+    /// What is missing at the end of a run that nothing ended before: values of `until` that were not passed, measures without a value.
+    ///
+    /// # Errors
+    /// A field that the law of a body does not keep.
+    pub fn missing(&self, solver: &dyn Solver) -> Result<Vec<String>, MeasureError> {
+        let mut list = Vec::new();
+        let bodies = solver.bodies();
+        for end in &self.ends {
+            let taken = &self.list[end.measure];
+            let value = self.value(&bodies, solver, taken)?;
+            let limits = [("below", end.below), ("above", end.above)];
+            let limits = limits.iter().filter_map(|(word, limit)| Some(format!("{word} {:.6e}", (*limit)?)));
+            let limits = limits.collect::<Vec<_>>().join(" or ");
+            list.push(format!(
+                "`until` did not end the run: `{}`, {value:.6e} at `end`, came not {limits}; take a later `end`",
+                taken.name
+            ));
+        }
+        for taken in &self.list {
+            if self.value(&bodies, solver, taken)?.is_nan() {
+                let why = match taken.what {
+                    Measurement::OverTime(_) => "nothing was there to measure between its `from` and `to`",
+                    _ => "nothing was there to measure at the end",
+                };
+                list.push(format!("`measures.{}` has no value: {why}", taken.name));
+            }
+        }
+        Ok(list)
+    }
+
     /// Their values, in SI units. Of a quarter model they are those of the quarter; of a point that is gone not a number.
     ///
     /// # Errors

@@ -1,6 +1,6 @@
 //! Values of measures at one time.
 
-use impactite::scene::{Account, Body, PointView, Solver};
+use impactite::scene::{Account, Body, PointView, Solver, Totals};
 
 use super::{Taken, find};
 use crate::model::Space;
@@ -65,14 +65,14 @@ pub(super) fn of(
             sum / mass
         }
         M::MeanVelocity(m) => {
-            let totals = find(&m.body)?.totals();
+            let totals = moving(find(&m.body)?);
             totals.momentum_now()[space.axis(m.axis)?] / totals.mass
         }
-        M::Momentum(m) => find(&m.body)?.totals().momentum_now()[space.axis(m.axis)?],
-        M::Kinetic(m) => find(&m.body)?.totals().kinetic_now(),
+        M::Momentum(m) => moving(find(&m.body)?).momentum_now()[space.axis(m.axis)?],
+        M::Kinetic(m) => moving(find(&m.body)?).kinetic_now(),
         M::Internal(m) => find(&m.body)?.totals().internal,
         M::AngularMomentum(m) => angular_momentum(space, find(&m.body)?, m)?,
-        M::Mass(m) if taken.region.is_none() => find(&m.body)?.totals().mass,
+        M::Mass(m) if taken.region.is_none() => moving(find(&m.body)?).mass,
         M::Mass(m) => summed(find(&m.body)?, &|p| if within(p) { p.mass } else { 0.0 }),
         M::Volume(m) => summed(find(&m.body)?, &|p| if within(p) { p.volume } else { 0.0 }),
         M::FailedShare(m) => {
@@ -166,7 +166,7 @@ fn balance(account: &Account, entry: Entry) -> f64 {
 
 /// Angular momentum about a place, L = L_0 - c x p with that about the origin, kg m^2/s.
 fn angular_momentum(space: Space, body: &dyn Body, of: &AngularMomentum) -> Result<f64, String> {
-    let totals = body.totals();
+    let totals = moving(body);
     let mut centre = [0.0; 3];
     match &of.about {
         Some(about) => about.iter().zip(&mut centre).for_each(|(at, c)| *c = at.value),
@@ -179,6 +179,24 @@ fn angular_momentum(space: Space, body: &dyn Body, of: &AngularMomentum) -> Resu
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let carried = centre[i] * totals.momentum[j] - centre[j] * totals.momentum[i];
     Ok(totals.angular_momentum[axis] - carried)
+}
+
+/// Mass, momentum, angular momentum and kinetic energy of a body. Those of a body of prescribed motion, which no balance has, are of its points.
+fn moving(body: &dyn Body) -> Totals {
+    let mut totals = body.totals();
+    if totals.mass == 0.0 {
+        body.for_each(&mut |p| {
+            let (x, v) = (p.position, p.velocity);
+            totals.mass += p.mass;
+            for d in 0..3 {
+                let (i, j) = ((d + 1) % 3, (d + 2) % 3);
+                totals.momentum[d] += p.mass * v[d];
+                totals.angular_momentum[d] += p.mass * (x[i] * v[j] - x[j] * v[i]);
+                totals.kinetic += 0.5 * p.mass * v[d] * v[d];
+            }
+        });
+    }
+    totals
 }
 
 /// A number of a point.

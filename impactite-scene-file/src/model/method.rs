@@ -234,6 +234,9 @@ pub enum Purpose {
     /// Bodies that rest on each other, piles, slopes.
     #[serde(rename = "contact at rest")]
     ContactAtRest,
+    /// Elastic bodies that bounce and roll on others.
+    #[serde(rename = "machine parts")]
+    MachineParts,
     /// Large elastic deformation of bodies that neither break nor flow.
     #[serde(rename = "large elastic")]
     LargeElastic,
