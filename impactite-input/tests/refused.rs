@@ -457,5 +457,5 @@ fn tables_and_shapes_of_bodies_that_are_not_there_are_refused() {
         text.replace("shape.box = { from = [0, 0], to = [1, 1] }", &shape)
     };
     refused(&cut("rod"), &["bodies.block.shape", "no body has the name `rod`"]);
-    refused(&cut("block"), &["bodies.block.shape", "is that of itself"]);
+    refused(&cut("block"), &["bodies.block.shape", "a shape that is not its own"]);
 }
