@@ -7,6 +7,7 @@ use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table, TableLike, Value};
 
 use crate::error::{Fault, InputError};
+use crate::hint::{helped, near};
 use crate::json;
 use crate::model::SceneFile;
 use crate::model::over_time::TableSpec;
@@ -431,19 +432,4 @@ fn down<'a>(item: &'a mut Item, step: &Step) -> Result<&'a mut Item, String> {
             item.get_mut(*n).ok_or_else(|| format!("[{n}] is asked for in a list of {count}"))
         }
     }
-}
-
-/// A message of serde, and what was probably meant.
-fn helped(message: &str) -> (String, Option<String>) {
-    let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
-    let unknown = ["unknown field", "unknown variant"].iter().any(|start| message.starts_with(start));
-    let (Some((&wrong, right)), true) = (names.split_first(), unknown) else { return (message.into(), None) };
-    (message.into(), near(wrong, right.iter().copied()).map(|name| format!("did you mean `{name}`?")))
-}
-
-/// The name that is most like another one, if it is much.
-pub(crate) fn near<'a>(wrong: &str, right: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let alike = |name: &&str| strsim::damerau_levenshtein(&wrong.to_lowercase(), &name.to_lowercase());
-    let best = right.into_iter().min_by_key(alike)?;
-    (alike(&best) <= 1 + wrong.chars().count() / 4).then_some(best)
 }

@@ -38,6 +38,7 @@ mod build;
 mod document;
 mod error;
 mod estimate;
+mod hint;
 mod json;
 pub mod keys;
 pub mod list;

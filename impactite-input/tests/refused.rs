@@ -459,3 +459,10 @@ fn tables_and_shapes_of_bodies_that_are_not_there_are_refused() {
     refused(&cut("rod"), &["bodies.block.shape", "no body has the name `rod`"]);
     refused(&cut("block"), &["bodies.block.shape", "a shape that is not its own"]);
 }
+
+#[test]
+fn a_key_that_stands_elsewhere_is_named() {
+    let text =
+        block("plane strain", r#"elastic = { density = 2000, young = "50 MPa", poisson = 0.3 }"#, "", "");
+    refused(&format!("{text}\n[[conditions]]\ntraction = 1\n"), &["conditions[", "`bodies.NAME.traction`"]);
+}

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use impactite::scene::SceneError;
 use impactite_scene_file::remedy::in_scene_files;
 
-use crate::document::near;
+use crate::hint::near;
 
 /// What is wrong with a scene, at a key.
 #[derive(Debug)]
