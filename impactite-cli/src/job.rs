@@ -93,6 +93,15 @@ pub struct Outcome {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured(pub String, #[serde(with = "number")] pub f64, pub String);
 
+impl std::fmt::Display for Measured {
+    /// Value and unit, with as many digits as the precision says; in words where there is none.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Measured(_, value, unit) = self;
+        let digits = f.precision().unwrap_or(6);
+        if value.is_nan() { write!(f, "no value") } else { write!(f, "{value:.digits$e} {unit}") }
+    }
+}
+
 /// Numbers in JSON, which has no infinities and no NaN: `null`.
 mod number {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};

@@ -12,7 +12,7 @@ use impactite::parallel::Team;
 use impactite::scene::RunError;
 use impactite_cli::converge::{Refinement, converge};
 use impactite_cli::folder::CHECKPOINT;
-use impactite_cli::job::{Measured, seconds_a_step};
+use impactite_cli::job::seconds_a_step;
 use impactite_cli::lists;
 use impactite_cli::resume::{Swept, resume};
 use impactite_cli::sweep::{PLAN, Point, Values, sweep};
@@ -434,10 +434,7 @@ fn print_sweep(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
         let values = point.values.join(", ");
         match &point.outcome {
             Ok(outcome) => {
-                let list = outcome
-                    .measures
-                    .iter()
-                    .map(|Measured(name, value, unit)| format!("{name} {value:.5e} {unit}"));
+                let list = outcome.measures.iter().map(|measured| format!("{} {measured:.5}", measured.0));
                 print_words(format_args!("{values}: {}", list.collect::<Vec<_>>().join(", ")))?;
             }
             Err(why) => print_words(format_args!("{values}: failed: {why}"))?,
@@ -476,12 +473,8 @@ fn print_json(result: &impl serde::Serialize) -> Result<(), CliError> {
 
 /// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
 fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
-    for Measured(name, value, unit) in &outcome.measures {
-        if value.is_nan() {
-            print_words(format_args!("{name}: no value"))?;
-        } else {
-            print_words(format_args!("{name}: {value:.6e} {unit}"))?;
-        }
+    for measured in &outcome.measures {
+        print_words(format_args!("{}: {measured:.6}", measured.0))?;
     }
     let mut checks: Vec<_> = outcome.checks.iter().collect();
     checks.sort_by_key(|c| c.pass != Some(false));

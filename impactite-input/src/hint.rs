@@ -18,7 +18,7 @@ pub(crate) fn helped(message: &str) -> (String, Option<String>) {
 fn elsewhere(name: &str) -> Option<String> {
     let mut paths: Vec<String> = keys::all().into_iter().map(|key| key.path).collect();
     paths.retain(|path| path.rsplit('.').next() == Some(name));
-    paths.sort_by_key(|path| path.matches('.').count());
+    paths.sort_by_cached_key(|path| (path.matches('.').count(), path.clone()));
     paths.dedup();
     paths.truncate(NAMED);
     let list = paths.iter().map(|path| format!("`{path}`")).collect::<Vec<_>>().join(", ");

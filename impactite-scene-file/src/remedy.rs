@@ -41,7 +41,8 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("take FLIP or a blend", "take `method.mpm.parts.transfer = \"flip\"` or `\"blend\"`"),
     remedy(
         "FLIP with MUSL where nothing spins, AFLIP with USF",
-        "FLIP with MUSL where nothing spins (`method.mpm.for = \"machine parts\"`)",
+        "FLIP with MUSL where nothing spins (`method.mpm.for = \"machine parts\"` or, instead of `method.mpm.for`, `method.mpm.parts = { shape_function = \"linear\", \
+         transfer = \"flip\", stress_update = \"musl\" }`)",
     ),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(

@@ -86,7 +86,7 @@ impl<E> Method<QuadraticBSpline, Apic, Usl, E> {
 impl<E> Method<CpGimp, Flip, Musl, E> {
     /// For elastic bodies that bounce and roll on others: cpGIMP, FLIP, velocities mapped twice. What contact of bodies loses on nodes a cell away
     /// is least with it (book, "Walls and floors"), and particles that cross cells make less noise than with linear shape functions. Nothing damps
-    /// what vibrates, and bodies that spin freely for many turns lose angular momentum.
+    /// what vibrates: soft bodies that rest on few cells in space feed noise, and bodies that spin freely for many turns lose angular momentum.
     pub fn machine_parts(embedding: E) -> Self {
         Method::new(CpGimp, Flip, Musl, embedding)
     }

@@ -196,13 +196,16 @@ impl Measures {
         for end in &self.ends {
             let taken = &self.list[end.measure];
             let value = self.value(&bodies, solver, taken)?;
-            let limits = [("below", end.below), ("above", end.above)];
-            let limits = limits.iter().filter_map(|(word, limit)| Some(format!("{word} {:.6e}", (*limit)?)));
-            let limits = limits.collect::<Vec<_>>().join(" or ");
-            list.push(format!(
-                "`until` did not end the run: `{}`, {value:.6e} at `end`, came not {limits}; take a later `end`",
-                taken.name
-            ));
+            let name = &taken.name;
+            for (word, limit, armed) in
+                [("below", end.below, end.armed[0]), ("above", end.above, end.armed[1])]
+            {
+                let Some(limit) = limit else { continue };
+                let why = if armed { "never was" } else { "never was anything but" };
+                list.push(format!(
+                    "`until` did not end the run: `{name}`, {value:.6e} at `end`, {why} {word} {limit:.6e}; take a later `end`"
+                ));
+            }
         }
         for taken in &self.list {
             if self.value(&bodies, solver, taken)?.is_nan() {

@@ -254,6 +254,7 @@ const TOO_WIDE: &str = "5.4 % too wide with 10 cells on the radius, as particles
 const FINE: u32 = 10;
 const COARSE: &str = "half a cell of the bar is stopped at once, and the face is some cells wide";
 
+/// Why the length of coarse bars in plane strain is missed.
 const STOPPED: &str = "1 to 2 % too long with few cells: the wall stops particles at their surfaces, and elements at their own nodes";
 
 /// What of it is judged, and by what.
