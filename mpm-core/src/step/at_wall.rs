@@ -1,6 +1,9 @@
 //! Surfaces of particles at a wall, and what holds them there ([`super::meet_walls`]).
 
 use super::near_particles::{FOUND, NearParticles, SWEEPS};
+
+/// Mass of a body's surface that acts on a node behind a wall, over its own mass, from which the node moves with the one in front of it.
+const THIN: f64 = 10.0;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::{Boundary, Side};
 
@@ -53,6 +56,8 @@ pub(super) struct AtWall<const D: usize> {
     pub(super) order: Vec<usize>,
     /// Places of nodes of next to no mass among all of the grid, which move as the wall does.
     pub(super) light: Vec<u32>,
+    /// Nodes behind the wall of so little mass that they move with the one in front, and that one, by place among those of `near`.
+    pub(super) tied: Vec<(u32, u32)>,
 }
 
 /// The surface of a particle at a wall.
@@ -160,6 +165,63 @@ impl<const D: usize> AtWall<D> {
         self.pressing.extend(pressing.map(|&p| (bodies[p], numbers[p])));
     }
 
+    /// Tie nodes behind a wall to those in front of them, one cell of `spacing` on, where the mass that they have is small beside that of the
+    /// surfaces which act on them: `masses` are those of the particles. The force of the wall acts at surfaces, half a particle in front of the mass
+    /// that a node gets, and would throw a node that particles have just reached. Both are one node from here on, of both masses and momenta,
+    /// until [`AtWall::part`].
+    pub(super) fn tie(&mut self, wall: &Plane<D>, masses: &[f64], spacing: f64) {
+        self.tied.clear();
+        let (axis, near) = (wall.axis, &mut self.near);
+        let behind = |x: &[f64; D]| wall.distance(x) < -1e-6 * spacing;
+        if !near.nodes.iter().any(|node| behind(&node.position)) {
+            return;
+        }
+        let mut acting = vec![0.0; near.nodes.len()];
+        for (p, mass) in masses.iter().enumerate() {
+            near.weights(p).iter().for_each(|(node, w)| acting[*node as usize] += w[axis].abs() * mass);
+        }
+        let thin: Vec<bool> = near
+            .nodes
+            .iter()
+            .zip(&acting)
+            .map(|(node, acting)| behind(&node.position) && *acting > THIN * node.mass)
+            .collect();
+        for p in 0..masses.len() {
+            near.fold_to_front(p, &thin, (axis, wall.sign * spacing), &mut self.tied);
+        }
+        self.tied.sort_unstable();
+        self.tied.dedup();
+        for &(node, front) in &self.tied {
+            let (thin, front) = (near.nodes[node as usize], &mut near.nodes[front as usize]);
+            let mass = front.mass + thin.mass;
+            let mean = |a: f64, b: f64| (front.mass * a + thin.mass * b) / mass;
+            let velocity: [f64; D] = std::array::from_fn(|d| mean(front.velocity[d], thin.velocity[d]));
+            let start = front
+                .start
+                .zip(thin.start)
+                .map(|(a, b)| std::array::from_fn(|d| mean(a[d], b[d])));
+            (0..D).for_each(|d| front.change[d] += velocity[d] - front.velocity[d]);
+            (front.velocity, front.start, front.mass) = (velocity, start.or(front.start), mass);
+        }
+    }
+
+    /// Have tied nodes move as those in front of them do, which get back their own masses.
+    pub(super) fn part(&mut self) {
+        let nodes = &mut self.near.nodes;
+        for &(node, front) in &self.tied {
+            let velocity = nodes[front as usize].velocity;
+            nodes[front as usize].mass -= nodes[node as usize].mass;
+            let thin = &mut nodes[node as usize];
+            (0..D).for_each(|d| thin.change[d] += velocity[d] - thin.velocity[d]);
+            thin.velocity = velocity;
+        }
+    }
+
+    /// Have tied nodes take velocities across the wall of those in front of them.
+    pub(super) fn follow(&self, velocities: &mut [f64]) {
+        self.tied.iter().for_each(|(node, front)| velocities[*node as usize] = velocities[*front as usize]);
+    }
+
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
         self.near.bytes()
@@ -168,6 +230,7 @@ impl<const D: usize> AtWall<D> {
             + self.shown.capacity() * size_of::<f64>()
             + self.order.capacity() * size_of::<usize>()
             + self.light.capacity() * size_of::<u32>()
+            + self.tied.capacity() * size_of::<(u32, u32)>()
     }
 
     /// What is known from step to step, to a file or from one.

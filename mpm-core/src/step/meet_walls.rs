@@ -89,7 +89,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let known = !mapped && !self.kernels.facts().maps_together;
         let step = dt.to_double();
-        let AtWall { pressing, near, surfaces, shown, order, light } = at;
+        let AtWall { pressing, near, surfaces, light, .. } = at;
         near.clear();
         surfaces.clear();
         let rounding = RefCell::new(std::mem::take(light));
@@ -98,7 +98,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let (margin, touches) = (0.1 * spacing, TOUCHES * spacing);
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
-        let (mut shifted, mut full) = (Vec::new(), 0.0f64);
+        let (mut shifted, mut full, mut masses) = (Vec::new(), 0.0f64, Vec::new());
         for (body, particles) in self.scene.bodies.iter().enumerate() {
             let Some(particles) = particles.meets_surfaces() else { continue };
             let with_mass = self.grid.near_node(body as u32, (cutoff, known, dt));
@@ -128,6 +128,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     stop: 0.0,
                     passes: [0.0; 2],
                 });
+                masses.push(particle.mass);
                 full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();
@@ -140,6 +141,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             });
         }
         *light = rounding.into_inner();
+        at.tied.clear();
+        if known {
+            at.tie(wall, &masses, spacing);
+        }
+        let AtWall { near, surfaces, shown, order, .. } = at;
         let end = self.clock.time + step;
         let tolerance = 1e-6 * spacing;
         let copies = if self.facts().wide() { 1.5 * spacing } else { 0.0 };
@@ -192,7 +198,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 velocities.iter_mut().zip(&mut at.near.nodes).zip(changes).zip(&at.shown)
             {
                 *v += if change == 0.0 { 0.0 } else { change * step / (node.mass * shown) };
-                node.change[axis] = *v - node.velocity[axis];
+                node.change[axis] += *v - node.velocity[axis];
                 node.velocity[axis] = *v;
             }
         }
@@ -222,6 +228,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
         }
         at.note();
+        at.part();
+        at.follow(&mut velocities);
         self.push_nodes(&at.near, dt);
         self.move_nodes(at, wall, &velocities, dt);
     }
@@ -247,6 +255,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             if remapped { node.second[axis + 1].to_double() } else { node.first[axis + 1].to_double() }
         }));
         at.hold(wall, &mut velocities, dt.to_double());
+        at.follow(&mut velocities);
         if !remapped {
             self.move_nodes(at, wall, &velocities, dt);
             return;

@@ -144,6 +144,40 @@ impl<const D: usize> NearParticles<D> {
         &self.weights[self.starts[particle]..self.starts[particle + 1]]
     }
 
+    /// Give the weights of a particle at `thin` nodes to those a cell on, by `along` an axis, until they are not thin, and note which to which.
+    pub(super) fn fold_to_front(
+        &mut self,
+        particle: usize,
+        thin: &[bool],
+        (axis, along): (usize, f64),
+        folded: &mut Vec<(u32, u32)>,
+    ) {
+        let NearParticles { starts, weights, nodes, .. } = self;
+        let weights = &mut weights[starts[particle]..starts[particle + 1]];
+        for n in 0..weights.len() {
+            let node = weights[n].0;
+            if !thin[node as usize] {
+                continue;
+            }
+            let at = nodes[node as usize].position;
+            // Of those in its column the first that is not thin.
+            let cells = |x: &[f64; D]| {
+                let beside = (0..D).all(|d| d == axis || (x[d] - at[d]).abs() < 0.1 * along.abs());
+                let cells = (x[axis] - at[axis]) / along;
+                (beside && cells > 0.5).then_some(cells)
+            };
+            let front = (0..weights.len())
+                .filter(|m| !thin[weights[*m].0 as usize])
+                .filter_map(|m| cells(&nodes[weights[m].0 as usize].position).map(|cells| (cells, m)))
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((_, front)) = front {
+                let given = std::mem::replace(&mut weights[n].1, [0.0; D]);
+                (0..D).for_each(|d| weights[front].1[d] += given[d]);
+                folded.push((node, weights[front].0));
+            }
+        }
+    }
+
     /// The velocities that they will move with, m/s.
     pub fn velocities(&self, list: &mut Vec<[f64; D]>) {
         list.clear();
