@@ -4,7 +4,7 @@ use fem::{ContactSurface, Fem};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::parameter;
 use impactite_scene::{
-    Archive, Body, Boundary, CheckpointError, Exchange, PointView, SceneError, Solver, StepError, Stopped,
+    Archive, Body, Boundary, Bounds, CheckpointError, Exchange, Parts, PointView, SceneError, Solver, StepError, Stopped,
     Totals, Watch,
 };
 use impactite_simd::Team;
@@ -393,9 +393,19 @@ impl<const D: usize> Body for Elements<D> {
         Some(sum)
     }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        let mut held = Bounds::default();
+        for corners in self.fem.element_bodies().iter().filter_map(|b| b.bounds(dimensions, axisymmetric)) {
+            corners.iter().for_each(|corner| held.hold_place(corner, 0.0));
+        }
+        held.corners()
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let mut before = 0;
         for body in self.fem.element_bodies() {
-            body.for_each(&mut |point| visit(&PointView { number: before + point.number, ..point.clone() }));
+            body.for_each_with(parts, &mut |point| visit(&PointView { number: before + point.number, ..point.clone() }));
             before += Body::len(body);
         }
     }

@@ -1,6 +1,6 @@
 //! A body as others see it: points are its elements, and nodes for the mass of elements that left.
 
-use impactite_scene::{Archive, Body, CheckpointError, Exchange, PointView, Totals};
+use impactite_scene::{Archive, Body, Bounds, CheckpointError, Exchange, Parts, PointView, Totals};
 
 use crate::body::{ElementBody, Node};
 use crate::set::{Set, wide};
@@ -106,22 +106,50 @@ impl<const D: usize> ElementBody<D> {
         centre
     }
 
-    /// An element as a point.
+    /// Nodes with the mass of elements that left.
+    fn for_each_debris(&self, visit: &mut dyn FnMut(&PointView)) {
+        for (n, &mass) in self.debris.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
+            visit(&PointView {
+                number: self.elements + n,
+                position: wide(&self.nodes[n].position),
+                velocity: wide(&self.velocity_now(n)),
+                mass,
+                volume: mass / self.probe.density,
+                in_range: true,
+                failed: true,
+                state: self.virgin.clone(),
+                ..PointView::default()
+            });
+        }
+    }
+
+    /// Parts of an element as a point.
     fn point(
         &self,
         set: &Set,
         batch: &Batch,
-        (e, number): (usize, u32),
+        (e, number, parts): (usize, u32, Parts),
         state: &mut [f64],
         to: &mut PointView,
     ) {
         let points = set.sweep.points();
-        let (volume, n) = (set.volume(batch, e), set.sweep.nodes() as f64);
+        let n = set.sweep.nodes() as f64;
+        (to.number, to.width) = (number as usize, None);
         (to.position, to.velocity, to.stress) = (self.centre(set, batch, e), [0.0; 3], [0.0; 6]);
         (to.in_range, to.failed) = (true, false);
         for node in set.nodes_of(batch, e) {
             let v = wide(&self.velocity_now(node as usize));
             (0..3).for_each(|d| to.velocity[d] += v[d] / n);
+        }
+        to.corners.clear();
+        to.corners.extend(set.nodes_of(batch, e).map(|n| wide(&self.nodes[n as usize].position)));
+        if parts == Parts::NONE {
+            return;
+        }
+        let volume = set.volume(batch, e);
+        to.mass = volume * self.probe.density;
+        if parts == Parts::MASS {
+            return;
         }
         to.state.iter_mut().for_each(|x| *x = 0.0);
         let mut ratio = 0.0;
@@ -134,14 +162,10 @@ impl<const D: usize> ElementBody<D> {
             to.in_range &= said.in_range;
             to.failed |= said.failed;
         }
-        to.number = number as usize;
-        to.mass = volume * self.probe.density;
         to.volume = volume * ratio;
-        let corners: Vec<_> =
-            set.nodes_of(batch, e).map(|n| wide(&self.nodes[n as usize].position)).collect();
-        to.half_edges = set.sweep.measure(&corners).half_edges.unwrap_or_default();
-        to.corners = corners;
-        to.width = None;
+        if parts.size {
+            to.half_edges = set.sweep.measure(&to.corners).half_edges.unwrap_or_default();
+        }
     }
 
     /// Everything that changes in a run, and what the body is made of.
@@ -227,27 +251,35 @@ impl<const D: usize> Body for ElementBody<D> {
     /// Elements, by kind and in the order they are computed in, with means over their integration points and nodes; then nodes with the
     /// mass of elements that left, with numbers beyond those of the elements, without stress.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        let mut held = Bounds::default();
+        let mut hold = |n: u32| held.hold_place(&wide(&self.nodes[n as usize].position), 0.0);
+        for set in &self.sets {
+            let points = set.sweep.points();
+            for batch in &set.batches {
+                let alive = |e: &usize| batch.alive(*e, points);
+                if (0..batch.elements).all(|e| alive(&e)) {
+                    batch.nodes.iter().for_each(|n| hold(*n));
+                } else {
+                    (0..batch.elements).filter(alive).for_each(|e| set.nodes_of(batch, e).for_each(&mut hold));
+                }
+            }
+        }
+        self.for_each_debris(&mut |p| held.hold(p, dimensions, axisymmetric));
+        held.corners()
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let mut state = vec![0.0; self.virgin.len()];
         let mut point = PointView { state: state.clone(), ..PointView::default() };
         for set in &self.sets {
             for (batch, e, number) in set.alive() {
-                self.point(set, batch, (e, number), &mut state, &mut point);
+                self.point(set, batch, (e, number, parts), &mut state, &mut point);
                 visit(&point);
             }
         }
-        for (n, &mass) in self.debris.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
-            visit(&PointView {
-                number: self.elements + n,
-                position: wide(&self.nodes[n].position),
-                velocity: wide(&self.velocity_now(n)),
-                mass,
-                volume: mass / self.probe.density,
-                in_range: true,
-                failed: true,
-                state: self.virgin.clone(),
-                ..PointView::default()
-            });
-        }
+        self.for_each_debris(visit);
     }
     fn bytes(&self) -> usize {
         self.sets.iter().map(Set::bytes).sum::<usize>()

@@ -1,7 +1,7 @@
 //! A body as others see it, and in files.
 
 use impactite_scene::constants::over;
-use impactite_scene::{Archive, Body, CheckpointError, Condition, PointView, Totals};
+use impactite_scene::{Archive, Body, Bounds, CheckpointError, Condition, Parts, PointView, Totals};
 
 use crate::method::Composition;
 use crate::open::OpenFace;
@@ -222,23 +222,35 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     }
     /// Cells as they are sorted in space, with the numbers of their [`Cells`](crate::Cells).
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        let mut held = Bounds::default();
+        self.for_each_with(Parts::NONE, &mut |p| held.hold(p, dimensions, axisymmetric));
+        held.corners()
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let (mut point, force) = (PointView::default(), self.force_now());
         point.state.resize(self.virgin.len(), 0.0);
         for (i, trace) in self.traces.iter().enumerate() {
-            let batch = &self.batches[i / BATCH];
-            batch.read(i % BATCH, &mut point.state);
-            let said = self.material.describe_point(&point.state);
             point.number = self.numbers[i] as usize;
             point.position = wide(&self.position(i));
             point.velocity = wide(&self.velocity_at(i, &force));
             point.mass = self.mass[i];
+            let of = |x: &[f64; D]| wide(&along(x, 1.0, &trace.at(&difference(x, &self.reference[i]))));
+            point.corners.clear();
+            point.corners.extend(self.corners[i].iter().map(of));
+            if !parts.size && !parts.law {
+                visit(&point);
+                continue;
+            }
+            let batch = &self.batches[i / BATCH];
+            batch.read(i % BATCH, &mut point.state);
+            let said = self.material.describe_point(&point.state);
             point.volume = self.volume[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
             point.in_range = said.as_ref().is_none_or(|said| said.in_range);
             point.failed = said.as_ref().is_some_and(|said| said.failed);
-            let of = |x: &[f64; D]| wide(&along(x, 1.0, &trace.at(&difference(x, &self.reference[i]))));
-            point.corners.clear();
-            point.corners.extend(self.corners[i].iter().map(of));
             let (f, half) = (with_identity(&trace.h), 0.5 * self.sizes[i]);
             for d in 0..D {
                 for c in 0..D {

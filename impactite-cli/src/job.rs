@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use impactite::observe::{
-    HistoryCsv, LineKind, ObserveError, Observer, Pace, Pictures, Progress, RunView, VtkSeries,
+    Background, HistoryCsv, LineKind, ObserveError, Observer, Pace, Pictures, Progress, RunView, VtkSeries,
 };
 use impactite::output::Column;
 use impactite::parallel::Team;
@@ -273,15 +273,18 @@ impl Job {
                 _ => tracing::info!("{line}"),
             });
         let mut progress = Shown { bar, advance: self.advance.clone(), last: None };
+        // With one thread nothing else runs.
+        let background = if threads > 1 { Background::new() } else { Background::none() };
         let mut pictures = Pictures::drawn_by(
             folder.join(PICTURES),
             SERIES,
             pace(out.pictures.map(|q| q.value), PICTURE_STEPS)?,
             Draws::new(scene),
-        )?;
+        )?
+        .in_background(&background);
         let mut frames =
             VtkSeries::create(folder.join(FRAMES), SERIES, pace(out.frames.map(|q| q.value), FRAME_STEPS)?)?;
-        frames = frames.with_format(self.source.frame_format(scene)?);
+        frames = frames.with_format(self.source.frame_format(scene)?).in_background(&background);
         if out.fields.as_ref().is_none_or(|fields| fields.iter().any(|f| f == "displacement")) {
             frames = frames.with_displacement();
         }

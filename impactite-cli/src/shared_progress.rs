@@ -99,9 +99,7 @@ impl Observer for Shown {
             None => self.bar.warned(warning),
         }
     }
-    fn finish(&mut self) {
-        if self.advance.is_none() {
-            self.bar.finish();
-        }
+    fn finish(&mut self) -> Result<(), ObserveError> {
+        if self.advance.is_none() { self.bar.finish() } else { Ok(()) }
     }
 }

@@ -57,7 +57,7 @@ pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError>
     let mut encoder = Encoder::new(&mut bytes, before.width as u32, before.height as u32);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
-    encoder.set_compression(Compression::Balanced);
+    encoder.set_compression(Compression::Fast);
     encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
     encoder.set_blend_op(BlendOp::Source).map_err(failed)?;
     encoder.set_dispose_op(DisposeOp::None).map_err(failed)?;

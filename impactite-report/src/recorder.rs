@@ -497,8 +497,9 @@ impl Observer for Recorder {
         }
     }
 
-    fn finish(&mut self) {
+    fn finish(&mut self) -> Result<(), ObserveError> {
         self.clock.look();
+        Ok(())
     }
 }
 

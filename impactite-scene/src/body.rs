@@ -170,6 +170,85 @@ impl PointView {
         };
         if size.is_finite() && size > 0.0 { size } else { f64::MIN_POSITIVE }
     }
+
+    /// Is it drawn wider than that, m? As [`PointView::drawn_width`] says, without a root; what has no width is not.
+    #[must_use]
+    pub fn is_wider(&self, than: f64, dimensions: usize, axisymmetric: bool) -> bool {
+        if than <= 0.0 {
+            return true;
+        }
+        match (self.width, dimensions, axisymmetric) {
+            (Some(width), ..) => width > than,
+            (None, 3, _) => self.volume > than * than * than,
+            (None, _, true) => self.volume / self.position[0] > than * than,
+            (None, _, false) => self.volume > than * than,
+        }
+    }
+}
+
+/// Parts of a [`PointView`] that cost something to find out. Number, position, velocity and corners are always there; parts that are not asked
+/// for may be those of another point.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Parts {
+    /// [`PointView::mass`].
+    pub mass: bool,
+    /// [`PointView::volume`], [`PointView::width`] and [`PointView::half_edges`].
+    pub size: bool,
+    /// What the law says: stress, range, failure and state.
+    pub law: bool,
+}
+
+impl Parts {
+    /// All of them.
+    pub const ALL: Parts = Parts { mass: true, size: true, law: true };
+    /// None of them.
+    pub const NONE: Parts = Parts { mass: false, size: false, law: false };
+    /// The mass.
+    pub const MASS: Parts = Parts { mass: true, ..Parts::NONE };
+    /// The size.
+    pub const SIZE: Parts = Parts { size: true, ..Parts::NONE };
+}
+
+/// A box that grows with the points that it holds, for [`Body::bounds`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Default for Bounds {
+    fn default() -> Self {
+        Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] }
+    }
+}
+
+impl Bounds {
+    /// Hold a place, m, and what is so far from it.
+    pub fn hold_place(&mut self, place: &[f64; 3], reach: f64) {
+        for d in 0..3 {
+            self.low[d] = self.low[d].min(place[d] - reach);
+            self.high[d] = self.high[d].max(place[d] + reach);
+        }
+    }
+    /// Hold a particle as wide as it is drawn, or the corners of an element.
+    pub fn hold(&mut self, p: &PointView, dimensions: usize, axisymmetric: bool) {
+        if !p.corners.is_empty() {
+            p.corners.iter().for_each(|corner| self.hold_place(corner, 0.0));
+            return;
+        }
+        // Roots only of what may reach out.
+        let inside = |d: usize| (p.position[d] - self.low[d]).min(self.high[d] - p.position[d]);
+        let room = (0..dimensions.min(3)).map(inside).fold(f64::INFINITY, f64::min);
+        // A little less, as widths are rounded.
+        if !(room > 0.0) || p.is_wider(2.0 * room * (1.0 - 1e-12), dimensions, axisymmetric) {
+            self.hold_place(&p.position, 0.5 * p.drawn_width(dimensions, axisymmetric));
+        }
+    }
+    /// Its lowest and highest corner, m; none of an empty one.
+    #[must_use]
+    pub fn corners(&self) -> Option<[[f64; 3]; 2]> {
+        (self.low[0] <= self.high[0]).then_some([self.low, self.high])
+    }
 }
 
 /// A body of any method, as the run loop and observers see it.
@@ -199,6 +278,18 @@ pub trait Body {
     }
     /// Call `visit` for every point, in an order that depends on nothing but the scene.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView));
+    /// [`Body::for_each`] of which `visit` reads these parts alone: the others need not be found out.
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
+        let _ = parts;
+        self.for_each(visit);
+    }
+    /// Corners, m, of the smallest box along the axes that holds its matter: particles as wide as they are drawn, elements up to their nodes. None
+    /// without a point.
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        let mut held = Bounds::default();
+        self.for_each_with(Parts::SIZE, &mut |p| held.hold(p, dimensions, axisymmetric));
+        held.corners()
+    }
     /// All points, by number.
     fn points(&self) -> Vec<PointView> {
         let mut all = Vec::with_capacity(self.len());

@@ -44,7 +44,7 @@ pub mod watch;
 
 pub use archive::{Archive, CheckpointError};
 pub use balance::Account;
-pub use body::{Body, PointView, Staggered, Totals};
+pub use body::{Body, Bounds, Parts, PointView, Staggered, Totals};
 pub use boundary::{Boundary, Side};
 pub use centre::CentreLead;
 pub use clock::Clock;

@@ -246,9 +246,12 @@ impl<'a> Run<'a> {
     /// A step that cannot be made, an observer that cannot look, a checkpoint that cannot be written, an end before the time
     /// reached. Observers are told that the run is over in any case.
     pub fn until(&mut self, end: f64) -> Result<RunSummary, RunError> {
-        let result = self.steps(end);
+        let mut result = self.steps(end);
+        let time = self.solver.time();
         for observer in &mut self.observers {
-            observer.finish();
+            if let Err(source) = observer.finish() {
+                result = result.and(Err(RunError::Observe { time, source }));
+            }
         }
         result
     }

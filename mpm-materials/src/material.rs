@@ -223,6 +223,10 @@ pub trait Material<T: Float>: Send + Sync {
     fn describe_point(&self, state: &[T]) -> Option<Described<T>>;
     /// [`Constitutive::step_speed`] of one state, m/s; nothing unless it has [`Material::numbers`] numbers.
     fn step_speed(&self, state: &[T], length: T) -> Option<T>;
+    /// [`Constitutive::volume_ratio`] of one state; nothing unless it has [`Material::numbers`] numbers.
+    fn volume_ratio_of(&self, state: &[T]) -> Option<T> {
+        self.describe_point(state).map(|said| said.volume_ratio)
+    }
     /// Internal energy per reference volume of one state, J/m^3; nothing unless it has [`Material::numbers`] numbers.
     fn energy_of(&self, state: &[T]) -> Option<T>;
     /// Heat of viscosity per reference volume of one state, J/m^3, which is part of its energy; zero unless the law knows it and the state has
@@ -578,6 +582,9 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
             in_range: Mask::all(self.law.in_range(&now)),
             failed: self.law.failed(&now).any(),
         })
+    }
+    fn volume_ratio_of(&self, state: &[T]) -> Option<T> {
+        Some(self.law.volume_ratio(&single::<T, C>(state)?).into())
     }
     fn step_speed(&self, state: &[T], length: T) -> Option<T> {
         Some(self.law.step_speed(&single::<T, C>(state)?, T::Single::from(length)).into())

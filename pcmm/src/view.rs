@@ -1,6 +1,6 @@
 //! A body as others see it.
 
-use impactite_scene::{Body, Embedding, PointView, Totals};
+use impactite_scene::{Body, Bounds, Embedding, Parts, PointView, Totals};
 use mpm_materials::material::Described;
 
 use crate::audit::Coverage;
@@ -93,18 +93,31 @@ impl<const D: usize, M: Composition<D>> Body for Pcmm<D, M> {
     }
     /// Particles in their order, with the mean of the states of their elements.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        // The width of a particle is that of its sphere.
+        let mut held = Bounds::default();
+        self.for_each_with(Parts::NONE, &mut |p| held.hold(p, dimensions, axisymmetric));
+        held.corners()
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let (mut point, mut scratch) = (PointView::default(), Vec::new());
         let density = self.material.density();
         point.state.resize(self.virgin.len(), 0.0);
         for (n, p) in self.particles.iter().enumerate() {
-            self.mean_state(n, &mut point.state, &mut scratch);
-            let said = self.material.describe_point(&point.state);
             point.number = n;
             (0..D).for_each(|d| point.position[d] = p.position[d] - self.lead.way()[d]);
             point.velocity[..D].copy_from_slice(&p.velocity);
             point.mass = p.mass;
-            point.volume = p.mass / density * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.width = Some(2.0 * p.radius);
+            if !parts.size && !parts.law {
+                visit(&point);
+                continue;
+            }
+            self.mean_state(n, &mut point.state, &mut scratch);
+            let said = self.material.describe_point(&point.state);
+            point.volume = p.mass / density * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
             point.in_range = said.as_ref().is_none_or(|said| said.in_range);
             point.failed = said.as_ref().is_some_and(|said| said.failed);

@@ -1,6 +1,6 @@
 //! A body as others see it.
 
-use impactite_scene::{Body, PointView, Totals};
+use impactite_scene::{Body, Parts, PointView, Totals};
 use mpm_contact::vector::wide;
 
 use crate::load::Outer;
@@ -144,16 +144,23 @@ impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
     }
     /// Particles as they are sorted in space, with the numbers of the layout.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let (mut point, outer) = (PointView::default(), self.outer_now());
         point.state.resize(self.virgin.len(), 0.0);
         for (i, x) in self.positions.iter().enumerate() {
-            let batch = &self.batches[i / BATCH];
-            batch.read(i % BATCH, &mut point.state);
-            let said = self.material.describe_point(&point.state);
             point.number = self.numbers[i] as usize;
             point.position = wide(x);
             point.velocity = wide(&self.velocity_at(i, &outer));
             point.mass = self.mass(i);
+            if !parts.size && !parts.law {
+                visit(&point);
+                continue;
+            }
+            let batch = &self.batches[i / BATCH];
+            batch.read(i % BATCH, &mut point.state);
+            let said = self.material.describe_point(&point.state);
             point.volume = self.reference[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
             point.in_range = said.as_ref().is_none_or(|said| said.in_range);

@@ -16,6 +16,7 @@ use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 use crate::quantity::{Length, Quantity, Time};
 use past::{Past, Sample};
+use value::Now;
 
 /// A measure that the scene cannot give.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -141,7 +142,7 @@ impl Measures {
         if !self.looks() || self.looked.replace(steps) == Some(steps) {
             return Ok(());
         }
-        let (time, bodies) = (solver.time(), solver.bodies());
+        let (time, now) = (solver.time(), Now::new(self.space, solver));
         for taken in &mut self.list {
             if let Measurement::ConditionForce(of) = &taken.what {
                 let axis = self.space.axis(of.axis).unwrap_or_default();
@@ -151,14 +152,14 @@ impl Measures {
         for n in 0..self.list.len() {
             let Measurement::OverTime(over) = &self.list[n].what else { continue };
             let Some(other) = self.list.iter().find(|taken| taken.name == over.of) else { continue };
-            let value = self.value(&bodies, solver, other)?;
+            let value = self.value(&now, other)?;
             let mean = matches!(other.what, Measurement::ConditionForce(_) | Measurement::ContactForce(_));
             let time_of = |at: &Option<_>, else_at| at.as_ref().map_or(else_at, |q: &Quantity<Time>| q.value);
             let window = [time_of(&over.from, 0.0), time_of(&over.to, f64::INFINITY)];
             self.list[n].past.enter(Sample { time, value }, window, mean);
         }
         for n in 0..self.ends.len() {
-            let value = self.value(&bodies, solver, &self.list[self.ends[n].measure])?;
+            let value = self.value(&now, &self.list[self.ends[n].measure])?;
             let end = &mut self.ends[n];
             end.armed[0] |= end.below.is_some_and(|below| value >= below);
             end.armed[1] |= end.above.is_some_and(|above| value <= above);
@@ -171,10 +172,10 @@ impl Measures {
     /// # Errors
     /// A field that the law of a body does not keep.
     pub fn ended(&self, solver: &dyn Solver) -> Result<Option<String>, MeasureError> {
-        let bodies = solver.bodies();
+        let now = Now::new(self.space, solver);
         for end in &self.ends {
             let (taken, [below, above]) = (&self.list[end.measure], end.armed);
-            let value = self.value(&bodies, solver, taken)?;
+            let value = self.value(&now, taken)?;
             let name = &taken.name;
             if let Some(limit) = end.below.filter(|limit| below && value < *limit) {
                 return Ok(Some(format!("`{name}` is {value:.6e}, below {limit:.6e}")));
@@ -192,10 +193,10 @@ impl Measures {
     /// A field that the law of a body does not keep.
     pub fn missing(&self, solver: &dyn Solver) -> Result<Vec<String>, MeasureError> {
         let mut list = Vec::new();
-        let bodies = solver.bodies();
+        let now = Now::new(self.space, solver);
         for end in &self.ends {
             let taken = &self.list[end.measure];
-            let value = self.value(&bodies, solver, taken)?;
+            let value = self.value(&now, taken)?;
             let name = &taken.name;
             for (word, limit, armed) in
                 [("below", end.below, end.armed[0]), ("above", end.above, end.armed[1])]
@@ -208,7 +209,7 @@ impl Measures {
             }
         }
         for taken in &self.list {
-            if self.value(&bodies, solver, taken)?.is_nan() {
+            if self.value(&now, taken)?.is_nan() {
                 let why = match taken.what {
                     Measurement::OverTime(_) => "nothing was there to measure between its `from` and `to`",
                     _ => "nothing was there to measure at the end",
@@ -224,12 +225,12 @@ impl Measures {
     /// # Errors
     /// A field that the law of a body does not keep.
     pub fn take(&self, solver: &dyn Solver) -> Result<Vec<f64>, MeasureError> {
-        let bodies = solver.bodies();
-        self.list.iter().map(|taken| self.value(&bodies, solver, taken)).collect()
+        let now = Now::new(self.space, solver);
+        self.list.iter().map(|taken| self.value(&now, taken)).collect()
     }
 
-    fn value(&self, bodies: &[&dyn Body], solver: &dyn Solver, taken: &Taken) -> Result<f64, MeasureError> {
-        value::of(self.space, bodies, solver, taken)
+    fn value(&self, now: &Now<'_>, taken: &Taken) -> Result<f64, MeasureError> {
+        value::of(now, taken)
             .map_err(|why| MeasureError { name: taken.name.clone(), why })
     }
 

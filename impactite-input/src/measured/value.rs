@@ -1,55 +1,84 @@
 //! Values of measures at one time.
 
-use impactite::scene::{Account, Body, PointView, Solver, Totals};
+use std::cell::{OnceCell, RefCell};
+
+use impactite::scene::{Account, Body, Parts, PointView, Solver, Totals};
 
 use super::{Taken, find};
 use crate::model::Space;
 use crate::model::measure::{AngularMomentum, Entry, Measurement};
 
-/// The value of a measure that is of one time.
-pub(super) fn of(
+/// A scene at one time, with what several measures ask for: found once.
+pub(super) struct Now<'a> {
     space: Space,
-    bodies: &[&dyn Body],
-    solver: &dyn Solver,
-    taken: &Taken,
-) -> Result<f64, String> {
+    solver: &'a dyn Solver,
+    bodies: Vec<&'a dyn Body>,
+    account: OnceCell<Account>,
+    /// By name of the body.
+    totals: RefCell<Vec<(&'a str, Totals)>>,
+    bounds: RefCell<Vec<(&'a str, Option<[[f64; 3]; 2]>)>>,
+}
+
+impl<'a> Now<'a> {
+    pub(super) fn new(space: Space, solver: &'a dyn Solver) -> Self {
+        let (account, totals, bounds) = (OnceCell::new(), RefCell::default(), RefCell::default());
+        Now { space, solver, bodies: solver.bodies(), account, totals, bounds }
+    }
+    fn find(&self, name: &str) -> Result<&'a dyn Body, String> {
+        find(&self.bodies, name)
+    }
+    fn account(&self) -> &Account {
+        self.account.get_or_init(|| self.solver.account())
+    }
+    fn totals(&self, body: &'a dyn Body) -> Totals {
+        once(&self.totals, body.name(), || body.totals())
+    }
+    fn bounds(&self, body: &'a dyn Body) -> Option<[[f64; 3]; 2]> {
+        let revolved = self.space == Space::Axisymmetric;
+        once(&self.bounds, body.name(), || body.bounds(self.space.dimensions(), revolved))
+    }
+}
+
+/// What is known by this name, or is found now.
+fn once<'a, X: Copy>(known: &RefCell<Vec<(&'a str, X)>>, name: &'a str, find: impl FnOnce() -> X) -> X {
+    let before = known.borrow().iter().find(|(other, _)| *other == name).map(|(_, x)| *x);
+    before.unwrap_or_else(|| {
+        let found = find();
+        known.borrow_mut().push((name, found));
+        found
+    })
+}
+
+/// The value of a measure that is of one time.
+pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
     use Measurement as M;
-    let (find, measure) = (|name: &str| find(bodies, name), &taken.what);
+    let (space, solver) = (now.space, now.solver);
+    let (find, measure) = (|name: &str| now.find(name), &taken.what);
     // What a point of a body is asked for; no number once it is gone.
     let at_point = |body: &str, ask: &dyn Fn(&PointView) -> f64| {
         let mut value = f64::NAN;
-        find(body)?.for_each(&mut |p| {
+        find(body)?.for_each_with(Parts::NONE, &mut |p| {
             if Some(p.number) == taken.point {
                 value = ask(p);
             }
         });
         Ok::<f64, String>(value)
     };
-    let (dimensions, revolved) = (space.dimensions(), space == Space::Axisymmetric);
+    let revolved = space == Space::Axisymmetric;
     // Points of a body that are in the region of the measure, if it has one.
     let within = |p: &PointView| taken.region.as_ref().is_none_or(|region| region.contains(&p.position));
     Ok(match measure {
         M::Extent(m) => {
             let axis = space.axis(m.axis)?;
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            find(&m.body)?.for_each(&mut |p| {
-                let half = 0.5 * p.drawn_width(dimensions, revolved);
-                // Elements end at their nodes.
-                let half = if p.corners.is_empty() { half } else { 0.0 };
-                low = low.min(p.position[axis] - half);
-                high = high.max(p.position[axis] + half);
-                for corner in &p.corners {
-                    low = low.min(corner[axis]);
-                    high = high.max(corner[axis]);
-                }
-            });
+            let none = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
+            let [low, high] = now.bounds(find(&m.body)?).unwrap_or(none).map(|corner| corner[axis]);
             // Matter of a body of revolution does not cross its axis.
             high - if revolved && axis == 0 { low.max(0.0) } else { low }
         }
         M::Highest(m) | M::Lowest(m) => {
             let axis = space.axis(m.axis)?;
             let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            find(&m.body)?.for_each(&mut |p| {
+            find(&m.body)?.for_each_with(Parts::NONE, &mut |p| {
                 low = low.min(p.position[axis]);
                 high = high.max(p.position[axis]);
             });
@@ -58,23 +87,23 @@ pub(super) fn of(
         M::Centre(m) => {
             let axis = space.axis(m.axis)?;
             let (mut mass, mut sum) = (0.0, 0.0);
-            find(&m.body)?.for_each(&mut |p| {
+            find(&m.body)?.for_each_with(Parts::MASS, &mut |p| {
                 mass += p.mass;
                 sum += p.mass * p.position[axis];
             });
             sum / mass
         }
         M::MeanVelocity(m) => {
-            let totals = moving(find(&m.body)?);
+            let totals = moving(now, find(&m.body)?);
             totals.momentum_now()[space.axis(m.axis)?] / totals.mass
         }
-        M::Momentum(m) => moving(find(&m.body)?).momentum_now()[space.axis(m.axis)?],
-        M::Kinetic(m) => moving(find(&m.body)?).kinetic_now(),
-        M::Internal(m) => find(&m.body)?.totals().internal,
-        M::AngularMomentum(m) => angular_momentum(space, find(&m.body)?, m)?,
-        M::Mass(m) if taken.region.is_none() => moving(find(&m.body)?).mass,
-        M::Mass(m) => summed(find(&m.body)?, &|p| if within(p) { p.mass } else { 0.0 }),
-        M::Volume(m) => summed(find(&m.body)?, &|p| if within(p) { p.volume } else { 0.0 }),
+        M::Momentum(m) => moving(now, find(&m.body)?).momentum_now()[space.axis(m.axis)?],
+        M::Kinetic(m) => moving(now, find(&m.body)?).kinetic_now(),
+        M::Internal(m) => now.totals(find(&m.body)?).internal,
+        M::AngularMomentum(m) => angular_momentum(now, find(&m.body)?, m)?,
+        M::Mass(m) if taken.region.is_none() => moving(now, find(&m.body)?).mass,
+        M::Mass(m) => summed(find(&m.body)?, Parts::MASS, &|p| if within(p) { p.mass } else { 0.0 }),
+        M::Volume(m) => summed(find(&m.body)?, Parts::SIZE, &|p| if within(p) { p.volume } else { 0.0 }),
         M::FailedShare(m) => {
             let (mut failed, mut all) = (0usize, 0usize);
             find(&m.body)?.for_each(&mut |p| {
@@ -125,7 +154,7 @@ pub(super) fn of(
             let axis = space.axis(m.axis)?;
             let number = |name: &String| {
                 let body = find(name)?;
-                Ok::<_, String>(bodies.iter().position(|b| b.name() == body.name()).unwrap_or(usize::MAX))
+                Ok::<_, String>(now.bodies.iter().position(|b| b.name() == body.name()).unwrap_or(usize::MAX))
             };
             let (first, second) = (number(&m.between[0])?, number(&m.between[1])?);
             let contacts = solver.contacts();
@@ -136,16 +165,16 @@ pub(super) fn of(
         }
         M::ConditionForce(_) => taken.past.force(),
         M::ConditionImpulse(m) => solver.exchange().impulse[space.axis(m.axis)?],
-        M::Balance(entry) => balance(&solver.account(), *entry),
-        M::EnergyError(_) => solver.account().energy_error(),
+        M::Balance(entry) => balance(now.account(), *entry),
+        M::EnergyError(_) => now.account().energy_error(),
         M::OverTime(m) => taken.past.value(m),
     })
 }
 
 /// The sum of a number over the points of a body.
-fn summed(body: &dyn Body, number: &dyn Fn(&PointView) -> f64) -> f64 {
+fn summed(body: &dyn Body, parts: Parts, number: &dyn Fn(&PointView) -> f64) -> f64 {
     let mut sum = 0.0;
-    body.for_each(&mut |p| sum += number(p));
+    body.for_each_with(parts, &mut |p| sum += number(p));
     sum
 }
 
@@ -165,12 +194,12 @@ fn balance(account: &Account, entry: Entry) -> f64 {
 }
 
 /// Angular momentum about a place, L = L_0 - c x p with that about the origin, kg m^2/s.
-fn angular_momentum(space: Space, body: &dyn Body, of: &AngularMomentum) -> Result<f64, String> {
-    let totals = moving(body);
+fn angular_momentum<'a>(now: &Now<'a>, body: &'a dyn Body, of: &AngularMomentum) -> Result<f64, String> {
+    let (space, totals) = (now.space, moving(now, body));
     let mut centre = [0.0; 3];
     match &of.about {
         Some(about) => about.iter().zip(&mut centre).for_each(|(at, c)| *c = at.value),
-        None => body.for_each(&mut |p| {
+        None => body.for_each_with(Parts::MASS, &mut |p| {
             (0..3).for_each(|d| centre[d] += p.mass * p.position[d] / totals.mass);
         }),
     }
@@ -182,10 +211,10 @@ fn angular_momentum(space: Space, body: &dyn Body, of: &AngularMomentum) -> Resu
 }
 
 /// Mass, momentum, angular momentum and kinetic energy of a body. Those of a body of prescribed motion, which no balance has, are of its points.
-fn moving(body: &dyn Body) -> Totals {
-    let mut totals = body.totals();
+fn moving<'a>(now: &Now<'a>, body: &'a dyn Body) -> Totals {
+    let mut totals = now.totals(body);
     if totals.mass == 0.0 {
-        body.for_each(&mut |p| {
+        body.for_each_with(Parts::MASS, &mut |p| {
             let (x, v) = (p.position, p.velocity);
             totals.mass += p.mass;
             for d in 0..3 {
@@ -249,7 +278,13 @@ fn each(
         (None, None, "von_mises") => p.von_mises(),
         (None, None, _) => p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
     };
-    body.for_each(&mut |p| visit(p, &value));
+    // Mean values are by mass.
+    let parts = if component.is_some_and(|c| matches!(c, Component::Velocity(_))) || field == "speed" {
+        Parts::MASS
+    } else {
+        Parts { size: false, ..Parts::ALL }
+    };
+    body.for_each_with(parts, &mut |p| visit(p, &value));
     Ok(())
 }
 

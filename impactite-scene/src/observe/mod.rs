@@ -17,6 +17,8 @@
 //! | [`SmallStrain`] | which bodies stayed at small strain: where elements would have done |
 //! | [`Progress`] | a bar on the terminal, lines in a log |
 //!
+//! Files and pictures are made in the step that they show, or by a thread beside the run: [`Background`].
+//!
 //! What they keep goes into the checkpoints of a run, so that a run that is broken off and resumed leaves the files and numbers of
 //! one that was not.
 //!
@@ -49,6 +51,7 @@
 //! # Ok::<(), ObserveError>(())
 //! ```
 
+mod background;
 mod displacement;
 mod history;
 mod ledger;
@@ -59,6 +62,7 @@ mod progress;
 mod strain;
 mod view;
 
+pub use background::Background;
 pub use history::HistoryCsv;
 pub use ledger::{Ledger, LedgerEntry};
 pub use pace::Pace;
@@ -100,7 +104,12 @@ pub trait Observer {
     }
 
     /// The run is over, whether it reached its end or stopped.
-    fn finish(&mut self) {}
+    ///
+    /// # Errors
+    /// Work that it left for the end and cannot do.
+    fn finish(&mut self) -> Result<(), ObserveError> {
+        Ok(())
+    }
 }
 
 /// Why an observer could not be made or could not look.

@@ -1,9 +1,11 @@
 //! Frames: ParaView files and pictures.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::archive::{Archive, CheckpointError};
 
+use super::background::Background;
 use super::displacement::FirstSeen;
 use super::{ObserveError, Observer, Pace, RunView};
 use impactite_output::picture::Picture;
@@ -15,7 +17,8 @@ const DISPLACEMENT: &str = "displacement";
 /// Writes a ParaView series, all bodies in one frame, with the fields of [`RunView::snapshot`].
 pub struct VtkSeries {
     pace: Pace,
-    series: output::VtkSeries,
+    series: Arc<Mutex<output::VtkSeries>>,
+    background: Background,
     times: Vec<f64>,
     fields: Option<Vec<String>>,
     first: Option<FirstSeen>,
@@ -34,7 +37,8 @@ impl VtkSeries {
     ) -> Result<Self, ObserveError> {
         Ok(VtkSeries {
             pace,
-            series: output::VtkSeries::create(folder, name)?,
+            series: Arc::new(Mutex::new(output::VtkSeries::create(folder, name)?)),
+            background: Background::none(),
             times: Vec::new(),
             fields: None,
             first: None,
@@ -44,13 +48,21 @@ impl VtkSeries {
     /// Write frames so.
     #[must_use]
     pub fn with_options(self, options: VtkOptions) -> Self {
-        VtkSeries { series: self.series.with_options(options), ..self }
+        let series = locked(&self.series).clone().with_options(options);
+        VtkSeries { series: Arc::new(Mutex::new(series)), ..self }
     }
 
     /// Write frames as such files.
     #[must_use]
     pub fn with_format(self, format: Format) -> Self {
-        VtkSeries { series: self.series.with_format(format), ..self }
+        let series = locked(&self.series).clone().with_format(format);
+        VtkSeries { series: Arc::new(Mutex::new(series)), ..self }
+    }
+
+    /// Write frames there, beside the run.
+    #[must_use]
+    pub fn in_background(self, background: &Background) -> Self {
+        VtkSeries { background: background.clone(), ..self }
     }
 
     /// Write these fields alone, and `displacement` if [`VtkSeries::with_displacement`] asks for it.
@@ -74,13 +86,13 @@ impl VtkSeries {
     /// The path of the file that lists the frames and is to be opened: `NAME.pvd`, or that of another format.
     #[must_use]
     pub fn index(&self) -> PathBuf {
-        self.series.index()
+        locked(&self.series).index()
     }
 
-    /// How many frames were written.
+    /// How many frames were written; those that wait in the background are not.
     #[must_use]
     pub fn frames(&self) -> usize {
-        self.series.frames()
+        locked(&self.series).frames()
     }
 }
 
@@ -102,14 +114,15 @@ impl Observer for VtkSeries {
                 snapshot = snapshot.with_node_vector(DISPLACEMENT, displacements.nodes)?;
             }
         }
-        self.series.write(&snapshot)?;
         self.times.push(now.time());
-        Ok(())
+        let series = self.series.clone();
+        Ok(self.background.run(move || locked(&series).write(&snapshot).map(drop))?)
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.background.wait()?;
         file.list(&mut self.times, &0.0, Archive::real)?;
         if file.reads() {
-            self.series.go_on(&self.times);
+            locked(&self.series).go_on(&self.times);
         }
         let here = if self.first.is_some() { "written" } else { "not written" };
         file.same("`displacement` of the frames", here)?;
@@ -118,6 +131,13 @@ impl Observer for VtkSeries {
         }
         Ok(())
     }
+    fn finish(&mut self) -> Result<(), ObserveError> {
+        Ok(self.background.wait()?)
+    }
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Draws the pictures of a run, with what stays from one to the next, as a [`SeriesView`](output::picture::SeriesView). Functions draw, too.
@@ -162,13 +182,14 @@ pub struct Pictures<D> {
     pace: Pace,
     folder: PathBuf,
     name: String,
-    draw: D,
+    draw: Arc<Mutex<D>>,
+    background: Background,
     frames: usize,
 }
 
 impl<F> Pictures<F>
 where
-    F: FnMut(&Snapshot) -> Result<Picture, OutputError>,
+    F: FnMut(&Snapshot) -> Result<Picture, OutputError> + Send + 'static,
 {
     /// Pictures in `folder`, which is created if it does not exist, drawn by a function. Parts of files that a killed process left
     /// there are removed.
@@ -185,7 +206,7 @@ where
     }
 }
 
-impl<D: Draw> Pictures<D> {
+impl<D: Draw + Send + 'static> Pictures<D> {
     /// Pictures as of [`Pictures::create`], drawn by something that keeps a state between them.
     ///
     /// # Errors
@@ -204,29 +225,40 @@ impl<D: Draw> Pictures<D> {
         }
         std::fs::create_dir_all(&folder).map_err(OutputError::file("create", &folder))?;
         output::remove_parts(&folder, &name)?;
-        Ok(Pictures { pace, folder, name, draw, frames: 0 })
+        let draw = Arc::new(Mutex::new(draw));
+        Ok(Pictures { pace, folder, name, draw, background: Background::none(), frames: 0 })
     }
 
-    /// How many pictures were drawn.
+    /// Draw and save there, beside the run.
+    #[must_use]
+    pub fn in_background(self, background: &Background) -> Self {
+        Pictures { background: background.clone(), ..self }
+    }
+
+    /// How many pictures were taken, of which some may still wait in the background.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames
     }
 }
 
-impl<D: Draw> Observer for Pictures<D> {
+impl<D: Draw + Send + 'static> Observer for Pictures<D> {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
-        let picture = self.draw.draw(&now.snapshot()?)?;
-        picture.save(self.folder.join(format!("{}_{:06}.png", self.name, self.frames)))?;
+        let (snapshot, draw) = (now.snapshot()?, self.draw.clone());
+        let path = self.folder.join(format!("{}_{:06}.png", self.name, self.frames));
         self.frames += 1;
-        Ok(())
+        Ok(self.background.run(move || locked(&draw).draw(&snapshot)?.save(path))?)
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.background.wait()?;
         file.count(&mut self.frames)?;
-        self.draw.archive(file)
+        locked(&self.draw).archive(file)
+    }
+    fn finish(&mut self) -> Result<(), ObserveError> {
+        Ok(self.background.wait()?)
     }
 }
 

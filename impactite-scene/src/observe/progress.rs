@@ -113,7 +113,8 @@ impl Observer for Progress {
     fn warned(&mut self, warning: &Warning) {
         self.line(LineKind::Warning, &format!("warning: {warning}"));
     }
-    fn finish(&mut self) {
+    fn finish(&mut self) -> Result<(), ObserveError> {
         self.bar.finish();
+        Ok(())
     }
 }

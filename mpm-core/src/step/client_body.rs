@@ -19,7 +19,7 @@ use crate::particles::{Columns, Place};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, Boundary, Exchange, PointKind, PointView, Stopped, Totals};
+use impactite_scene::{Body, Boundary, Exchange, Parts, PointKind, PointView, Stopped, Totals};
 
 /// A [`GridClient`] in a scene.
 pub(super) struct ClientBody<T: Float, const D: usize> {
@@ -288,6 +288,12 @@ impl<T: Float, const D: usize> Body for ClientBody<T, D> {
     }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.client.for_each(visit);
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
+        self.client.for_each_with(parts, visit);
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        self.client.bounds(dimensions, axisymmetric)
     }
     fn bytes(&self) -> usize {
         self.client.bytes()

@@ -30,7 +30,7 @@ use impactite_scene::Cause;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, CentreLead, PointView, Totals};
+use impactite_scene::{Body, CentreLead, Parts, PointView, Totals};
 
 /// A body of particles.
 pub struct ParticleBody<T: Float, const D: usize> {
@@ -508,16 +508,16 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> PointView {
         let mut p = PointView::default();
-        self.read_particle(block, bin, at, &mut Vec::new(), &mut p);
+        self.read_particle(block, (bin, at), Parts::ALL, &mut Vec::new(), &mut p);
         p
     }
 
-    /// The same, in memory that is there.
+    /// Parts of the same, in memory that is there.
     fn read_particle(
         &self,
         block: &Block<T, D>,
-        bin: usize,
-        at: Place,
+        (bin, at): (usize, Place),
+        parts: Parts,
         numbers: &mut Vec<T>,
         p: &mut PointView,
     ) {
@@ -528,7 +528,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let coordinates = block.bin_coordinates(bin);
         p.number = numbers[self.columns.number()].to_double() as usize;
         p.mass = self.masses.of(numbers).to_double();
-        p.half_edges = self.half_edges(numbers);
+        if parts.size {
+            p.half_edges = self.half_edges(numbers);
+        }
         (p.position, p.velocity) = ([0.0; 3], [0.0; 3]);
         for d in 0..D {
             let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
@@ -539,13 +541,20 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
         let state = self.state_of(numbers);
+        let unstrained = || p.mass / self.material.density().to_double();
+        if !parts.law {
+            if let Some(ratio) = self.material.volume_ratio_of(state).filter(|_| parts.size) {
+                p.volume = unstrained() * ratio.to_double();
+            }
+            return;
+        }
         p.state.clear();
         p.state.extend(state.iter().map(|x| x.to_double()));
         if let Some(said) = self.material.describe_point(state) {
             p.stress = said.stress.map(|x| x.to_double());
             p.in_range = said.in_range;
             p.failed = said.failed;
-            p.volume = p.mass / self.material.density().to_double() * said.volume_ratio.to_double();
+            p.volume = unstrained() * said.volume_ratio.to_double();
         }
     }
 
@@ -626,10 +635,13 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
         parts.fold(Totals::default(), |sum, part| sum.plus(&part))
     }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let (mut numbers, mut p) = (Vec::new(), PointView::default());
         for slot in self.in_place() {
             for (bin, at) in slot.block.places() {
-                self.read_particle(&slot.block, bin, at, &mut numbers, &mut p);
+                self.read_particle(&slot.block, (bin, at), parts, &mut numbers, &mut p);
                 visit(&p);
             }
         }

@@ -35,7 +35,7 @@ use impactite_scene::Exchange;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, PointView, StepError, Stopped, Totals};
+use impactite_scene::{Body, Parts, PointView, StepError, Stopped, Totals};
 
 /// A scene of one body in its reference configuration, as that body in another scene.
 struct ReferenceScene<T: Float, const D: usize> {
@@ -117,6 +117,12 @@ impl<T: Float, const D: usize> Body for ReferenceScene<T, D> {
     }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.own().for_each(visit);
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
+        self.own().for_each_with(parts, visit);
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        self.own().bounds(dimensions, axisymmetric)
     }
     fn bytes(&self) -> usize {
         self.scene.bytes()

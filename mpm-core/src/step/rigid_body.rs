@@ -17,7 +17,7 @@ use crate::parallel::{Float, Team};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, PointView, Totals};
+use impactite_scene::{Body, Parts, PointView, Totals};
 
 /// Matter that never deforms: no stress, no waves.
 #[derive(Clone, Copy, Debug)]
@@ -141,7 +141,10 @@ impl<T: Float, const D: usize> Body for RigidBody<T, D> {
         totals
     }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
-        self.particles.for_each(&mut |p| {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
+        self.particles.for_each_with(parts, &mut |p| {
             let x = std::array::from_fn(|d| p.position[d]);
             visit(&PointView { velocity: self.state.velocity_at(&x), ..p.clone() });
         });

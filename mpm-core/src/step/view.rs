@@ -73,7 +73,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Totals over all particles.
     pub fn totals(&self) -> Totals {
-        self.scene.bodies.iter().map(|b| b.totals()).fold(Totals::default(), |a, b| a.plus(&b))
+        let mut parts = Vec::new();
+        let totals = self.scene.bodies.iter().map(|b| b.totals_on(&self.team, &mut parts));
+        totals.fold(Totals::default(), |a, b| a.plus(&b))
     }
 
     /// What boundaries and loads gave to the material since the start.

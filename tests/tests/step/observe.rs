@@ -44,8 +44,9 @@ impl Observer for Count {
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.word(&mut self.1)
     }
-    fn finish(&mut self) {
+    fn finish(&mut self) -> Result<(), ObserveError> {
         self.2.fetch_add(1, Ordering::Relaxed);
+        Ok(())
     }
 }
 
