@@ -210,7 +210,7 @@ impl Job {
         let scene = self.source.parse()?;
         let threads = self.threads();
         let team = Team::new(threads).map_err(|e| CliError::option("--threads", e.to_string()))?;
-        let mut solver = self.source.build(&scene)?;
+        let mut solver = team.run(|| self.source.build(&scene))?;
         if self.advance.as_ref().is_some_and(|advance| !advance.begin(stop)) {
             let (time, steps) = (solver.time(), solver.steps());
             return Err(RunError::Interrupted { time, steps, saved: None }.into());

@@ -22,13 +22,14 @@
 //! # Threads
 //! [`Team`] runs a loop over blocks on a chosen number of threads. Each task owns what it writes, which the types of its methods
 //! ensure, so that results do not depend on the number of threads. Its `unsafe` splits slices for tasks: each place goes to one
-//! task alone.
+//! task alone; and it lends the task of a loop to other threads, which leave the loop before the call returns (`crew`).
 
 #![allow(unsafe_code)]
 
 mod aligned;
 mod avx2;
 mod avx512;
+mod crew;
 mod functions;
 pub mod lane;
 pub mod memory;

@@ -1,13 +1,19 @@
 //! A chosen number of threads.
 
+use std::cell::RefCell;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// The threads that the stages of a step run on. One thread runs in the caller, without a pool.
+use crate::crew::{self, Crew};
+
+/// The threads that the stages of a step run on. One thread runs in the caller, without others.
+///
+/// The thread that calls a loop is one of them. Each thread has a range of the numbers of a loop, the same one in the next loop of as many, so that what it
+/// wrote is in its cache; one that is done takes from the ranges of others. A loop within a loop runs in the thread that calls it. A thread
+/// without work watches for the next loop for a moment before it sleeps.
 ///
 /// A forked child process inherits teams without their threads. A team starts as many threads again when the child first uses it; if the
 /// operating system refuses them, loops run in the caller, with the same results.
@@ -19,67 +25,63 @@ enum Threads {
     /// The caller's thread.
     #[default]
     One,
-    /// Threads of a pool.
-    Pool(Arc<Pools>),
-    /// Threads of the pool that the caller runs in, else of rayon's global pool.
+    /// Threads of a crew.
+    Crew(Arc<Crews>),
+    /// Threads of the team whose [`Team::run`] the caller is in, else of the pool of rayon that it runs in.
     Ambient,
 }
 
-/// Pools of `threads` threads, one per process.
+/// Crews of `threads` threads, one per process.
 #[derive(Debug)]
-struct Pools {
-    /// Number of threads; all processors if 0.
+struct Crews {
     threads: usize,
     first: OnceLock<Box<Started>>,
 }
 
-/// Pool of a process; the next one belongs to a child that was forked from it.
+/// Crew of a process; the next one belongs to a child that was forked from it.
 #[derive(Debug)]
 struct Started {
     process: u32,
     /// None if the operating system refused threads.
-    pool: Option<ThreadPool>,
+    crew: Option<Crew>,
     next: OnceLock<Box<Started>>,
 }
 
-impl Pools {
-    const fn new(threads: usize) -> Self {
-        Pools { threads, first: OnceLock::new() }
-    }
-
-    /// Pool of this process. The list is append-only without a lock: a lock that a thread of the parent held at the fork would never be
+impl Crews {
+    /// Crew of this process. The list is append-only without a lock: a lock that a thread of the parent held at the fork would never be
     /// released.
-    fn here(&self) -> Option<&ThreadPool> {
+    fn here(&self) -> Option<&Crew> {
         let mut place = &self.first;
         let process = process();
         while let Some(started) = place.get() {
             // The last one only, since process numbers are used again.
             if started.next.get().is_none() && started.process == process {
-                return started.pool.as_ref();
+                return started.crew.as_ref();
             }
             place = &started.next;
         }
-        place.get_or_init(|| Box::new(Started::new(process, pool(self.threads).ok()))).pool.as_ref()
+        place.get_or_init(|| Box::new(Started::new(process, Crew::new(self.threads, STACK).ok()))).crew.as_ref()
     }
 }
 
 impl Started {
-    fn new(process: u32, pool: Option<ThreadPool>) -> Self {
-        Started { process, pool, next: OnceLock::new() }
+    fn new(process: u32, crew: Option<Crew>) -> Self {
+        Started { process, crew, next: OnceLock::new() }
     }
 }
 
 impl Drop for Started {
     fn drop(&mut self) {
-        // A child has no threads to end, and mutexes of the pool may have been locked at the fork.
+        // A child has no threads to end, and mutexes of the crew may have been locked at the fork.
         if self.process != process() {
-            std::mem::forget(self.pool.take());
+            std::mem::forget(self.crew.take());
         }
     }
 }
 
-fn pool(threads: usize) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build()
+thread_local! {
+    /// Team whose [`Team::run`] this thread is in.
+    static AMBIENT: RefCell<Option<Team>> = const { RefCell::new(None) };
 }
 
 /// Number of this process, which differs in a forked child; 0 on systems without fork.
@@ -87,14 +89,13 @@ fn process() -> u32 {
     if cfg!(unix) { std::process::id() } else { 0 }
 }
 
-/// Replacement of rayon's global pool in a child that was forked after the first use of that pool.
-fn forked() -> Option<&'static Pools> {
+/// Was this process forked from one that used the global pool of rayon, whose threads it does not have?
+fn forked() -> bool {
     /// Process that first used the global pool; 0 before.
     static HOME: AtomicU32 = AtomicU32::new(0);
-    static POOLS: Pools = Pools::new(0);
     let process = process();
     let home = HOME.compare_exchange(0, process, Ordering::Relaxed, Ordering::Relaxed);
-    home.is_err_and(|home| home != process).then_some(&POOLS)
+    home.is_err_and(|home| home != process)
 }
 
 /// Bytes of stack of a thread: kernels compiled without optimisation take much of it.
@@ -164,8 +165,8 @@ impl Team {
         Team(Threads::One)
     }
 
-    /// The threads of the rayon pool that the caller runs in, else of rayon's global pool. A child that was forked when the global pool
-    /// was in use starts a pool of its own.
+    /// The threads of the team whose [`Team::run`] the caller is in, else of the pool of rayon that it runs in, else of rayon's global pool; in a
+    /// child that was forked when the global pool was in use, the caller's.
     pub fn ambient() -> Self {
         Team(Threads::Ambient)
     }
@@ -178,9 +179,10 @@ impl Team {
         match threads {
             1 => Ok(Team(Threads::One)),
             2..=Self::MOST => {
-                let pool = pool(threads).map_err(|e| TeamError::Refused { threads, cause: e.to_string() })?;
-                let pools = Pools { threads, first: Box::new(Started::new(process(), Some(pool))).into() };
-                Ok(Team(Threads::Pool(Arc::new(pools))))
+                let crew = Crew::new(threads, STACK)
+                    .map_err(|e| TeamError::Refused { threads, cause: e.to_string() })?;
+                let crews = Crews { threads, first: Box::new(Started::new(process(), Some(crew))).into() };
+                Ok(Team(Threads::Crew(Arc::new(crews))))
             }
             _ => Err(TeamError::Threads { threads }),
         }
@@ -190,45 +192,51 @@ impl Team {
     pub fn threads(&self) -> usize {
         match &self.0 {
             Threads::One => 1,
-            Threads::Pool(pools) => pools.threads,
-            Threads::Ambient => {
-                self.pool().map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads())
+            Threads::Crew(crews) => crews.threads,
+            Threads::Ambient => match Self::around() {
+                Some(team) => team.threads(),
+                None if forked() => 1,
+                None => rayon::current_num_threads(),
+            },
+        }
+    }
+
+    /// The team whose [`Team::run`] the caller is in.
+    fn around() -> Option<Team> {
+        AMBIENT.with_borrow(Clone::clone)
+    }
+
+    /// Run `work`, of which loops of [`Team::ambient`] run on this team, too.
+    pub fn run<R>(&self, work: impl FnOnce() -> R) -> R {
+        /// Puts back the team that was there before, also where `work` panics.
+        struct Before(Option<Team>);
+        impl Drop for Before {
+            fn drop(&mut self) {
+                AMBIENT.set(self.0.take());
             }
         }
-    }
-
-    /// The pool to enter for a loop: none where the loop runs in the caller or in the pool that it is in.
-    fn pool(&self) -> Option<&ThreadPool> {
-        match &self.0 {
-            Threads::One => None,
-            Threads::Pool(pools) => pools.here(),
-            Threads::Ambient if rayon::current_thread_index().is_some() => None,
-            Threads::Ambient => forked()?.here(),
+        if matches!(self.0, Threads::Ambient) {
+            return work();
         }
-    }
-
-    /// Run `work`, which makes many loops, on one of the threads: no loop then waits for the caller to fall
-    /// asleep and wake up.
-    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        let Some(pool) = self.pool() else { return work() };
-        let (mut work, mut result) = (Some(work), None);
-        install(pool, &mut || result = work.take().map(|work| work()));
-        match result {
-            Some(result) => result,
-            None => unreachable!("a pool runs what it is given, or passes on its panic"),
-        }
+        let _before = Before(AMBIENT.replace(Some(self.clone())));
+        work()
     }
 
     /// `task` for every number below `count`, each once, in any order. No generic code, so that loops over threads are compiled
     /// here and not once for each of their tasks.
     #[inline(never)]
     fn each_number(&self, count: usize, task: &(dyn Fn(usize) + Send + Sync)) {
-        match (&self.0, self.pool()) {
-            (_, Some(pool)) => pool.install(|| (0..count).into_par_iter().for_each(task)),
-            (Threads::Ambient, None) if rayon::current_thread_index().is_some() || forked().is_none() => {
-                (0..count).into_par_iter().for_each(task);
-            }
-            _ => (0..count).for_each(task),
+        match &self.0 {
+            Threads::Crew(crews) => match crews.here() {
+                Some(crew) => crew.each(count, task),
+                None => (0..count).for_each(task),
+            },
+            Threads::Ambient => match Self::around() {
+                Some(team) => team.each_number(count, task),
+                None if forked() => (0..count).for_each(task),
+                None => (0..count).into_par_iter().for_each(task),
+            },
+            Threads::One => (0..count).for_each(task),
         }
     }
 
@@ -276,7 +284,11 @@ impl Team {
     /// In a task: the memory of the thread it runs on, of which there must be one for each thread. To be let go before
     /// the task ends.
     pub fn own<'a, S>(&self, memory: &'a [Mutex<S>]) -> MutexGuard<'a, S> {
-        let thread = rayon::current_thread_index().filter(|_| !matches!(self.0, Threads::One)).unwrap_or(0);
+        let thread = match &self.0 {
+            Threads::One => 0,
+            Threads::Ambient if Self::around().is_none() => rayon::current_thread_index().unwrap_or(0),
+            _ => crew::thread(),
+        };
         // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
         memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -300,11 +312,6 @@ impl Team {
     }
 }
 
-#[inline(never)]
-fn install(pool: &ThreadPool, work: &mut (dyn FnMut() + Send)) {
-    pool.install(work);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -326,16 +333,16 @@ mod tests {
 
     #[test]
     fn a_process_starts_threads_of_its_own() {
-        // A pool of the parent, as a forked child finds it: it must neither be used nor ended.
-        let dead = Box::new(Started::new(process().wrapping_add(1), pool(2).ok()));
-        let team = Team(Threads::Pool(Arc::new(Pools { threads: 2, first: dead.into() })));
-        let Threads::Pool(pools) = &team.0 else { unreachable!("just made") };
-        let [first, again] = [0, 1].map(|_| pools.here().map(std::ptr::from_ref));
-        let parents = pools.first.get().and_then(|started| started.pool.as_ref()).map(std::ptr::from_ref);
+        // A crew of the parent, as a forked child finds it: it must neither be used nor ended.
+        let dead = Box::new(Started::new(process().wrapping_add(1), Crew::new(2, STACK).ok()));
+        let team = Team(Threads::Crew(Arc::new(Crews { threads: 2, first: dead.into() })));
+        let Threads::Crew(crews) = &team.0 else { unreachable!("just made") };
+        let [first, again] = [0, 1].map(|_| crews.here().map(std::ptr::from_ref));
+        let parents = crews.first.get().and_then(|started| started.crew.as_ref()).map(std::ptr::from_ref);
         assert!(first.is_some() && first == again && first != parents);
-        assert_eq!((team.threads(), team.run(rayon::current_num_threads)), (2, 2));
+        assert_eq!((team.threads(), team.run(|| Team::ambient().threads())), (2, 2));
         let refused = Box::new(Started::new(process(), None));
-        let alone = Team(Threads::Pool(Arc::new(Pools { threads: 2, first: refused.into() })));
+        let alone = Team(Threads::Crew(Arc::new(Crews { threads: 2, first: refused.into() })));
         let mut items = [0; 9];
         alone.each(&mut items, |i, x| *x = i);
         assert_eq!((items[8], alone.run(|| 7)), (8, 7));

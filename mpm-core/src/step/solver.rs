@@ -8,7 +8,7 @@ use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
 use super::background::AtPlanes;
 use super::between_steps::StepEnd;
-use super::body::{BodyTrouble, Steps, Which};
+use super::body::{BodyTrouble, GridBody, Steps, Which};
 use super::contact::ContactPhase;
 use super::layout::Nodes;
 use super::load::Loading;
@@ -19,7 +19,7 @@ use super::rigid_planes;
 
 use crate::dim::BLOCK;
 use crate::grid::OutsideGrid;
-use crate::parallel::Float;
+use crate::parallel::{Float, Team};
 use impactite_scene::boundary::Boundary;
 
 /// How often the affine velocity field of particles is taken from the nodes at the start of a run: what is left of its error falls by
@@ -178,8 +178,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let team = &self.team;
         self.stepper.changed.resize(self.scene.bodies.len(), false);
         let clock = Instant::now();
-        team.each_piece(&mut self.scene.bodies, 1, &mut self.stepper.changed, |_, body, changed| {
-            *changed = body[0].locate(last, prune, team);
+        let changes = &mut self.stepper.changed;
+        each_body(team, &mut self.scene.bodies, changes, |body, changed| {
+            *changed = body.locate(last, prune, team);
         });
         self.stepper.at_particles += clock.elapsed();
         let changed = self.stepper.changed.contains(&true);
@@ -398,8 +399,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let team = &self.team;
         self.stepper.passed.resize_with(self.scene.bodies.len(), || Ok(T::default()));
         let clock = Instant::now();
-        team.each_piece(&mut self.scene.bodies, 1, &mut self.stepper.passed, |_, body, passed| {
-            *passed = body[0].pass(which, nodes, dt, team);
+        each_body(team, &mut self.scene.bodies, &mut self.stepper.passed, |body, passed| {
+            *passed = body.pass(which, nodes, dt, team);
         });
         self.stepper.at_particles += clock.elapsed();
         let (mut rate, mut fastest) = (T::default(), 0);
@@ -575,5 +576,24 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(super) fn stopped(&self, what: Stopped) -> StepError {
         self.clock.stopped(what)
+    }
+}
+
+/// `task` on every body, with what it finds: bodies beside each other where that keeps all threads busy, else one after the other, each on all threads.
+fn each_body<T: Float, const D: usize, X: Send>(
+    team: &Team,
+    bodies: &mut [Box<dyn GridBody<T, D>>],
+    found: &mut [X],
+    task: impl Fn(&mut dyn GridBody<T, D>, &mut X) + Send + Sync,
+) {
+    let threads = team.threads();
+    let beside = threads > 1 && bodies.len() >= 2 * threads && {
+        let points = || bodies.iter().map(|body| body.len());
+        points().max().unwrap_or_default() * threads <= points().sum()
+    };
+    if beside {
+        team.each_piece(bodies, 1, found, |_, body, found| task(&mut *body[0], found));
+    } else {
+        bodies.iter_mut().zip(found).for_each(|(body, found)| task(&mut **body, found));
     }
 }

@@ -1,0 +1,307 @@
+//! Threads that make loops together with the thread that calls.
+
+use std::any::Any;
+use std::cell::{Cell, UnsafeCell};
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering, fence};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+/// A thread without work watches for the next loop so long before it sleeps.
+const WATCHES: Duration = Duration::from_micros(100);
+/// Turns of watching between looks at the clock.
+const TURNS: usize = 64;
+/// A thread takes this part of what is left of a range at once.
+const PART: u32 = 8;
+
+type Task<'a> = dyn Fn(usize) + Send + Sync + 'a;
+
+thread_local! {
+    /// Number of this thread in the loop that it is in; none outside of loops.
+    static THREAD: Cell<Option<usize>> = const { Cell::new(None) };
+}
+
+/// Number of this thread in the loop that it is in; 0 outside of loops.
+pub(crate) fn thread() -> usize {
+    THREAD.get().unwrap_or(0)
+}
+
+/// Threads that make loops.
+#[derive(Debug)]
+pub(crate) struct Crew {
+    shared: Arc<Shared>,
+    workers: Vec<JoinHandle<()>>,
+    /// Held by the thread that makes a loop.
+    lead: Mutex<()>,
+}
+
+/// What the threads of a crew share.
+struct Shared {
+    /// Number of the loop, whether it is [`OPEN`], and how many workers are in it.
+    state: AtomicU64,
+    /// Task of the open loop.
+    task: UnsafeCell<Option<&'static Task<'static>>>,
+    ranges: Vec<Range>,
+    sleeping: AtomicUsize,
+    lock: Mutex<()>,
+    wake: Condvar,
+    /// First panic in the loop.
+    panic: Mutex<Option<Box<dyn Any + Send>>>,
+}
+
+// SAFETY: the task is written by the leader alone while the loop is closed and no worker is in it, and read by workers that are in an open loop.
+unsafe impl Sync for Shared {}
+// SAFETY: as above; everything else is `Send`.
+unsafe impl Send for Shared {}
+
+impl std::fmt::Debug for Shared {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Shared").field("threads", &self.ranges.len()).finish_non_exhaustive()
+    }
+}
+
+/// Workers in a loop, in the state.
+const WORKERS: u64 = (1 << 16) - 1;
+/// Workers may enter the loop.
+const OPEN: u64 = 1 << 16;
+/// There are no more loops.
+const OVER: u64 = 1 << 17;
+/// One loop, in the state.
+const LOOP: u64 = 1 << 18;
+
+/// Numbers from the lower half up to the upper half that a thread has still to do, on a cache line of its own.
+#[derive(Debug, Default)]
+#[repr(align(128))]
+struct Range(AtomicU64);
+
+impl Range {
+    fn set(&self, from: u32, to: u32) {
+        self.0.store(u64::from(to) << 32 | u64::from(from), Ordering::Relaxed);
+    }
+    /// Take some numbers from the front, as its thread does, or from the back.
+    fn take(&self, front: bool) -> Option<std::ops::Range<u32>> {
+        let mut now = self.0.load(Ordering::Relaxed);
+        loop {
+            let (from, to) = (now as u32, (now >> 32) as u32);
+            if from >= to {
+                return None;
+            }
+            let part = (to - from).div_ceil(PART);
+            let (rest, taken) =
+                if front { ((from + part, to), from..from + part) } else { ((from, to - part), to - part..to) };
+            let next = u64::from(rest.1) << 32 | u64::from(rest.0);
+            match self.0.compare_exchange_weak(now, next, Ordering::Relaxed, Ordering::Relaxed) {
+                Ok(_) => return Some(taken),
+                Err(other) => now = other,
+            }
+        }
+    }
+}
+
+impl Crew {
+    /// So many threads, that of the caller of each loop among them.
+    pub(crate) fn new(threads: usize, stack: usize) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            state: AtomicU64::new(0),
+            task: UnsafeCell::new(None),
+            ranges: (0..threads).map(|_| Range::default()).collect(),
+            sleeping: AtomicUsize::new(0),
+            lock: Mutex::new(()),
+            wake: Condvar::new(),
+            panic: Mutex::new(None),
+        });
+        let mut crew = Crew { shared, workers: Vec::with_capacity(threads - 1), lead: Mutex::new(()) };
+        for thread in 1..threads {
+            let shared = crew.shared.clone();
+            let builder = thread::Builder::new().name(format!("crew {thread}")).stack_size(stack);
+            crew.workers.push(builder.spawn(move || shared.work(thread))?);
+        }
+        Ok(crew)
+    }
+
+    /// `task` for every number below `count`, each once, in any order.
+    ///
+    /// # Panics
+    /// With the first panic of a task, when no other is running.
+    pub(crate) fn each(&self, count: usize, task: &Task<'_>) {
+        // Within a loop, in a second thread that calls, or where it is not worth it, this thread does it all.
+        let alone = count <= 1 || THREAD.get().is_some();
+        let (false, Ok(length), Ok(lead)) = (alone, u32::try_from(count), self.lead.try_lock()) else {
+            return (0..count).for_each(task);
+        };
+        let (shared, threads) = (&*self.shared, self.shared.ranges.len() as u64);
+        for (t, range) in shared.ranges.iter().enumerate() {
+            let place = |t: u64| (u64::from(length) * t / threads) as u32;
+            range.set(place(t as u64), place(t as u64 + 1));
+        }
+        // SAFETY: the loop is closed and no worker is in it. Workers use the task in the open loop only, which is closed, and left by all,
+        // before this returns: its life is long enough.
+        unsafe { *shared.task.get() = Some(std::mem::transmute::<&Task<'_>, &'static Task<'static>>(task)) };
+        let before = shared.state.load(Ordering::Relaxed);
+        shared.state.store((before & !(LOOP - 1)).wrapping_add(LOOP) | OPEN, Ordering::SeqCst);
+        if shared.sleeping.load(Ordering::SeqCst) > 0 {
+            let _lock = shared.lock.lock().unwrap_or_else(PoisonError::into_inner);
+            shared.wake.notify_all();
+        }
+        shared.make(0, task);
+        // Nobody enters any more; who is in it finishes what it took.
+        shared.state.fetch_and(!OPEN, Ordering::AcqRel);
+        let mut turns = 0;
+        while shared.state.load(Ordering::Acquire) & WORKERS > 0 {
+            turns += 1;
+            if turns % 1000 == 0 { thread::yield_now() } else { std::hint::spin_loop() }
+        }
+        // SAFETY: as above.
+        unsafe { *shared.task.get() = None };
+        let panic = shared.panic.lock().unwrap_or_else(PoisonError::into_inner).take();
+        drop(lead);
+        if let Some(panic) = panic {
+            resume_unwind(panic);
+        }
+    }
+}
+
+impl Drop for Crew {
+    fn drop(&mut self) {
+        self.shared.state.fetch_or(OVER, Ordering::SeqCst);
+        drop(self.shared.lock.lock().unwrap_or_else(PoisonError::into_inner));
+        self.shared.wake.notify_all();
+        for worker in self.workers.drain(..) {
+            // It passes on panics of tasks, and has none of its own.
+            let _ = worker.join();
+        }
+    }
+}
+
+impl Shared {
+    /// Do the own range, then take from those of others.
+    fn make(&self, thread: usize, task: &Task<'_>) {
+        let before = THREAD.replace(Some(thread));
+        let made = catch_unwind(AssertUnwindSafe(|| {
+            while let Some(part) = self.ranges[thread].take(true) {
+                part.for_each(|n| task(n as usize));
+            }
+            let threads = self.ranges.len();
+            for other in (1..threads).map(|n| (thread + n) % threads) {
+                while let Some(part) = self.ranges[other].take(false) {
+                    part.for_each(|n| task(n as usize));
+                }
+            }
+        }));
+        THREAD.set(before);
+        if let Err(panic) = made {
+            // The others stop soon.
+            self.ranges.iter().for_each(|range| range.set(0, 0));
+            self.panic.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(panic);
+        }
+    }
+
+    /// Wait for a loop other than `known` that is open, and enter it. None if there are no more.
+    fn enter(&self, known: u64) -> Option<u64> {
+        let mut watched: Option<Instant> = None;
+        let mut turns = 0;
+        loop {
+            let state = self.state.load(Ordering::Acquire);
+            if state & OVER != 0 {
+                return None;
+            }
+            if state & OPEN != 0 && state / LOOP != known {
+                let entered = self.state.compare_exchange(state, state + 1, Ordering::AcqRel, Ordering::Relaxed);
+                if entered.is_ok() {
+                    return Some(state / LOOP);
+                }
+                continue;
+            }
+            std::hint::spin_loop();
+            turns += 1;
+            if turns % TURNS != 0 {
+                continue;
+            }
+            if watched.get_or_insert_with(Instant::now).elapsed() < WATCHES {
+                continue;
+            }
+            let lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
+            self.sleeping.fetch_add(1, Ordering::SeqCst);
+            fence(Ordering::SeqCst);
+            let state = self.state.load(Ordering::SeqCst);
+            // A leader that opened a loop since either sees this thread asleep, or is seen here.
+            if state & OVER == 0 && (state & OPEN == 0 || state / LOOP == known) {
+                drop(self.wake.wait(lock).unwrap_or_else(PoisonError::into_inner));
+            }
+            self.sleeping.fetch_sub(1, Ordering::SeqCst);
+            watched = None;
+        }
+    }
+
+    fn work(&self, thread: usize) {
+        let mut known = u64::MAX;
+        while let Some(this) = self.enter(known) {
+            known = this;
+            // SAFETY: this thread is in the loop, which the leader does not leave before it.
+            if let Some(task) = unsafe { *self.task.get() } {
+                self.make(thread, task);
+            }
+            self.state.fetch_sub(1, Ordering::AcqRel);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn sum(crew: &Crew, count: usize) -> usize {
+        let sum = AtomicUsize::new(0);
+        crew.each(count, &|n| {
+            sum.fetch_add(n + 1, Ordering::Relaxed);
+        });
+        sum.into_inner()
+    }
+
+    #[test]
+    fn every_number_comes_once() {
+        for threads in [2, 3, 8] {
+            let crew = Crew::new(threads, 1 << 20).expect("threads");
+            for round in 0..2000 {
+                let count = round % 67;
+                assert_eq!(sum(&crew, count), count * (count + 1) / 2);
+            }
+            // Long enough for workers to sleep.
+            for _ in 0..5 {
+                thread::sleep(3 * WATCHES);
+                assert_eq!(sum(&crew, 1000), 500_500);
+            }
+        }
+    }
+
+    #[test]
+    fn loops_within_loops_and_of_other_threads_are_made() {
+        let crew = Crew::new(3, 1 << 20).expect("threads");
+        let total = AtomicUsize::new(0);
+        crew.each(20, &|_| {
+            assert!(thread() < 3);
+            total.fetch_add(sum(&crew, 10), Ordering::Relaxed);
+        });
+        assert_eq!(total.into_inner(), 20 * 55);
+        assert_eq!(thread(), 0);
+        thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| (0..200).for_each(|_| assert_eq!(sum(&crew, 50), 1275)));
+            }
+        });
+    }
+
+    #[test]
+    fn a_panic_comes_to_the_caller_and_the_crew_goes_on() {
+        let crew = Crew::new(2, 1 << 20).expect("threads");
+        for n in [0, 37, 99] {
+            let made = catch_unwind(AssertUnwindSafe(|| {
+                crew.each(100, &|i| assert!(i != n, "number {n}"));
+            }));
+            let said = made.expect_err("it panics");
+            assert_eq!(said.downcast_ref::<String>().map(String::as_str), Some(&*format!("number {n}")));
+            assert_eq!(sum(&crew, 100), 5050);
+        }
+    }
+}
