@@ -4,8 +4,8 @@ use fem::{ContactSurface, Fem};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::parameter;
 use impactite_scene::{
-    Archive, Body, Boundary, Bounds, CheckpointError, Exchange, Parts, PointView, SceneError, Solver, StepError, Stopped,
-    Totals, Watch,
+    Archive, Body, Boundary, Bounds, CheckpointError, Exchange, Parts, PointView, SceneError, Solver,
+    StepError, Stopped, Totals, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::ContactLaw;
@@ -405,7 +405,9 @@ impl<const D: usize> Body for Elements<D> {
     fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let mut before = 0;
         for body in self.fem.element_bodies() {
-            body.for_each_with(parts, &mut |point| visit(&PointView { number: before + point.number, ..point.clone() }));
+            body.for_each_with(parts, &mut |point| {
+                visit(&PointView { number: before + point.number, ..point.clone() })
+            });
             before += Body::len(body);
         }
     }

@@ -263,7 +263,9 @@ impl<const D: usize> Body for ElementBody<D> {
                 if (0..batch.elements).all(|e| alive(&e)) {
                     batch.nodes.iter().for_each(|n| hold(*n));
                 } else {
-                    (0..batch.elements).filter(alive).for_each(|e| set.nodes_of(batch, e).for_each(&mut hold));
+                    (0..batch.elements)
+                        .filter(alive)
+                        .for_each(|e| set.nodes_of(batch, e).for_each(&mut hold));
                 }
             }
         }

@@ -219,10 +219,10 @@ impl Job {
             let ahead = self.source.estimate(&scene, &mut *solver)?;
             ahead.notes.iter().for_each(|note| tracing::warn!("{note}"));
         }
-        solver.set_team(team);
+        solver.set_team(team.clone());
         let points: usize = solver.bodies().iter().map(|b| b.len()).sum();
         tracing::info!("`{}`: {}, {points} points, {threads} threads", scene.title, solver.method());
-        let outcome = self.steps(&scene, &mut *solver, threads, start, stop);
+        let outcome = self.steps(&scene, &mut *solver, &team, start, stop);
         self.setting_up.store(true, Ordering::Relaxed);
         outcome
     }
@@ -237,10 +237,11 @@ impl Job {
         &self,
         scene: &SceneFile,
         solver: &mut dyn Solver,
-        threads: usize,
+        team: &Team,
         start: Instant,
         stop: &AtomicBool,
     ) -> Result<Outcome, CliError> {
+        let threads = team.threads();
         // Quantities that cannot be measured are refused now, and not after an hour.
         let measures = Rc::new(RefCell::new(Measures::new(&self.source, scene, solver)?));
         let folder = &self.folder;
@@ -273,8 +274,7 @@ impl Job {
                 _ => tracing::info!("{line}"),
             });
         let mut progress = Shown { bar, advance: self.advance.clone(), last: None };
-        // With one thread nothing else runs.
-        let background = if threads > 1 { Background::new() } else { Background::none() };
+        let background = Background::new(team);
         let mut pictures = Pictures::drawn_by(
             folder.join(PICTURES),
             SERIES,

@@ -43,6 +43,10 @@ struct Shared {
     /// Task of the open loop.
     task: UnsafeCell<Option<&'static Task<'static>>>,
     ranges: Vec<Range>,
+    /// Threads that work elsewhere now.
+    lent: AtomicUsize,
+    /// Threads of the open loop: those with smaller numbers. Written as the task is.
+    active: AtomicUsize,
     sleeping: AtomicUsize,
     lock: Mutex<()>,
     wake: Condvar,
@@ -88,8 +92,11 @@ impl Range {
                 return None;
             }
             let part = (to - from).div_ceil(PART);
-            let (rest, taken) =
-                if front { ((from + part, to), from..from + part) } else { ((from, to - part), to - part..to) };
+            let (rest, taken) = if front {
+                ((from + part, to), from..from + part)
+            } else {
+                ((from, to - part), to - part..to)
+            };
             let next = u64::from(rest.1) << 32 | u64::from(rest.0);
             match self.0.compare_exchange_weak(now, next, Ordering::Relaxed, Ordering::Relaxed) {
                 Ok(_) => return Some(taken),
@@ -106,6 +113,8 @@ impl Crew {
             state: AtomicU64::new(0),
             task: UnsafeCell::new(None),
             ranges: (0..threads).map(|_| Range::default()).collect(),
+            lent: AtomicUsize::new(0),
+            active: AtomicUsize::new(threads),
             sleeping: AtomicUsize::new(0),
             lock: Mutex::new(()),
             wake: Condvar::new(),
@@ -125,16 +134,19 @@ impl Crew {
     /// # Panics
     /// With the first panic of a task, when no other is running.
     pub(crate) fn each(&self, count: usize, task: &Task<'_>) {
+        let shared = &*self.shared;
+        let all = shared.ranges.len();
+        let active = all - shared.lent.load(Ordering::Relaxed).min(all - 1);
         // Within a loop, in a second thread that calls, or where it is not worth it, this thread does it all.
-        let alone = count <= 1 || THREAD.get().is_some();
+        let alone = count <= 1 || active == 1 || THREAD.get().is_some();
         let (false, Ok(length), Ok(lead)) = (alone, u32::try_from(count), self.lead.try_lock()) else {
             return (0..count).for_each(task);
         };
-        let (shared, threads) = (&*self.shared, self.shared.ranges.len() as u64);
+        let place = |t: usize| (u64::from(length) * t.min(active) as u64 / active as u64) as u32;
         for (t, range) in shared.ranges.iter().enumerate() {
-            let place = |t: u64| (u64::from(length) * t / threads) as u32;
-            range.set(place(t as u64), place(t as u64 + 1));
+            range.set(place(t), place(t + 1));
         }
+        shared.active.store(active, Ordering::Relaxed);
         // SAFETY: the loop is closed and no worker is in it. Workers use the task in the open loop only, which is closed, and left by all,
         // before this returns: its life is long enough.
         unsafe { *shared.task.get() = Some(std::mem::transmute::<&Task<'_>, &'static Task<'static>>(task)) };
@@ -162,6 +174,14 @@ impl Crew {
     }
 }
 
+impl Crew {
+    /// One thread less, or one more, makes loops.
+    pub(crate) fn lend(&self, out: bool) {
+        let lent = &self.shared.lent;
+        let _ = if out { lent.fetch_add(1, Ordering::Relaxed) } else { lent.fetch_sub(1, Ordering::Relaxed) };
+    }
+}
+
 impl Drop for Crew {
     fn drop(&mut self) {
         self.shared.state.fetch_or(OVER, Ordering::SeqCst);
@@ -182,7 +202,7 @@ impl Shared {
             while let Some(part) = self.ranges[thread].take(true) {
                 part.for_each(|n| task(n as usize));
             }
-            let threads = self.ranges.len();
+            let threads = self.active.load(Ordering::Relaxed);
             for other in (1..threads).map(|n| (thread + n) % threads) {
                 while let Some(part) = self.ranges[other].take(false) {
                     part.for_each(|n| task(n as usize));
@@ -197,8 +217,11 @@ impl Shared {
         }
     }
 
-    /// Wait for a loop other than `known` that is open, and enter it. None if there are no more.
-    fn enter(&self, known: u64) -> Option<u64> {
+    /// Wait for a loop other than `known` that is open to this thread, and enter it. None if there are no more.
+    fn enter(&self, thread: usize, known: u64) -> Option<u64> {
+        let open = |state: u64| {
+            state & OPEN != 0 && state / LOOP != known && thread < self.active.load(Ordering::Relaxed)
+        };
         let mut watched: Option<Instant> = None;
         let mut turns = 0;
         loop {
@@ -206,8 +229,9 @@ impl Shared {
             if state & OVER != 0 {
                 return None;
             }
-            if state & OPEN != 0 && state / LOOP != known {
-                let entered = self.state.compare_exchange(state, state + 1, Ordering::AcqRel, Ordering::Relaxed);
+            if open(state) {
+                let entered =
+                    self.state.compare_exchange(state, state + 1, Ordering::AcqRel, Ordering::Relaxed);
                 if entered.is_ok() {
                     return Some(state / LOOP);
                 }
@@ -226,7 +250,7 @@ impl Shared {
             fence(Ordering::SeqCst);
             let state = self.state.load(Ordering::SeqCst);
             // A leader that opened a loop since either sees this thread asleep, or is seen here.
-            if state & OVER == 0 && (state & OPEN == 0 || state / LOOP == known) {
+            if state & OVER == 0 && !open(state) {
                 drop(self.wake.wait(lock).unwrap_or_else(PoisonError::into_inner));
             }
             self.sleeping.fetch_sub(1, Ordering::SeqCst);
@@ -236,7 +260,7 @@ impl Shared {
 
     fn work(&self, thread: usize) {
         let mut known = u64::MAX;
-        while let Some(this) = self.enter(known) {
+        while let Some(this) = self.enter(thread, known) {
             known = this;
             // SAFETY: this thread is in the loop, which the leader does not leave before it.
             if let Some(task) = unsafe { *self.task.get() } {
@@ -273,6 +297,20 @@ mod tests {
                 assert_eq!(sum(&crew, 1000), 500_500);
             }
         }
+    }
+
+    #[test]
+    fn lent_threads_make_no_loops() {
+        let crew = Crew::new(3, 1 << 20).expect("threads");
+        for lent in [1, 2, 3] {
+            crew.lend(true);
+            for _ in 0..200 {
+                crew.each(50, &|_| assert!(thread() < 3 - lent.min(2)));
+                assert_eq!(sum(&crew, 50), 1275);
+            }
+        }
+        (0..3).for_each(|_| crew.lend(false));
+        assert_eq!(sum(&crew, 50), 1275);
     }
 
     #[test]

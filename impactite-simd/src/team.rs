@@ -60,7 +60,10 @@ impl Crews {
             }
             place = &started.next;
         }
-        place.get_or_init(|| Box::new(Started::new(process, Crew::new(self.threads, STACK).ok()))).crew.as_ref()
+        place
+            .get_or_init(|| Box::new(Started::new(process, Crew::new(self.threads, STACK).ok())))
+            .crew
+            .as_ref()
     }
 }
 
@@ -204,6 +207,23 @@ impl Team {
     /// The team whose [`Team::run`] the caller is in.
     fn around() -> Option<Team> {
         AMBIENT.with_borrow(Clone::clone)
+    }
+
+    /// Do work in another thread, while which loops of this team run on one thread less, at least on that of the caller.
+    pub fn lend<R>(&self, work: impl FnOnce() -> R) -> R {
+        /// Takes the thread back, also where `work` panics.
+        struct Lent<'a>(&'a Crew);
+        impl Drop for Lent<'_> {
+            fn drop(&mut self) {
+                self.0.lend(false);
+            }
+        }
+        let crew = if let Threads::Crew(crews) = &self.0 { crews.here() } else { None };
+        let _lent = crew.map(|crew| {
+            crew.lend(true);
+            Lent(crew)
+        });
+        work()
     }
 
     /// Run `work`, of which loops of [`Team::ambient`] run on this team, too.

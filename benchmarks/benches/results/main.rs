@@ -3,6 +3,7 @@
 //! ```text
 //! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--native PROGRAM] [--section NAME,..] [--out FILE]
 //! cargo bench -p benchmarks --bench results -- --section ways --throughput PROGRAM [--previous PROGRAM] [--quick]
+//! cargo bench -p benchmarks --bench results -- --section runs --program PROGRAM [--previous PROGRAM] [--quick]
 //! cargo bench -p benchmarks --bench results -- --section compile,tests,ci [--before COMMIT,..]
 //! ```
 //!
@@ -17,6 +18,7 @@ mod fragile;
 mod kernels;
 mod page;
 mod peers;
+mod runs;
 mod sample;
 mod scenes;
 mod search;
@@ -49,7 +51,10 @@ struct Options {
     /// Our `throughput` as built now, for the section `ways`
     #[arg(long, value_name = "PROGRAM")]
     throughput: Option<PathBuf>,
-    /// Our `throughput` built at another commit, to be measured beside
+    /// Our `impactite` as built now, for the section `runs`
+    #[arg(long, value_name = "PROGRAM")]
+    program: Option<PathBuf>,
+    /// Our `throughput`, or `impactite`, built at another commit, to be measured beside
     #[arg(long, value_name = "PROGRAM")]
     previous: Option<PathBuf>,
     /// Python with the packages of peers
@@ -81,6 +86,8 @@ enum Section {
     Yardstick,
     /// The law behind a call, and inlined
     Ways,
+    /// The program on scene files, with all that it writes
+    Runs,
     /// Cost a particle over the number of particles
     Sizes,
     /// Shape functions, transfers, precisions, memory
@@ -132,6 +139,9 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             }
             Section::Ways => {
                 kernels::ways(options.quick, options.throughput.as_deref(), options.previous.as_deref())?
+            }
+            Section::Runs => {
+                runs::cost(options.quick, options.program.as_deref(), options.previous.as_deref())?
             }
             Section::Sizes => kernels::sizes(options.quick)?,
             Section::Compositions => kernels::compositions(options.quick)?,

@@ -230,8 +230,7 @@ impl Measures {
     }
 
     fn value(&self, now: &Now<'_>, taken: &Taken) -> Result<f64, MeasureError> {
-        value::of(now, taken)
-            .map_err(|why| MeasureError { name: taken.name.clone(), why })
+        value::of(now, taken).map_err(|why| MeasureError { name: taken.name.clone(), why })
     }
 
     /// What they know of the steps so far, to a file or from one.

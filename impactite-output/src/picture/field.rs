@@ -225,7 +225,7 @@ impl FieldPicture {
         };
         let (width, height) = film.map_or((width, height), |film| film.size((width, height)));
         let samples =
-            FINE * FINE * (size_of::<f32>() + size_of::<bool>() + size_of::<Rgb>()) + size_of::<Rgb>();
+            FINE * FINE * (size_of::<f32>() + size_of::<u8>() + size_of::<u32>()) + size_of::<Rgb>();
         super::budget("a picture of so many pixels", "make the picture smaller")
             .holds(width as f64 * height as f64 * samples as f64)?;
         let mut picture = Picture::new(width, height, PAPER)?;
@@ -351,7 +351,7 @@ impl FieldPicture {
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
         let rows = (frame.bottom - frame.top).max(0.0) as usize * FINE;
         let mut nearest = vec![f32::INFINITY; columns * rows];
-        let mut colour = vec![PAPER; columns * rows];
+        let mut colour = vec![packed(PAPER); columns * rows];
         let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
         let mut copies = Vec::new();
         let mut bars = Vec::new();
@@ -382,12 +382,12 @@ impl FieldPicture {
                     let edge = edge_strength(outline);
                     within(outline, columns, rows, &mut |at| {
                         nearest[at] = ELEMENT;
-                        colour[at] = colours[i];
+                        colour[at] = packed(colours[i]);
                         if edge > 0.0 {
                             let place = [(at % columns) as f32 + 0.5, (at / columns) as f32 + 0.5];
                             let covered = (EDGE + 0.5 - distance_to(outline, place, true)).clamp(0.0, 1.0);
                             let light = 1.0 - edge * covered;
-                            colour[at] = colours[i].map(|c| (f32::from(c) * light) as u8);
+                            colour[at] = packed(colours[i].map(|c| (f32::from(c) * light) as u8));
                         }
                     });
                 }
@@ -403,28 +403,32 @@ impl FieldPicture {
                 let cy = ((frame.y.high - x[1] * factor) / factor * per_metre) as f32;
                 let range = |c: f32, n: usize| {
                     let low = (c - reach + 0.5).floor().max(0.0) as usize;
-                    low..((c + reach + 0.5).floor().max(0.0) as usize).min(n)
+                    low.min(n)..((c + reach + 0.5).floor().max(0.0) as usize).min(n)
                 };
+                let farthest = if self.mark == Mark::Disc { half * half } else { f32::INFINITY };
+                let (across, own) = (range(cx, columns), packed(colours[i]));
                 for y in range(cy, rows) {
                     let dy = y as f32 + 0.5 - cy;
-                    for x in range(cx, columns) {
-                        let dx = x as f32 + 0.5 - cx;
+                    let row = y * columns + across.start..y * columns + across.end;
+                    // Without branches, so that it is done for several samples at once.
+                    let mut n = across.start as i32;
+                    for (nearest, colour) in nearest[row.clone()].iter_mut().zip(&mut colour[row]) {
+                        let dx = n as f32 + 0.5 - cx;
                         let distance = dx * dx + dy * dy;
-                        let at = y * columns + x;
-                        if distance < nearest[at] && (self.mark != Mark::Disc || distance <= half * half) {
-                            nearest[at] = distance;
-                            colour[at] = colours[i];
-                        }
+                        let wins = (distance < *nearest) & (distance <= farthest);
+                        *nearest = if wins { distance } else { *nearest };
+                        *colour = if wins { own } else { *colour };
+                        n += 1;
                     }
                 }
             }
         }
         if self.mark == Mark::Cell {
-            let mut kept: Vec<bool> = nearest.iter().map(|d| d.is_finite()).collect();
+            let mut kept: Vec<u8> = nearest.iter().map(|d| u8::from(d.is_finite())).collect();
             shrink(&mut kept, columns, rows, margin);
             for ((colour, kept), nearest) in colour.iter_mut().zip(kept).zip(&nearest) {
-                if !kept && *nearest != ELEMENT {
-                    *colour = PAPER;
+                if kept == 0 && *nearest != ELEMENT {
+                    *colour = packed(PAPER);
                 }
             }
         }
@@ -453,7 +457,8 @@ impl FieldPicture {
                         let distance = distance_to(&line, [x as f32 + 0.5, y as f32 + 0.5], false);
                         if distance <= half {
                             let light = if distance > half - EDGE { 0.4 } else { 1.0 };
-                            colour[y * columns + x] = colours[i].map(|c| (f32::from(c) * light) as u8);
+                            colour[y * columns + x] =
+                                packed(colours[i].map(|c| (f32::from(c) * light) as u8));
                         }
                     }
                 }
@@ -468,7 +473,7 @@ impl FieldPicture {
                 for y in py * FINE..(py + 1) * FINE {
                     for sample in &colour[y * columns + px * FINE..][..FINE] {
                         for c in 0..3 {
-                            sum[c] += u32::from(sample[c]);
+                            sum[c] += sample >> (8 * c) & 0xff;
                         }
                     }
                 }
@@ -479,6 +484,11 @@ impl FieldPicture {
             }
         }
     }
+}
+
+/// A colour as one number.
+fn packed([r, g, b]: Rgb) -> u32 {
+    u32::from_le_bytes([r, g, b, 0])
 }
 
 /// Half the width of the edges of elements, samples.
@@ -534,22 +544,73 @@ fn within(polygon: &[[f32; 2]], columns: usize, rows: usize, visit: &mut dyn FnM
     }
 }
 
-/// Take away what lies within `margin` samples (along rows or columns) of the outside. Beyond the edges of the
+/// Take away what lies within `margin` samples (along rows or columns, 254 at most) of the outside, zeros among ones. Beyond the edges of the
 /// picture lies no outside.
-fn shrink(kept: &mut [bool], columns: usize, rows: usize, margin: usize) {
-    let mut line = Vec::new();
-    for (lines, length, step, stride) in [(rows, columns, 1, columns), (columns, rows, columns, 1)] {
-        for l in 0..lines {
-            line.clear();
-            line.extend((0..length).map(|i| kept[l * stride + i * step]));
-            let mut gone_until = 0;
-            for i in 0..length {
-                if !line[i] {
-                    // Wipe the margin before and after, each sample at most once in each direction.
-                    for j in i.saturating_sub(margin).max(gone_until)..(i + margin + 1).min(length) {
-                        kept[l * stride + j * step] = false;
-                    }
-                    gone_until = (i + margin + 1).min(length);
+fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
+    if columns == 0 || rows == 0 {
+        return;
+    }
+    let next = |row: &[u8], from: usize, what: u8| {
+        row[from..].iter().position(|kept| *kept == what).map_or(row.len(), |n| from + n)
+    };
+    for row in kept.chunks_exact_mut(columns) {
+        // Outside from one place to another, and then inside up to the next.
+        let mut from = next(row, 0, 0);
+        if from < columns {
+            row[from.saturating_sub(margin)..from].fill(0);
+        }
+        while from < columns {
+            let to = next(row, from, 1);
+            from = next(row, to, 0);
+            row[to..(to + margin).min(from)].fill(0);
+            if from < columns {
+                row[from.saturating_sub(margin).max(to)..from].fill(0);
+            }
+        }
+    }
+    // Samples since the outside, from above and from below, all columns of a row at once.
+    let far = margin.min(254) as u8 + 1;
+    let mut since = vec![far; columns];
+    for row in kept.chunks_exact_mut(columns).take(rows) {
+        for (kept, since) in row.iter_mut().zip(&mut since) {
+            *since = if *kept == 0 { 0 } else { (*since + 1).min(far) };
+            *kept = *since;
+        }
+    }
+    since.fill(far);
+    for row in kept.chunks_exact_mut(columns).take(rows).rev() {
+        for (kept, since) in row.iter_mut().zip(&mut since) {
+            *since = if *kept == 0 { 0 } else { (*since + 1).min(far) };
+            *kept = u8::from(*kept == far && *since == far);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_near_the_outside_is_taken_away() {
+        let mut seed = 5_u64;
+        for (columns, rows, margin) in [(1, 1, 0), (7, 5, 1), (40, 23, 3), (31, 17, 60), (12, 300, 60)] {
+            let mut next = || {
+                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (seed >> 33) % 60
+            };
+            let all: Vec<u8> = (0..columns * rows).map(|_| u8::from(next() > 0)).collect();
+            let mut kept = all.clone();
+            shrink(&mut kept, columns, rows, margin);
+            let near =
+                |place: usize, count: usize| place.saturating_sub(margin)..(place + margin + 1).min(count);
+            for y in 0..rows {
+                for x in 0..columns {
+                    let inside = near(y, rows).all(|y| near(x, columns).all(|x| all[y * columns + x] == 1));
+                    assert_eq!(
+                        kept[y * columns + x],
+                        u8::from(inside),
+                        "{x} {y} of {columns} x {rows}, {margin}"
+                    );
                 }
             }
         }

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 
 use impactite_output::OutputError;
+use impactite_simd::Team;
 
 /// A piece of work: a picture to draw, a frame to write.
 type Work = Box<dyn FnOnce() -> Result<(), OutputError> + Send>;
@@ -13,7 +14,8 @@ type Work = Box<dyn FnOnce() -> Result<(), OutputError> + Send>;
 const WAITING: usize = 2;
 
 /// A thread that draws and writes, in order, what observers took from a run: [`Pictures`](super::Pictures) and [`VtkSeries`](super::VtkSeries)
-/// of one run share one. At most three snapshots wait or are in work. Files are the same as without it.
+/// of one run share one. At most three snapshots wait or are in work. Files are the same as without it. It is one of the threads of a team: while it
+/// works, loops of the team run on one less.
 ///
 /// An error stops the run when the next piece of work is given, at the next checkpoint, or at the end of the run.
 #[derive(Clone, Debug, Default)]
@@ -44,13 +46,18 @@ impl Background {
         Background(None)
     }
 
-    /// A thread, or none where the operating system refuses one.
+    /// A thread of this team; none if it has one alone, or where the operating system refuses one.
     #[must_use]
-    pub fn new() -> Self {
+    pub fn new(team: &Team) -> Self {
+        if team.threads() == 1 {
+            return Background::none();
+        }
+        let team = team.clone();
         let (queue, messages) = sync_channel(WAITING);
         let failed = Arc::new(Mutex::new(None));
         let errors = failed.clone();
-        let thread = std::thread::Builder::new().name("output".into()).spawn(move || work(&messages, &errors));
+        let thread =
+            std::thread::Builder::new().name("output".into()).spawn(move || work(&team, &messages, &errors));
         Background(thread.ok().map(|thread| {
             let (queue, thread) = (Mutex::new(Some(queue)), Mutex::new(Some(thread)));
             Arc::new(Worker { queue, thread, failed })
@@ -64,7 +71,10 @@ impl Background {
     ///
     /// # Panics
     /// With the panic of work given before.
-    pub fn run(&self, work: impl FnOnce() -> Result<(), OutputError> + Send + 'static) -> Result<(), OutputError> {
+    pub fn run(
+        &self,
+        work: impl FnOnce() -> Result<(), OutputError> + Send + 'static,
+    ) -> Result<(), OutputError> {
         let Some(worker) = &self.0 else { return work() };
         worker.send(Message::Work(Box::new(work)));
         worker.error()
@@ -90,12 +100,12 @@ impl Background {
 }
 
 /// Work until the queue is closed. Once something failed, what follows is left out, as a run would have stopped there.
-fn work(messages: &Receiver<Message>, failed: &Mutex<Option<OutputError>>) {
+fn work(team: &Team, messages: &Receiver<Message>, failed: &Mutex<Option<OutputError>>) {
     let mut stopped = false;
     for message in messages {
         match message {
             Message::Work(work) if !stopped => {
-                if let Err(error) = work() {
+                if let Err(error) = team.lend(work) {
                     stopped = true;
                     *locked(failed) = Some(error);
                 }
@@ -142,13 +152,17 @@ mod tests {
     use super::*;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
+    fn two() -> Team {
+        Team::new(2).expect("threads")
+    }
+
     fn failure() -> OutputError {
-        OutputError::value("picture width", 0, "1 to 16384 pixels")
+        impactite_output::picture::Picture::new(0, 1, [0; 3]).expect_err("no picture")
     }
 
     #[test]
     fn work_is_done_in_order_and_an_error_comes_once() {
-        for background in [Background::none(), Background::new()] {
+        for background in [Background::none(), Background::new(&two())] {
             let list = Arc::new(Mutex::new(Vec::new()));
             for n in 0..20 {
                 let list = list.clone();
@@ -168,7 +182,7 @@ mod tests {
 
     #[test]
     fn what_follows_an_error_is_left_out() {
-        let (background, count) = (Background::new(), Arc::new(AtomicUsize::new(0)));
+        let (background, count) = (Background::new(&two()), Arc::new(AtomicUsize::new(0)));
         let mut said = background.run(|| Err(failure()));
         for _ in 0..5 {
             let count = count.clone();
@@ -184,7 +198,7 @@ mod tests {
 
     #[test]
     fn a_panic_is_passed_on() {
-        let background = Background::new();
+        let background = Background::new(&two());
         let given = background.run(|| panic!("a picture"));
         let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| given.and(background.wait())));
         assert!(caught.is_err());
@@ -195,7 +209,7 @@ mod tests {
     #[test]
     fn all_is_done_when_it_is_dropped() {
         let count = Arc::new(AtomicUsize::new(0));
-        let background = Background::new();
+        let background = Background::new(&two());
         for _ in 0..3 {
             let count = count.clone();
             let given = background.run(move || {

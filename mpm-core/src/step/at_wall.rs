@@ -196,10 +196,7 @@ impl<const D: usize> AtWall<D> {
             let mass = front.mass + thin.mass;
             let mean = |a: f64, b: f64| (front.mass * a + thin.mass * b) / mass;
             let velocity: [f64; D] = std::array::from_fn(|d| mean(front.velocity[d], thin.velocity[d]));
-            let start = front
-                .start
-                .zip(thin.start)
-                .map(|(a, b)| std::array::from_fn(|d| mean(a[d], b[d])));
+            let start = front.start.zip(thin.start).map(|(a, b)| std::array::from_fn(|d| mean(a[d], b[d])));
             (0..D).for_each(|d| front.change[d] += velocity[d] - front.velocity[d]);
             (front.velocity, front.start, front.mass) = (velocity, start.or(front.start), mass);
         }

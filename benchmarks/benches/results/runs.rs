@@ -1,0 +1,151 @@
+//! Whole commands: the program on the scene files of the repository, with all that it writes.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+use examples::CaseError;
+use examples::throughput::Spread;
+
+use crate::page::table;
+use crate::sample::{Sample, Subject, attempt};
+
+const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes");
+
+/// A run of a scene file.
+struct Ran {
+    /// Time of the command and of its steps, s.
+    wall: f64,
+    steps: f64,
+    /// Updates of points.
+    updates: f64,
+    /// Points at the end.
+    points: f64,
+    /// Most memory, bytes.
+    bytes: f64,
+}
+
+fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ran, CaseError> {
+    let start = Instant::now();
+    let mut command = Command::new(program);
+    command.arg("run").arg(scene).args(["--threads", &threads.to_string(), "--out"]).arg(folder);
+    let done = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .map_err(|source| CaseError::File { path: program.into(), source })?;
+    let wall = start.elapsed().as_secs_f64();
+    // A check that is missed is told by the exit status, too.
+    let path = folder.join("result.json");
+    let failed = |why: String| CaseError::Other(format!("{}: {why}", scene.display()));
+    let text = std::fs::read_to_string(&path).map_err(|_| failed(format!("no result, {done}")))?;
+    let said: serde_json::Value = serde_json::from_str(&text).map_err(|e| failed(e.to_string()))?;
+    let number = |key: &str| said[key].as_f64().ok_or_else(|| failed(format!("no number `{key}`")));
+    let steps = number("wall_seconds")?;
+    let updates = number("particle_updates_per_second")? * steps;
+    Ok(Ran { wall, steps, updates, points: number("particles")?, bytes: number("peak_memory_bytes")? })
+}
+
+/// The scene files, by name.
+fn scenes() -> Result<Vec<PathBuf>, CaseError> {
+    let failed = |source| CaseError::File { path: SCENES.into(), source };
+    let mut list = Vec::new();
+    for entry in std::fs::read_dir(SCENES).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.extension().is_some_and(|e| e == "toml") {
+            list.push(path);
+        }
+    }
+    list.sort();
+    Ok(list)
+}
+
+/// Time, share of steps and memory of every scene file, on one and two threads, beside an earlier program.
+pub fn cost(
+    quick: bool,
+    program: Option<&Path>,
+    previous: Option<&Path>,
+) -> Result<Option<String>, CaseError> {
+    let Some(program) = program else {
+        eprintln!("without --program there is nothing to run");
+        return Ok(None);
+    };
+    let folder = std::env::temp_dir().join(format!("impactite-runs-{}", std::process::id()));
+    let (mut rows, mut all) = (Vec::new(), [[0.0; 2]; 4]);
+    for scene in scenes()? {
+        let name = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        for threads in [1, 2] {
+            let subject = |name: &str, program: PathBuf| {
+                let (scene, folder) = (&scene, &folder);
+                Subject::new(name, move || run(&program, scene, threads, folder))
+            };
+            let mut subjects = vec![subject("now", program.into())];
+            subjects.extend(previous.map(|previous| subject("before", previous.into())));
+            let samples = attempt(&subjects, if quick { 1 } else { 3 });
+            let [now, before] = [samples.first(), samples.get(1)];
+            let Some(now) = now.filter(|s| s.failure.is_none()) else {
+                eprintln!("{name}: {}", now.and_then(|s| s.failure.clone()).unwrap_or_default());
+                continue;
+            };
+            let before = before.filter(|s| s.failure.is_none());
+            let of = |sample: Option<&Sample<Ran>>, number: fn(&Ran) -> f64| sample.map(|s| s.spread(number));
+            let text = |spread: Option<Spread>| spread.map_or("-".into(), |s| s.text(2));
+            let (wall, steps) = (now.spread(|r| r.wall), now.spread(|r| r.steps));
+            for (sum, spread) in all.iter_mut().zip([
+                Some(&wall),
+                Some(&steps),
+                of(before, |r| r.wall).as_ref(),
+                of(before, |r| r.steps).as_ref(),
+            ]) {
+                sum[threads - 1] += spread.map_or(0.0, |s| s.median);
+            }
+            rows.push([
+                name.clone(),
+                format!("{:.0} x {:.0}", now.first().points, now.first().updates / now.first().points),
+                threads.to_string(),
+                text(of(before, |r| r.wall)),
+                wall.text(2),
+                text(of(before, |r| r.steps)),
+                steps.text(2),
+                format!("{:.2}", steps.median / wall.median),
+                now.spread(|r| 1e-6 * r.updates / r.steps).text(2),
+                format!("{:.0}", 1e-6 * now.spread(|r| r.bytes).median),
+            ]);
+        }
+    }
+    let _ = std::fs::remove_dir_all(&folder);
+    for threads in [1, 2] {
+        let [wall, steps, wall_before, steps_before] = all.map(|sum| sum[threads - 1]);
+        let before = |sum: f64| if previous.is_some() { format!("{sum:.1}") } else { "-".into() };
+        rows.push([
+            "all".into(),
+            String::new(),
+            threads.to_string(),
+            before(wall_before),
+            format!("{wall:.1}"),
+            before(steps_before),
+            format!("{steps:.1}"),
+            format!("{:.2}", steps / wall),
+            String::new(),
+            String::new(),
+        ]);
+    }
+    let title = [
+        "scene",
+        "points x steps",
+        "threads",
+        "command before, s",
+        "command, s",
+        "steps before, s",
+        "steps, s",
+        "share of steps",
+        "10^6 updates a second",
+        "memory, MB",
+    ];
+    Ok(Some(format!(
+        "## Whole commands\n\n`impactite run` on the scene files of `scenes/` with default options: pictures, frames, histories and page are made. Seconds of the \
+         whole command and of its steps; medians with least and most of rounds in alternation with the program of an earlier commit. With two threads pictures are \
+         drawn and frames written by one of them while the run goes on.\n\n{}",
+        table(title, &rows)
+    )))
+}
