@@ -8,15 +8,19 @@ use super::{Taken, find};
 use crate::model::Space;
 use crate::model::measure::{AngularMomentum, Entry, Measurement};
 
+/// What is known of bodies, by their names.
+type Known<'a, X> = RefCell<Vec<(&'a str, X)>>;
+/// Lowest and highest corner, m; none of nothing.
+type Corners = Option<[[f64; 3]; 2]>;
+
 /// A scene at one time, with what several measures ask for: found once.
 pub(super) struct Now<'a> {
     space: Space,
     solver: &'a dyn Solver,
     bodies: Vec<&'a dyn Body>,
     account: OnceCell<Account>,
-    /// By name of the body.
-    totals: RefCell<Vec<(&'a str, Totals)>>,
-    bounds: RefCell<Vec<(&'a str, Option<[[f64; 3]; 2]>)>>,
+    totals: Known<'a, Totals>,
+    bounds: Known<'a, Corners>,
 }
 
 impl<'a> Now<'a> {
@@ -33,14 +37,14 @@ impl<'a> Now<'a> {
     fn totals(&self, body: &'a dyn Body) -> Totals {
         once(&self.totals, body.name(), || body.totals())
     }
-    fn bounds(&self, body: &'a dyn Body) -> Option<[[f64; 3]; 2]> {
+    fn bounds(&self, body: &'a dyn Body) -> Corners {
         let revolved = self.space == Space::Axisymmetric;
         once(&self.bounds, body.name(), || body.bounds(self.space.dimensions(), revolved))
     }
 }
 
 /// What is known by this name, or is found now.
-fn once<'a, X: Copy>(known: &RefCell<Vec<(&'a str, X)>>, name: &'a str, find: impl FnOnce() -> X) -> X {
+fn once<'a, X: Copy>(known: &Known<'a, X>, name: &'a str, find: impl FnOnce() -> X) -> X {
     let before = known.borrow().iter().find(|(other, _)| *other == name).map(|(_, x)| *x);
     before.unwrap_or_else(|| {
         let found = find();

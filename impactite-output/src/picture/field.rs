@@ -411,14 +411,13 @@ impl FieldPicture {
                     let dy = y as f32 + 0.5 - cy;
                     let row = y * columns + across.start..y * columns + across.end;
                     // Without branches, so that it is done for several samples at once.
-                    let mut n = across.start as i32;
-                    for (nearest, colour) in nearest[row.clone()].iter_mut().zip(&mut colour[row]) {
+                    let samples = nearest[row.clone()].iter_mut().zip(&mut colour[row]);
+                    for (n, (nearest, colour)) in (across.start as i32..).zip(samples) {
                         let dx = n as f32 + 0.5 - cx;
                         let distance = dx * dx + dy * dy;
                         let wins = (distance < *nearest) & (distance <= farthest);
                         *nearest = if wins { distance } else { *nearest };
                         *colour = if wins { own } else { *colour };
-                        n += 1;
                     }
                 }
             }

@@ -508,16 +508,16 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> PointView {
         let mut p = PointView::default();
-        self.read_particle(block, (bin, at), Parts::ALL, &mut Vec::new(), &mut p);
+        self.read_particle((block, bin, at), Parts::ALL, &self.lead.way(), &mut Vec::new(), &mut p);
         p
     }
 
     /// Parts of the same, in memory that is there.
     fn read_particle(
         &self,
-        block: &Block<T, D>,
-        (bin, at): (usize, Place),
+        (block, bin, at): (&Block<T, D>, usize, Place),
         parts: Parts,
+        way: &[f64; 3],
         numbers: &mut Vec<T>,
         p: &mut PointView,
     ) {
@@ -532,12 +532,13 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             p.half_edges = self.half_edges(numbers);
         }
         (p.position, p.velocity) = ([0.0; 3], [0.0; 3]);
+        let total = self.facts().total;
         for d in 0..D {
             let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
-            if self.facts().total {
+            if total {
                 cells += numbers[self.columns.frame() + d].to_double();
             }
-            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - self.lead.way()[d];
+            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - way[d];
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
         let state = self.state_of(numbers);
@@ -578,7 +579,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     fn totals_of(&self, slot: &Slot<T, D>) -> Totals {
         let mut part = Totals::default();
         let mut numbers = Vec::with_capacity(self.columns.count());
-        let (centre, spacing) = (self.bin_centre(), self.lattice.spacing());
+        let (centre, spacing, way) = (self.bin_centre(), self.lattice.spacing(), self.lead.way());
+        let (total, density) = (self.facts().total, self.material.density());
         for (bin, at) in slot.block.places() {
             numbers.clear();
             slot.block.read(at, &mut numbers);
@@ -587,17 +589,17 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             for d in 0..D {
                 let mut cells =
                     f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
-                if self.facts().total {
+                if total {
                     cells += numbers[self.columns.frame() + d].to_double();
                 }
-                x[d] = self.lattice.origin()[d] + spacing * cells - self.lead.way()[d];
+                x[d] = self.lattice.origin()[d] + spacing * cells - way[d];
                 v[d] = numbers[Columns::velocity(D) + d].to_double();
             }
             let mass = self.masses.of(&numbers);
             let energy = self.material.energy_of(self.state_of(&numbers)).unwrap_or_default();
-            part.internal += (energy * (mass / self.material.density())).to_double();
+            part.internal += (energy * (mass / density)).to_double();
             let heat = self.material.viscous_heat_of(self.state_of(&numbers));
-            part.viscous_heat += (heat * (mass / self.material.density())).to_double();
+            part.viscous_heat += (heat * (mass / density)).to_double();
             let mass = mass.to_double();
             part.particles += 1;
             part.mass += mass;
@@ -638,10 +640,10 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
         self.for_each_with(Parts::ALL, visit);
     }
     fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
-        let (mut numbers, mut p) = (Vec::new(), PointView::default());
+        let (mut numbers, mut p, way) = (Vec::new(), PointView::default(), self.lead.way());
         for slot in self.in_place() {
             for (bin, at) in slot.block.places() {
-                self.read_particle(&slot.block, (bin, at), parts, &mut numbers, &mut p);
+                self.read_particle((&slot.block, bin, at), parts, &way, &mut numbers, &mut p);
                 visit(&p);
             }
         }
