@@ -1,7 +1,7 @@
 //! A body as others see it, and in files.
 
 use impactite_scene::constants::over;
-use impactite_scene::{Archive, Body, Bounds, CheckpointError, Condition, Parts, PointView, Totals};
+use impactite_scene::{Archive, Body, CheckpointError, Condition, Parts, PointView, Totals};
 
 use crate::method::Composition;
 use crate::open::OpenFace;
@@ -223,11 +223,6 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     /// Cells as they are sorted in space, with the numbers of their [`Cells`](crate::Cells).
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
-    }
-    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
-        let mut held = Bounds::default();
-        self.for_each_with(Parts::NONE, &mut |p| held.hold(p, dimensions, axisymmetric));
-        held.corners()
     }
     fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let (mut point, force) = (PointView::default(), self.force_now());

@@ -240,7 +240,7 @@ impl Bounds {
         let inside = |d: usize| (p.position[d] - self.low[d]).min(self.high[d] - p.position[d]);
         let room = (0..dimensions.min(3)).map(inside).fold(f64::INFINITY, f64::min);
         // A little less, as widths are rounded.
-        if room.is_nan() || room <= 0.0 || p.is_wider(2.0 * room * (1.0 - 1e-12), dimensions, axisymmetric) {
+        if room <= 0.0 || p.is_wider(2.0 * room * (1.0 - 1e-12), dimensions, axisymmetric) {
             self.hold_place(&p.position, 0.5 * p.drawn_width(dimensions, axisymmetric));
         }
     }

@@ -26,6 +26,9 @@ struct Ran {
 }
 
 fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ran, CaseError> {
+    // A program that refuses the scene leaves what is there.
+    let path = folder.join("result.json");
+    let _ = std::fs::remove_file(&path);
     let start = Instant::now();
     let mut command = Command::new(program);
     command.arg("run").arg(scene).args(["--threads", &threads.to_string(), "--out"]).arg(folder);
@@ -36,7 +39,6 @@ fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ra
         .map_err(|source| CaseError::File { path: program.into(), source })?;
     let wall = start.elapsed().as_secs_f64();
     // A check that is missed is told by the exit status, too.
-    let path = folder.join("result.json");
     let failed = |why: String| CaseError::Other(format!("{}: {why}", scene.display()));
     let text = std::fs::read_to_string(&path).map_err(|_| failed(format!("no result, {done}")))?;
     let said: serde_json::Value = serde_json::from_str(&text).map_err(|e| failed(e.to_string()))?;

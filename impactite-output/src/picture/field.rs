@@ -549,6 +549,7 @@ fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
     if columns == 0 || rows == 0 {
         return;
     }
+    let margin = margin.min(254);
     let next = |row: &[u8], from: usize, what: u8| {
         row[from..].iter().position(|kept| *kept == what).map_or(row.len(), |n| from + n)
     };
@@ -568,18 +569,18 @@ fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
         }
     }
     // Samples since the outside, from above and from below, all columns of a row at once.
-    let far = margin.min(254) as u8 + 1;
+    let far = margin as u8 + 1;
     let mut since = vec![far; columns];
     for row in kept.chunks_exact_mut(columns).take(rows) {
         for (kept, since) in row.iter_mut().zip(&mut since) {
-            *since = if *kept == 0 { 0 } else { (*since + 1).min(far) };
+            *since = if *kept == 0 { 0 } else { since.saturating_add(1).min(far) };
             *kept = *since;
         }
     }
     since.fill(far);
     for row in kept.chunks_exact_mut(columns).take(rows).rev() {
         for (kept, since) in row.iter_mut().zip(&mut since) {
-            *since = if *kept == 0 { 0 } else { (*since + 1).min(far) };
+            *since = if *kept == 0 { 0 } else { since.saturating_add(1).min(far) };
             *kept = u8::from(*kept == far && *since == far);
         }
     }

@@ -186,11 +186,10 @@ impl<const D: usize> AtWall<D> {
             .zip(&acting)
             .map(|(node, acting)| behind(&node.position) && *acting > THIN * node.mass)
             .collect();
-        for p in 0..masses.len() {
-            near.fold_to_front(p, &thin, (axis, wall.sign * spacing), &mut self.tied);
-        }
-        self.tied.sort_unstable();
-        self.tied.dedup();
+        let fronts = near.fronts(&thin, (axis, wall.sign * spacing));
+        near.fold_to(&fronts);
+        let tied = fronts.iter().enumerate().filter_map(|(node, front)| Some((node as u32, (*front)?)));
+        self.tied.extend(tied);
         for &(node, front) in &self.tied {
             let (thin, front) = (near.nodes[node as usize], &mut near.nodes[front as usize]);
             let mass = front.mass + thin.mass;
@@ -212,6 +211,22 @@ impl<const D: usize> AtWall<D> {
             (0..D).for_each(|d| thin.change[d] += velocity[d] - thin.velocity[d]);
             thin.velocity = velocity;
         }
+    }
+
+    /// Give tied nodes and those in front of them the mean of their velocities across the wall, by their masses.
+    pub(super) fn join(&self, velocities: &mut [f64]) {
+        if self.tied.is_empty() {
+            return;
+        }
+        let nodes = &self.near.nodes;
+        let mut masses: Vec<f64> = nodes.iter().map(|node| node.mass).collect();
+        for &(node, front) in &self.tied {
+            let (node, front) = (node as usize, front as usize);
+            let mass = masses[front] + masses[node];
+            velocities[front] = (masses[front] * velocities[front] + masses[node] * velocities[node]) / mass;
+            masses[front] = mass;
+        }
+        self.follow(velocities);
     }
 
     /// Have tied nodes take velocities across the wall of those in front of them.

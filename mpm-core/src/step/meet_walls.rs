@@ -254,6 +254,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let node = &nodes[near.place as usize];
             if remapped { node.second[axis + 1].to_double() } else { node.first[axis + 1].to_double() }
         }));
+        at.join(&mut velocities);
         at.hold(wall, &mut velocities, dt.to_double());
         at.follow(&mut velocities);
         if !remapped {

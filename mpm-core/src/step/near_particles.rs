@@ -144,36 +144,45 @@ impl<const D: usize> NearParticles<D> {
         &self.weights[self.starts[particle]..self.starts[particle + 1]]
     }
 
-    /// Give the weights of a particle at `thin` nodes to those a cell on, by `along` an axis, until they are not thin, and note which to which.
-    pub(super) fn fold_to_front(
-        &mut self,
-        particle: usize,
-        thin: &[bool],
-        (axis, along): (usize, f64),
-        folded: &mut Vec<(u32, u32)>,
-    ) {
-        let NearParticles { starts, weights, nodes, .. } = self;
-        let weights = &mut weights[starts[particle]..starts[particle + 1]];
-        for n in 0..weights.len() {
-            let node = weights[n].0;
-            if !thin[node as usize] {
-                continue;
+    /// Of each `thin` node the one that is nearest in front of it, by `along` an axis, and not thin, where all particles that it has a weight of know the
+    /// same one; by place among the nodes here.
+    pub(super) fn fronts(&self, thin: &[bool], (axis, along): (usize, f64)) -> Vec<Option<u32>> {
+        let mut fronts: Vec<Option<Option<u32>>> = vec![None; self.nodes.len()];
+        for p in 0..self.len() {
+            let weights = self.weights(p);
+            for node in weights.iter().map(|(node, _)| *node as usize).filter(|node| thin[*node]) {
+                let at = self.nodes[node].position;
+                let cells = |other: u32| {
+                    let x = self.nodes[other as usize].position;
+                    let beside = (0..D).all(|d| d == axis || (x[d] - at[d]).abs() < 0.1 * along.abs());
+                    let cells = (x[axis] - at[axis]) / along;
+                    (beside && cells > 0.5).then_some((cells, other))
+                };
+                let front = weights
+                    .iter()
+                    .filter(|(other, _)| !thin[*other as usize])
+                    .filter_map(|(other, _)| cells(*other))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    .map(|(_, other)| other);
+                fronts[node] = match fronts[node] {
+                    Some(known) if known != front => Some(None),
+                    _ => Some(front),
+                };
             }
-            let at = nodes[node as usize].position;
-            // Of those in its column the first that is not thin.
-            let cells = |x: &[f64; D]| {
-                let beside = (0..D).all(|d| d == axis || (x[d] - at[d]).abs() < 0.1 * along.abs());
-                let cells = (x[axis] - at[axis]) / along;
-                (beside && cells > 0.5).then_some(cells)
-            };
-            let front = (0..weights.len())
-                .filter(|m| !thin[weights[*m].0 as usize])
-                .filter_map(|m| cells(&nodes[weights[m].0 as usize].position).map(|cells| (cells, m)))
-                .min_by(|a, b| a.0.total_cmp(&b.0));
-            if let Some((_, front)) = front {
+        }
+        fronts.into_iter().map(Option::flatten).collect()
+    }
+
+    /// Give the weights of nodes to their fronts.
+    pub(super) fn fold_to(&mut self, fronts: &[Option<u32>]) {
+        for p in 0..self.len() {
+            let weights = &mut self.weights[self.starts[p]..self.starts[p + 1]];
+            for n in 0..weights.len() {
+                let Some(front) = fronts[weights[n].0 as usize] else { continue };
                 let given = std::mem::replace(&mut weights[n].1, [0.0; D]);
-                (0..D).for_each(|d| weights[front].1[d] += given[d]);
-                folded.push((node, weights[front].0));
+                for (_, weight) in weights.iter_mut().filter(|(node, _)| *node == front) {
+                    (0..D).for_each(|d| weight[d] += given[d]);
+                }
             }
         }
     }
