@@ -353,7 +353,10 @@ impl Job {
             record = record.history("measures", MEASURES);
         }
         if self.pictures {
-            let count = pictures.frames();
+            // A picture that failed beside the run, and those that waited behind it, are not there.
+            let there =
+                |n: &usize| folder.join(PICTURES).join(format!("{SERIES}_{:06}.png", n - 1)).is_file();
+            let count = (1..=pictures.frames()).rev().find(there).unwrap_or(0);
             if count > 0 {
                 record =
                     record.picture(format!("{PICTURES}/{SERIES}_{:06}.png", count - 1), "as it stood last");

@@ -51,6 +51,14 @@ pub enum OutputError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// Work that was given to a thread failed before.
+    #[error(transparent)]
+    Earlier(std::sync::Arc<OutputError>),
+    /// A thread that draws and writes has ended by a panic.
+    #[error(
+        "the thread that draws pictures and writes frames has ended; what it was given since is not there"
+    )]
+    Ended,
     /// A path where no file can be.
     #[error("cannot write `{}`: it is {found}, which is not allowed; it must be a regular file, a link to one, or free", path.display())]
     NoFile {

@@ -3,7 +3,7 @@
 use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering, fence};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
@@ -27,6 +27,11 @@ pub(crate) fn thread() -> usize {
     THREAD.get().unwrap_or(0)
 }
 
+/// Is this thread in a loop?
+pub(crate) fn in_loop() -> bool {
+    THREAD.get().is_some()
+}
+
 /// Threads that make loops.
 #[derive(Debug)]
 pub(crate) struct Crew {
@@ -47,9 +52,13 @@ struct Shared {
     lent: AtomicUsize,
     /// Threads of the open loop: those with smaller numbers. Written as the task is.
     active: AtomicUsize,
+    /// Threads that sleep until the next loop.
     sleeping: AtomicUsize,
-    lock: Mutex<()>,
     wake: Condvar,
+    /// Threads that sleep until more are active.
+    out: AtomicUsize,
+    back: Condvar,
+    lock: Mutex<()>,
     /// First panic in the loop.
     panic: Mutex<Option<Box<dyn Any + Send>>>,
 }
@@ -116,8 +125,10 @@ impl Crew {
             lent: AtomicUsize::new(0),
             active: AtomicUsize::new(threads),
             sleeping: AtomicUsize::new(0),
-            lock: Mutex::new(()),
             wake: Condvar::new(),
+            out: AtomicUsize::new(0),
+            back: Condvar::new(),
+            lock: Mutex::new(()),
             panic: Mutex::new(None),
         });
         let mut crew = Crew { shared, workers: Vec::with_capacity(threads - 1), lead: Mutex::new(()) };
@@ -146,15 +157,19 @@ impl Crew {
         for (t, range) in shared.ranges.iter().enumerate() {
             range.set(place(t), place(t + 1));
         }
-        shared.active.store(active, Ordering::Relaxed);
+        let more = active > shared.active.swap(active, Ordering::SeqCst);
         // SAFETY: the loop is closed and no worker is in it. Workers use the task in the open loop only, which is closed, and left by all,
         // before this returns: its life is long enough.
         unsafe { *shared.task.get() = Some(std::mem::transmute::<&Task<'_>, &'static Task<'static>>(task)) };
         let before = shared.state.load(Ordering::Relaxed);
         shared.state.store((before & !(LOOP - 1)).wrapping_add(LOOP) | OPEN, Ordering::SeqCst);
-        if shared.sleeping.load(Ordering::SeqCst) > 0 {
+        let [sleeping, out] = [&shared.sleeping, &shared.out].map(|n| n.load(Ordering::SeqCst) > 0);
+        if sleeping || more && out {
             let _lock = shared.lock.lock().unwrap_or_else(PoisonError::into_inner);
             shared.wake.notify_all();
+            if more {
+                shared.back.notify_all();
+            }
         }
         shared.make(0, task);
         // Nobody enters any more; who is in it finishes what it took.
@@ -187,6 +202,7 @@ impl Drop for Crew {
         self.shared.state.fetch_or(OVER, Ordering::SeqCst);
         drop(self.shared.lock.lock().unwrap_or_else(PoisonError::into_inner));
         self.shared.wake.notify_all();
+        self.shared.back.notify_all();
         for worker in self.workers.drain(..) {
             // It passes on panics of tasks, and has none of its own.
             let _ = worker.join();
@@ -213,7 +229,12 @@ impl Shared {
         if let Err(panic) = made {
             // The others stop soon.
             self.ranges.iter().for_each(|range| range.set(0, 0));
-            self.panic.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(panic);
+            let mut first = self.panic.lock().unwrap_or_else(PoisonError::into_inner);
+            match &*first {
+                None => *first = Some(panic),
+                // What it holds may panic as it is dropped.
+                Some(_) => std::mem::forget(panic),
+            }
         }
     }
 
@@ -246,14 +267,16 @@ impl Shared {
                 continue;
             }
             let lock = self.lock.lock().unwrap_or_else(PoisonError::into_inner);
-            self.sleeping.fetch_add(1, Ordering::SeqCst);
-            fence(Ordering::SeqCst);
+            let is_out = || thread >= self.active.load(Ordering::SeqCst);
+            let out = is_out();
+            let (asleep, signal) = if out { (&self.out, &self.back) } else { (&self.sleeping, &self.wake) };
+            asleep.fetch_add(1, Ordering::SeqCst);
             let state = self.state.load(Ordering::SeqCst);
             // A leader that opened a loop since either sees this thread asleep, or is seen here.
-            if state & OVER == 0 && !open(state) {
-                drop(self.wake.wait(lock).unwrap_or_else(PoisonError::into_inner));
+            if state & OVER == 0 && !open(state) && out == is_out() {
+                drop(signal.wait(lock).unwrap_or_else(PoisonError::into_inner));
             }
-            self.sleeping.fetch_sub(1, Ordering::SeqCst);
+            asleep.fetch_sub(1, Ordering::SeqCst);
             watched = None;
         }
     }

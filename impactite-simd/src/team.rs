@@ -251,6 +251,7 @@ impl Team {
                 Some(crew) => crew.each(count, task),
                 None => (0..count).for_each(task),
             },
+            Threads::Ambient if crew::in_loop() => (0..count).for_each(task),
             Threads::Ambient => match Self::around() {
                 Some(team) => team.each_number(count, task),
                 None if forked() => (0..count).for_each(task),
@@ -306,7 +307,9 @@ impl Team {
     pub fn own<'a, S>(&self, memory: &'a [Mutex<S>]) -> MutexGuard<'a, S> {
         let thread = match &self.0 {
             Threads::One => 0,
-            Threads::Ambient if Self::around().is_none() => rayon::current_thread_index().unwrap_or(0),
+            Threads::Ambient if !crew::in_loop() && Self::around().is_none() => {
+                rayon::current_thread_index().unwrap_or(0)
+            }
             _ => crew::thread(),
         };
         // No other thread waits for it. A task that panicked leaves nothing that the next would trust.

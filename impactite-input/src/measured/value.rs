@@ -283,7 +283,9 @@ fn each(
         (None, None, _) => p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
     };
     // Mean values are by mass.
-    let parts = if component.is_some_and(|c| matches!(c, Component::Velocity(_))) || place.is_none() && field == "speed" {
+    let parts = if component.is_some_and(|c| matches!(c, Component::Velocity(_)))
+        || place.is_none() && field == "speed"
+    {
         Parts::MASS
     } else {
         Parts { size: false, ..Parts::ALL }

@@ -12,12 +12,15 @@ type Work = Box<dyn FnOnce() -> Result<(), OutputError> + Send>;
 
 /// Pieces of work that wait at most, each with its snapshot; a run that makes more waits for the thread.
 const WAITING: usize = 2;
+/// Bytes of stack of the thread.
+const STACK: usize = 8 << 20;
 
 /// A thread that draws and writes, in order, what observers took from a run: [`Pictures`](super::Pictures) and [`VtkSeries`](super::VtkSeries)
-/// of one run share one. At most three snapshots wait or are in work. Files are the same as without it. It is one of the threads of a team: while it
+/// of one run share one. At most four snapshots wait or are in work. Files are the same as without it. It is one of the threads of a team: while it
 /// works, loops of the team run on one less.
 ///
-/// An error stops the run when the next piece of work is given, at the next checkpoint, or at the end of the run.
+/// An error stops the run when the next piece of work is given, at the next checkpoint, or at the end of the run; from then on nothing more is done, and
+/// all that is given has the same error. Work must not hold the `Background` that it is given to.
 #[derive(Clone, Debug, Default)]
 pub struct Background(Option<Arc<Worker>>);
 
@@ -26,8 +29,13 @@ struct Worker {
     /// None once the worker is dropped.
     queue: Mutex<Option<SyncSender<Message>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
-    failed: Arc<Mutex<Option<OutputError>>>,
+    failed: Failed,
+    /// Process that has the thread: a forked child does not.
+    process: u32,
 }
+
+/// First error.
+type Failed = Arc<Mutex<Option<Arc<OutputError>>>>;
 
 enum Message {
     Work(Work),
@@ -54,13 +62,15 @@ impl Background {
         }
         let team = team.clone();
         let (queue, messages) = sync_channel(WAITING);
-        let failed = Arc::new(Mutex::new(None));
+        let failed = Failed::default();
         let errors = failed.clone();
-        let thread =
-            std::thread::Builder::new().name("output".into()).spawn(move || work(&team, &messages, &errors));
+        let thread = std::thread::Builder::new()
+            .name("output".into())
+            .stack_size(STACK)
+            .spawn(move || work(&team, &messages, &errors));
         Background(thread.ok().map(|thread| {
             let (queue, thread) = (Mutex::new(Some(queue)), Mutex::new(Some(thread)));
-            Arc::new(Worker { queue, thread, failed })
+            Arc::new(Worker { queue, thread, failed, process: std::process::id() })
         }))
     }
 
@@ -100,14 +110,14 @@ impl Background {
 }
 
 /// Work until the queue is closed. Once something failed, what follows is left out, as a run would have stopped there.
-fn work(team: &Team, messages: &Receiver<Message>, failed: &Mutex<Option<OutputError>>) {
+fn work(team: &Team, messages: &Receiver<Message>, failed: &Mutex<Option<Arc<OutputError>>>) {
     let mut stopped = false;
     for message in messages {
         match message {
             Message::Work(work) if !stopped => {
                 if let Err(error) = team.lend(work) {
                     stopped = true;
-                    *locked(failed) = Some(error);
+                    *locked(failed) = Some(Arc::new(error));
                 }
             }
             Message::Work(_) => {}
@@ -126,12 +136,19 @@ impl Worker {
     }
 
     fn error(&self) -> Result<(), OutputError> {
-        locked(&self.failed).take().map_or(Ok(()), Err)
+        match &*locked(&self.failed) {
+            Some(error) => Err(OutputError::Earlier(error.clone())),
+            None if locked(&self.queue).is_none() => Err(OutputError::Ended),
+            None => Ok(()),
+        }
     }
 
     /// Close the queue, let the thread finish, and pass on its panic.
     fn end(&self) {
         drop(locked(&self.queue).take());
+        if self.process != std::process::id() {
+            return std::mem::forget(locked(&self.thread).take());
+        }
         let thread = locked(&self.thread).take();
         if let Some(Err(panic)) = thread.map(JoinHandle::join)
             && !std::thread::panicking()
@@ -161,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn work_is_done_in_order_and_an_error_comes_once() {
+    fn work_is_done_in_order_and_errors_stay() {
         for background in [Background::none(), Background::new(&two())] {
             let list = Arc::new(Mutex::new(Vec::new()));
             for n in 0..20 {
@@ -176,7 +193,9 @@ mod tests {
             assert_eq!(*locked(&list), (0..20).collect::<Vec<_>>());
             let said = background.run(|| Err(failure())).and_then(|()| background.wait());
             assert_eq!(said.expect_err("it failed").to_string(), failure().to_string());
-            assert!(background.wait().is_ok());
+            let again = background.wait().map_err(|e| e.to_string());
+            // Without a thread, each piece of work has its own.
+            assert_eq!(again, if background.0.is_some() { Err(failure().to_string()) } else { Ok(()) });
         }
     }
 
@@ -202,6 +221,7 @@ mod tests {
         let given = background.run(|| panic!("a picture"));
         let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| given.and(background.wait())));
         assert!(caught.is_err());
+        assert!(matches!(background.run(|| Ok(())), Err(OutputError::Ended)));
         // And dropped in peace.
         drop(background);
     }

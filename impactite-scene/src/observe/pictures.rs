@@ -114,9 +114,10 @@ impl Observer for VtkSeries {
                 snapshot = snapshot.with_node_vector(DISPLACEMENT, displacements.nodes)?;
             }
         }
-        self.times.push(now.time());
         let series = self.series.clone();
-        Ok(self.background.run(move || locked(&series).write(&snapshot).map(drop))?)
+        self.background.run(move || locked(&series).write(&snapshot).map(drop))?;
+        self.times.push(now.time());
+        Ok(())
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.background.wait()?;
@@ -249,8 +250,9 @@ impl<D: Draw + Send + 'static> Observer for Pictures<D> {
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let (snapshot, draw) = (now.snapshot()?, self.draw.clone());
         let path = self.folder.join(format!("{}_{:06}.png", self.name, self.frames));
+        self.background.run(move || locked(&draw).draw(&snapshot)?.save(path))?;
         self.frames += 1;
-        Ok(self.background.run(move || locked(&draw).draw(&snapshot)?.save(path))?)
+        Ok(())
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.background.wait()?;
