@@ -203,7 +203,7 @@ pub struct Reference<const D: usize, S> {
     /// Walls and particles whose surfaces press on them, by number.
     pressed: BTreeSet<(usize, usize)>,
     /// Surfaces at every wall in this step.
-    touches: Vec<(Vec<walls::Touch<D>>, BTreeSet<Index<D>>)>,
+    touches: Vec<walls::AtWall<D>>,
     /// Heat of friction on walls so far, J.
     pub heat: f64,
     /// Impulse of walls so far, N s.

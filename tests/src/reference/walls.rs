@@ -78,6 +78,9 @@ impl<const D: usize> Touch<D> {
     }
 }
 
+/// Surfaces at a wall, nodes of next to no mass there, and nodes behind it with those in front that they move with.
+pub(super) type AtWall<const D: usize> = (Vec<Touch<D>>, BTreeSet<Index<D>>, Vec<[Index<D>; 2]>);
+
 /// A record of the nodes.
 pub(super) type Record<const D: usize> = fn(&mut Node<D>) -> &mut [f64; D];
 
@@ -93,7 +96,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         let takes = self.takes(dt);
         self.touches.clear();
         for plane in self.planes() {
-            let (mut touches, light) = self.touching(&plane, dt);
+            let (mut touches, light, ties) = self.touching(&plane, dt, knows_force);
+            let starts = self.tie(&ties, dt);
             if knows_force {
                 self.bear(&plane, &mut touches, dt);
             }
@@ -110,7 +114,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             self.pressed.retain(|(wall, _)| *wall != plane.number);
             self.pressed.extend(touches.iter().filter(|t| t.pressed).map(|t| (plane.number, t.point)));
-            self.touches.push((touches, light));
+            self.part(&ties, &starts, dt);
+            self.touches.push((touches, light, ties));
             let end = self.time + dt;
             for (index, node) in &mut self.nodes {
                 let free = node.velocity;
@@ -130,7 +135,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     pub(super) fn hold_mapped(&mut self, dt: f64) {
         let takes = self.takes(dt);
         for plane in self.planes() {
-            let (mut touches, light) = self.touching(&plane, dt);
+            let (mut touches, light, _) = self.touching(&plane, dt, false);
             for touch in &mut touches {
                 touch.presses = touch.pressed;
             }
@@ -142,8 +147,25 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     /// Hold a record of velocities at surfaces as [`Self::meet_walls`] found them; are they the particles'?
     pub(super) fn hold_again(&mut self, record: Record<D>, given: bool, dt: f64) {
         let mut all = std::mem::take(&mut self.touches);
-        for (plane, (touches, light)) in self.planes().into_iter().zip(&mut all) {
+        for (plane, (touches, light, ties)) in self.planes().into_iter().zip(&mut all) {
+            let mut masses: BTreeMap<Index<D>, f64> = BTreeMap::new();
+            for tie in ties.iter().filter(|_| !touches.is_empty()) {
+                let (thin, mut front) = (self.nodes[&tie[0]].clone(), self.nodes[&tie[1]].clone());
+                let held = masses.entry(tie[1]).or_insert(front.mass);
+                let (a, b) = (record(&mut front)[plane.axis], record(&mut thin.clone())[plane.axis]);
+                let mean = (*held * a + thin.mass * b) / (*held + thin.mass);
+                *held += thin.mass;
+                if let Some(front) = self.nodes.get_mut(&tie[1]) {
+                    record(front)[plane.axis] = mean;
+                }
+            }
             self.hold(&plane, touches, light, record, dt);
+            for tie in ties.iter().filter(|_| !touches.is_empty()) {
+                let velocity = record(&mut self.nodes[&tie[1]].clone())[plane.axis];
+                if let Some(thin) = self.nodes.get_mut(&tie[0]) {
+                    record(thin)[plane.axis] = velocity;
+                }
+            }
             if given {
                 touches.iter_mut().for_each(|touch| touch.force = 0.0);
                 self.wall_impulse[plane.axis] +=
@@ -170,7 +192,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
 
     /// The surfaces that may touch a wall in a step.
     /// And nodes of next to no mass that they are near.
-    fn touching(&self, wall: &Wall<D>, dt: f64) -> (Vec<Touch<D>>, BTreeSet<Index<D>>) {
+    fn touching(&self, wall: &Wall<D>, dt: f64, ties: bool) -> AtWall<D> {
         // Velocities of nodes of next to no mass are rounding.
         let light = 1e-12 * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min);
         let (mut list, mut lights) = (Vec::new(), BTreeSet::new());
@@ -200,6 +222,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             list.push(Touch { point: n, gap, pressed, presses: false, row, force: 0.0, stop: 0.0 });
         }
+        let ties = if ties { self.ties(wall, &mut list) } else { Vec::new() };
         // Nodes that a condition holds do not move, and none shows next to no mass but where the force of the wall is in what changes.
         let least = if self.knows_force() { 0.1 } else { 0.0 };
         // A cell full of the densest matter.
@@ -227,7 +250,105 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
         }
         list.retain(|touch| touch.shown(wall.axis) > 0.0);
-        (list, lights)
+        let ties = if list.is_empty() { Vec::new() } else { ties };
+        (list, lights, ties)
+    }
+
+    /// Nodes behind a wall on which surfaces of more than ten times their mass act, and those in front of them, where all surfaces know the same one:
+    /// rows have the weights and masses of both there.
+    fn ties(&self, wall: &Wall<D>, list: &mut [Touch<D>]) -> Vec<[Index<D>; 2]> {
+        let (axis, h) = (wall.axis, self.lattice.spacing());
+        let mut acting: BTreeMap<Index<D>, f64> = BTreeMap::new();
+        for touch in &*list {
+            let mass = self.points[touch.point].mass;
+            for (index, (_, all, ..)) in &touch.row {
+                *acting.entry(*index).or_insert(0.0) += all[axis].abs() * mass;
+            }
+        }
+        acting.retain(|index, acting| {
+            let behind = wall.sign * (self.lattice.node(*index)[axis] - wall.at) < -1e-6 * h;
+            behind && *acting > 10.0 * self.nodes[index].mass
+        });
+        let mut fronts: BTreeMap<Index<D>, Option<Index<D>>> = BTreeMap::new();
+        for touch in &*list {
+            let there = || touch.row.iter().filter(|(_, (own, all, ..))| *own != 0.0 || *all != [0.0; D]);
+            for (index, _) in there().filter(|(index, _)| acting.contains_key(*index)) {
+                let cells = |other: &Index<D>| {
+                    let beside = (0..D).all(|d| d == axis || other[d] == index[d]);
+                    let cells = wall.sign * (other[axis] - index[axis]) as f64;
+                    (beside && cells > 0.0 && !acting.contains_key(other)).then_some((cells, *other))
+                };
+                let front = there()
+                    .filter_map(|(other, _)| cells(other))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    .map(|(_, other)| other);
+                let known = fronts.entry(*index).or_insert(front);
+                *known = if *known == front { front } else { None };
+            }
+        }
+        let ties: Vec<[Index<D>; 2]> =
+            fronts.into_iter().filter_map(|(thin, front)| Some([thin, front?])).collect();
+        for [thin, front] in &ties {
+            for touch in &mut *list {
+                let given = touch.row.remove(thin).unwrap_or((0.0, [0.0; D], 0.0, 0.0));
+                if let Some(at) = touch.row.get_mut(front) {
+                    at.0 += given.0;
+                    (0..D).for_each(|d| at.1[d] += given.1[d]);
+                    at.2 += self.nodes[thin].mass;
+                }
+            }
+        }
+        ties
+    }
+
+    /// Give nodes in front the mean velocities and accelerations of both, by their masses. Returns the velocities at the start of the step of
+    /// both nodes of each tie, and that mean.
+    fn tie(&mut self, ties: &[[Index<D>; 2]], dt: f64) -> BTreeMap<Index<D>, [[f64; D]; 2]> {
+        let mut starts: BTreeMap<Index<D>, [[f64; D]; 2]> = BTreeMap::new();
+        let mut masses: BTreeMap<Index<D>, f64> = BTreeMap::new();
+        for [thin, front] in ties {
+            let of = |node: &Node<D>| std::array::from_fn(|d| node.velocity[d] - dt * node.acceleration[d]);
+            for index in [thin, front] {
+                let start = of(&self.nodes[index]);
+                starts.entry(*index).or_insert([start, start]);
+            }
+            let other = self.nodes[thin].clone();
+            let Some(node) = self.nodes.get_mut(front) else { continue };
+            let mass = masses.entry(*front).or_insert(node.mass);
+            let share = other.mass / (*mass + other.mass);
+            *mass += other.mass;
+            for d in 0..D {
+                node.velocity[d] += share * (other.velocity[d] - node.velocity[d]);
+                node.acceleration[d] += share * (other.acceleration[d] - node.acceleration[d]);
+            }
+            let mean = of(node);
+            if let Some(known) = starts.get_mut(front) {
+                known[1] = mean;
+            }
+        }
+        starts
+    }
+
+    /// Have both nodes of each tie move alike, with accelerations from what each had at the start of the step.
+    fn part(&mut self, ties: &[[Index<D>; 2]], starts: &BTreeMap<Index<D>, [[f64; D]; 2]>, dt: f64) {
+        let fronts: BTreeSet<Index<D>> = ties.iter().map(|tie| tie[1]).collect();
+        for front in &fronts {
+            let [own, mean] = starts[front];
+            if let Some(node) = self.nodes.get_mut(front) {
+                (0..D).for_each(|d| node.acceleration[d] += (mean[d] - own[d]) / dt);
+            }
+        }
+        for [thin, front] in ties {
+            let ahead = self.nodes[front].clone();
+            let (own, of_front) = (starts[thin][0], starts[front][0]);
+            if let Some(node) = self.nodes.get_mut(thin) {
+                node.velocity = ahead.velocity;
+                for d in 0..D {
+                    let moved = of_front[d] + dt * ahead.acceleration[d];
+                    node.acceleration[d] = (moved - own[d]) / dt;
+                }
+            }
+        }
     }
 
     /// Did the surface of a particle press in the step before, and is it not too far away?
