@@ -16,7 +16,6 @@ use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 use crate::quantity::{Length, Quantity, Time};
 use past::{Past, Sample};
-use value::Now;
 
 /// A measure that the scene cannot give.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -142,7 +141,7 @@ impl Measures {
         if !self.looks() || self.looked.replace(steps) == Some(steps) {
             return Ok(());
         }
-        let (time, now) = (solver.time(), Now::new(self.space, solver));
+        let (time, now) = (solver.time(), value::Now::new(self.space, solver));
         for taken in &mut self.list {
             if let Measurement::ConditionForce(of) = &taken.what {
                 let axis = self.space.axis(of.axis).unwrap_or_default();
@@ -172,7 +171,7 @@ impl Measures {
     /// # Errors
     /// A field that the law of a body does not keep.
     pub fn ended(&self, solver: &dyn Solver) -> Result<Option<String>, MeasureError> {
-        let now = Now::new(self.space, solver);
+        let now = value::Now::new(self.space, solver);
         for end in &self.ends {
             let (taken, [below, above]) = (&self.list[end.measure], end.armed);
             let value = self.value(&now, taken)?;
@@ -193,7 +192,7 @@ impl Measures {
     /// A field that the law of a body does not keep.
     pub fn missing(&self, solver: &dyn Solver) -> Result<Vec<String>, MeasureError> {
         let mut list = Vec::new();
-        let now = Now::new(self.space, solver);
+        let now = value::Now::new(self.space, solver);
         for end in &self.ends {
             let taken = &self.list[end.measure];
             let value = self.value(&now, taken)?;
@@ -225,11 +224,11 @@ impl Measures {
     /// # Errors
     /// A field that the law of a body does not keep.
     pub fn take(&self, solver: &dyn Solver) -> Result<Vec<f64>, MeasureError> {
-        let now = Now::new(self.space, solver);
+        let now = value::Now::new(self.space, solver);
         self.list.iter().map(|taken| self.value(&now, taken)).collect()
     }
 
-    fn value(&self, now: &Now<'_>, taken: &Taken) -> Result<f64, MeasureError> {
+    fn value(&self, now: &value::Now<'_>, taken: &Taken) -> Result<f64, MeasureError> {
         value::of(now, taken).map_err(|why| MeasureError { name: taken.name.clone(), why })
     }
 
