@@ -209,7 +209,7 @@ impl Parts {
     pub const SIZE: Parts = Parts { size: true, ..Parts::NONE };
 }
 
-/// A box that grows with the points that it holds, for [`Body::bounds`].
+/// Axis-aligned bounding box that grows with the points that it holds, for [`Body::bounds`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     low: [f64; 3],
@@ -283,7 +283,7 @@ pub trait Body {
         let _ = parts;
         self.for_each(visit);
     }
-    /// Corners, m, of the smallest box along the axes that holds its matter: particles as wide as they are drawn, elements up to their nodes. None
+    /// Lowest and highest corner, m, of the axis-aligned bounding box of its matter: particles as wide as they are drawn, elements up to their nodes. None
     /// without a point.
     fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
         let mut held = Bounds::default();

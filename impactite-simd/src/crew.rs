@@ -1,4 +1,4 @@
-//! Threads that make loops together with the thread that calls.
+//! Thread pool for parallel loops (fork and join, work stealing): its threads make loops together with the thread that calls.
 
 use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
@@ -32,7 +32,7 @@ pub(crate) fn in_loop() -> bool {
     THREAD.get().is_some()
 }
 
-/// Threads that make loops.
+/// Thread pool.
 #[derive(Debug)]
 pub(crate) struct Crew {
     shared: Arc<Shared>,
@@ -174,7 +174,7 @@ impl Crew {
         shared.make(0, task);
         // Nobody enters any more; who is in it finishes what it took.
         shared.state.fetch_and(!OPEN, Ordering::AcqRel);
-        let mut turns = 0;
+        let mut turns = 0_u64;
         while shared.state.load(Ordering::Acquire) & WORKERS > 0 {
             turns += 1;
             if turns % 1000 == 0 { thread::yield_now() } else { std::hint::spin_loop() }
@@ -187,9 +187,7 @@ impl Crew {
             resume_unwind(panic);
         }
     }
-}
 
-impl Crew {
     /// One thread less, or one more, makes loops.
     pub(crate) fn lend(&self, out: bool) {
         let lent = &self.shared.lent;

@@ -43,7 +43,8 @@ enum Message {
     Wait(SyncSender<()>),
 }
 
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+/// Lock of a mutex; one that a panic poisoned holds what it held.
+pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -1,11 +1,11 @@
 //! Frames: ParaView files and pictures.
 
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use crate::archive::{Archive, CheckpointError};
 
-use super::background::Background;
+use super::background::{Background, locked};
 use super::displacement::FirstSeen;
 use super::{ObserveError, Observer, Pace, RunView};
 use impactite_output::picture::Picture;
@@ -135,10 +135,6 @@ impl Observer for VtkSeries {
     fn finish(&mut self) -> Result<(), ObserveError> {
         Ok(self.background.wait()?)
     }
-}
-
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Draws the pictures of a run, with what stays from one to the next, as a [`SeriesView`](output::picture::SeriesView). Functions draw, too.
