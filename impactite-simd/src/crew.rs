@@ -177,7 +177,7 @@ impl Crew {
         let mut turns = 0_u64;
         while shared.state.load(Ordering::Acquire) & WORKERS > 0 {
             turns += 1;
-            if turns % 1000 == 0 { thread::yield_now() } else { std::hint::spin_loop() }
+            if turns.is_multiple_of(1000_u64) { thread::yield_now() } else { std::hint::spin_loop() }
         }
         // SAFETY: as above.
         unsafe { *shared.task.get() = None };
