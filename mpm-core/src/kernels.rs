@@ -7,9 +7,9 @@ use mpm_materials::{Constitutive, IntoMaterial};
 use crate::contact::{ContactAlgorithm, OneField};
 use crate::grid::GridStorage;
 use crate::method::{CompiledHere, Composition};
-use crate::parallel::Float;
-use crate::step::compiled::{inlined, kernels};
+use crate::step::passes::compiled::{inlined, kernels};
 use crate::step::{Deformable, Kernels, Mpm, Scalar};
+use impactite_simd::Float;
 
 /// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; book, "What is compiled where"), or
 /// what [`Method::compiled`](crate::Method::compiled) makes of any other one, or kernels that are there already.

@@ -5,7 +5,7 @@ use crate::kernels::IntoKernels;
 use crate::method::Method;
 use crate::scheme::{Musl, Usl};
 use crate::shape::{CpGimp, Linear, QuadraticBSpline};
-use crate::step::compiled::kernels;
+use crate::step::passes::compiled::kernels;
 use crate::step::{Kernels, Scalar};
 use crate::transfer::{Aflip, Apic, Blend, Flip, Mls};
 use impactite_scene::embedding::{Axisymmetric, FullSpace, PlaneStrain};

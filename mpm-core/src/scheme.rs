@@ -10,9 +10,9 @@
 //! | USF | strain, stress; map force | velocity, move; map mass, momentum |
 
 use crate::frame::{Frame, UpdatedLagrangian};
-use crate::parallel::{Real, Vectors};
 use crate::transfer::{Aflip, AnyTransfer, Apic, Blend, Flip, Fmpm, Held, Pic, Transfer};
 use impactite_scene::embedding::{AnySpace, Embedding};
+use impactite_simd::{Real, Vectors};
 
 /// What one pass over the particles does, in this order.
 #[derive(Clone, Copy, Debug)]

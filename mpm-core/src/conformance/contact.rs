@@ -7,15 +7,15 @@ use mpm_materials::{Moduli, NeoHookean};
 
 use super::Broken;
 use crate::contact::GridContact;
-use crate::geometry::{Ball, Filling, Lattice, fill};
 use crate::grid::BlockGrid;
 use crate::method::Method;
-use crate::parallel::Team;
 use crate::scheme::Musl;
 use crate::shape::Linear;
 use crate::step::Mpm;
 use crate::transfer::Flip;
+use impactite_geometry::{Ball, Filling, Lattice, fill};
 use impactite_scene::{PlaneStrain, TimeControl};
+use impactite_simd::Team;
 
 /// The properties of [`collision`] for the material point method with the detector that `make` makes.
 ///

@@ -5,13 +5,13 @@ use mpm_materials::Constitutive;
 use super::method::{Body, Probe};
 use super::{Broken, within};
 use crate::dim::block_nodes;
-use crate::geometry::Lattice;
 use crate::grid::{BlockGrid, GridStorage, Node};
 use crate::method::Method;
 use crate::scheme::Usl;
 use crate::shape::QuadraticBSpline;
 use crate::step::{Mpm, Scalar};
 use crate::transfer::Flip;
+use impactite_geometry::Lattice;
 use impactite_scene::{PointView, TimeControl};
 
 /// The grid keeps its contract: blocks it was asked for are found where `blocks` says they are, with 4^D nodes

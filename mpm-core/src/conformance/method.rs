@@ -5,7 +5,6 @@ use mpm_materials::{Constitutive, Kinematics, Lane, LinearElastic, Moduli, Sym3,
 
 use super::{Broken, within};
 use crate::dim::Stencil;
-use crate::geometry::{Lattice, Seeds};
 use crate::grid::DenseGrid;
 use crate::kernels::IntoKernels;
 use crate::method::{Composition, Method};
@@ -14,6 +13,7 @@ use crate::scheme::Usl;
 use crate::shape::{QuadraticBSpline, ShapeFunction, bin_centre, node_offset};
 use crate::step::Mpm;
 use crate::transfer::{Suits, Transfer};
+use impactite_geometry::{Lattice, Seeds};
 use impactite_scene::TimeControl;
 use impactite_scene::embedding::{Embedding, PlaneStrain};
 

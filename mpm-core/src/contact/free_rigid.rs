@@ -13,7 +13,7 @@ use mpm_contact::{Contact, relax};
 
 use super::node_impulses::LawCall;
 use super::{PlaneTouch, SharedNodes, Touch};
-use crate::parallel::Float;
+use impactite_simd::Float;
 
 /// Change of the impulses, over the largest, at which they count as found.
 const FOUND: f64 = 1e-13;

@@ -1,6 +1,6 @@
 //! The contact algorithm of the grid: normals, detection, laws.
 
-use crate::parallel::Float;
+use impactite_simd::Float;
 use mpm_contact::vector::{difference, dot, length, sum, times};
 use mpm_contact::{
     Contact, ContactDetector, ContactLaw, Criterion, Memory, Nodal, NormalRule, Outcome, Pairs, Remembers,

@@ -7,7 +7,7 @@ use mpm_contact::vector::{sum, times};
 use mpm_contact::{Contact, ContactLaw, Iterate, relax};
 
 use super::Touch;
-use crate::parallel::Float;
+use impactite_simd::Float;
 
 /// What the law of two fields that touch at a node is called with.
 pub(super) struct LawCall<'a, T> {

@@ -2,9 +2,9 @@
 
 use super::{GridStorage, Node, OutsideGrid};
 use crate::dim::{BLOCK, block_nodes};
-use crate::geometry::Lattice;
-use crate::memory::{Budget, MOST_BYTES, MemoryError};
-use crate::parallel::Float;
+use impactite_geometry::Lattice;
+use impactite_simd::Float;
+use impactite_simd::memory::{Budget, MOST_BYTES, MemoryError};
 
 /// A grid that holds all nodes of a box, found by index arithmetic. For scenes that fill their box; others
 /// are faster and smaller on a [`super::BlockGrid`].

@@ -5,8 +5,8 @@ mod sparse;
 
 use mpm_materials::Real;
 
-use crate::geometry::Lattice;
-use crate::parallel::Float;
+use impactite_geometry::Lattice;
+use impactite_simd::Float;
 
 pub use dense::{DenseGrid, DenseGridError};
 pub use sparse::BlockGrid;

@@ -2,8 +2,8 @@
 
 use super::{GridStorage, Node, OutsideGrid};
 use crate::dim::block_nodes;
-use crate::geometry::Lattice;
-use crate::parallel::Float;
+use impactite_geometry::Lattice;
+use impactite_simd::Float;
 
 /// A grid without bounds that holds only the blocks it is asked for: the dynamic and the moving grid of
 /// \[Ma2010\] 1.5 at once, with the cell size kept.

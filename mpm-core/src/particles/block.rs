@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use super::{Columns, Masses};
 use crate::dim::{BLOCK, block_nodes};
-use crate::parallel::{Float, Pack, Whereabouts, prefetch_fours_from, prefetch_from};
 use crate::step::RowsMut;
-use crate::step::rest::TakenMotion;
+use crate::step::between_steps::rest::TakenMotion;
 use impactite_scene::{Archive, CheckpointError};
+use impactite_simd::{Float, Pack, Whereabouts, prefetch_fours_from, prefetch_from};
 
 /// No group.
 const NONE: u32 = u32::MAX;

@@ -1,6 +1,6 @@
 //! What particles weigh.
 
-use crate::parallel::{Float, Pack};
+use impactite_simd::{Float, Pack};
 
 /// The masses of the particles of a body, kg.
 #[derive(Clone, Copy, Debug)]

@@ -1,6 +1,6 @@
 //! Particles on their way from one bin to another.
 
-use crate::parallel::Float;
+use impactite_simd::Float;
 
 /// Particles that left their bins in a pass, those of one block behind each other, for other blocks, or the same, to take in.
 #[derive(Clone, Debug, Default)]

@@ -10,25 +10,25 @@ use std::sync::Arc;
 
 use mpm_materials::material::Material;
 
-use super::background::Background;
-use super::between_steps::BetweenSteps;
-use super::body::GridBody;
-use super::client::GridClient;
+use super::between_steps::looks::Looks;
+use super::between_steps::operations::BetweenSteps;
+use super::between_steps::rest::{Balance, Frequency, Rest, Rested};
+use super::bodies::body::GridBody;
+use super::bodies::deformable::Prepared;
+use super::clients::client::GridClient;
 use super::contact::ContactAlgorithm;
-use super::deformable::Prepared;
-use super::footprint::Footprint;
-use super::kernels::{Facts, MethodKernels};
-use super::looks::Looks;
-use super::rest::{Balance, Frequency, Rest, Rested};
-use super::rigid::Rigid;
+use super::nodes::background::Background;
+use super::nodes::footprint::Footprint;
+use super::passes::kernels::{Facts, MethodKernels};
+use super::rigid::motion::Rigid;
 use super::scene::Scene;
 use super::stepper::Stepper;
-use crate::geometry::Seeds;
 use crate::grid::GridStorage;
-use crate::parallel::{Float, Team};
+use impactite_geometry::Seeds;
 use impactite_scene::boundary::Boundary;
 use impactite_scene::error::SceneError;
 use impactite_scene::{Archive, CheckpointError, Clock, Exchange, StepError};
+use impactite_simd::{Float, Team};
 
 /// Material point method: bodies of particles on a background grid.
 ///

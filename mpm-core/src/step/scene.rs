@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::body::GridBody;
+use super::bodies::body::GridBody;
 use super::contact::ContactAlgorithm;
-use super::nodes::Conditions;
-use crate::parallel::Float;
+use super::nodes::stages::Conditions;
+use impactite_simd::Float;
 
 /// Bodies, conditions and the contact algorithm.
 pub(super) struct Scene<T: Float, const D: usize> {

@@ -1,11 +1,11 @@
 //! What acts on a scene: conditions, loads, damping; and how it steps.
 
 use super::mpm::Mpm;
-use super::wrap::Wrap;
-use crate::parallel::{Float, Team};
+use super::nodes::wrap::Wrap;
 use impactite_scene::boundary::{Boundary, BoundaryError, Side};
 use impactite_scene::error::SceneError;
 use impactite_scene::{LocalDamping, TimeControl};
+use impactite_simd::{Float, Team};
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Refuse a method that no body can have here.

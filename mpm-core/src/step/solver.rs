@@ -6,21 +6,21 @@ use impactite_scene::boundary::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
-use super::background::AtPlanes;
-use super::between_steps::StepEnd;
-use super::body::{BodyTrouble, GridBody, Steps, Which};
+use super::between_steps::operations::StepEnd;
+use super::bodies::body::{BodyTrouble, GridBody, Steps, Which};
+use super::bodies::load::Loading;
 use super::contact::ContactPhase;
-use super::layout::Nodes;
-use super::load::Loading;
 use super::mpm::Mpm;
-use super::nodes::{Conditions, GridStages, StageOf};
-use super::rigid::{RigidState, Wrong};
-use super::rigid_planes;
+use super::nodes::background::AtPlanes;
+use super::nodes::layout::Nodes;
+use super::nodes::stages::{Conditions, GridStages, StageOf};
+use super::rigid;
+use super::rigid::motion::{RigidState, Wrong};
 
 use crate::dim::BLOCK;
 use crate::grid::OutsideGrid;
-use crate::parallel::{Float, Team};
 use impactite_scene::boundary::Boundary;
+use impactite_simd::{Float, Team};
 
 /// How often the affine velocity field of particles is taken from the nodes at the start of a run: what is left of its error falls by
 /// more than half each time.
@@ -203,7 +203,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let mut planes = if acts { stage.plane_touches(&self.scene.rigid) } else { Vec::new() };
             stage.apply_contact(contact, phase, state, &mut planes);
             if acts {
-                self.stepper.plane_pushes = rigid_planes::pushes(&planes);
+                self.stepper.plane_pushes = rigid::planes::pushes(&planes);
             }
         }
     }

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
-use super::body::BodyTrouble;
-use super::load::Loading;
-use super::rigid_planes::PlanePush;
-use crate::parallel::Float;
+use super::bodies::body::BodyTrouble;
+use super::bodies::load::Loading;
+use super::rigid::planes::PlanePush;
 use impactite_scene::TimeControl;
+use impactite_simd::Float;
 
 /// The time step, and what the passes over particles came to.
 pub(super) struct Stepper<T, const D: usize> {

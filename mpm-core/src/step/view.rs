@@ -6,12 +6,12 @@ use impactite_scene::{
     StepLimit, Totals, Warning,
 };
 
-use super::body::GridBody;
+use super::bodies::body::GridBody;
 use super::contact::ContactAlgorithm;
-use super::kernels::Facts;
 use super::mpm::Mpm;
+use super::passes::kernels::Facts;
 use crate::grid::GridStorage;
-use crate::parallel::{Float, Team};
+use impactite_simd::{Float, Team};
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Step until `end`, s; the last step is shortened to arrive there.

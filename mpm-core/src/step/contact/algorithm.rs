@@ -5,8 +5,8 @@ use std::sync::Arc;
 use super::found::{BlockContacts, Scratch};
 use super::shared_nodes::SharedNodes;
 use crate::contact::solve_planes;
-use crate::parallel::Float;
 use crate::step::PlaneTouch;
+use impactite_simd::Float;
 
 /// What bodies do to each other at the nodes they share: [`GridContact`](crate::GridContact); [`OneField`] is none.
 #[diagnostic::on_unimplemented(

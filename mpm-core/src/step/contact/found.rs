@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::parallel::Float;
-use crate::step::fields::Member;
+use crate::step::nodes::fields::Member;
+use impactite_simd::Float;
 
 /// Two fields of a block that share nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]

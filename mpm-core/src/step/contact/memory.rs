@@ -8,7 +8,7 @@ use std::cmp::Ordering;
 
 use super::found::{BlockContacts, OFFSET};
 use crate::dim::BLOCK;
-use crate::parallel::Float;
+use impactite_simd::Float;
 
 /// A pair of bodies at a node of the lattice.
 pub(in crate::step) type Key = ([u32; 2], [i32; 3]);

@@ -7,12 +7,12 @@ use super::found::{BlockContacts, ContactPhase};
 use super::memory::{ContactMemory, node_of};
 use crate::dim::{BLOCK, block_nodes};
 use crate::grid::Node;
-use crate::parallel::Float;
-use crate::step::block_place::BlockPlace;
-use crate::step::body::GridBody;
-use crate::step::fields::{Fields, Giver, Member};
-use crate::step::layout::numbers;
-use crate::step::rigid::RigidState;
+use crate::step::bodies::body::GridBody;
+use crate::step::nodes::block_place::BlockPlace;
+use crate::step::nodes::fields::{Fields, Giver, Member};
+use crate::step::nodes::layout::numbers;
+use crate::step::rigid::motion::RigidState;
+use impactite_simd::Float;
 
 /// The nodes of a block that several bodies share, as a [`super::ContactAlgorithm`] sees them.
 pub struct SharedNodes<'a, T: Float, const D: usize> {
@@ -155,7 +155,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         memory.recalled();
     }
 
-    /// Ask a field's particles about some nodes, a bit each; see [`Presence::surface_quantity`](crate::step::body::Presence::surface_quantity). What lies beyond planes of
+    /// Ask a field's particles about some nodes, a bit each; see [`Presence::surface_quantity`](crate::step::bodies::body::Presence::surface_quantity). What lies beyond planes of
     /// symmetry counts.
     pub fn surface_quantity(
         &self,

@@ -9,13 +9,13 @@ use super::algorithm::ContactAlgorithm;
 use super::found::ContactPhase;
 use super::shared_nodes::SharedNodes;
 use super::state::ContactState;
-use crate::parallel::Float;
 use crate::step::PlaneTouch;
-use crate::step::block_place::BlockPlace;
-use crate::step::nodes::{GridStages, stops_rigid};
-use crate::step::rigid::RigidState;
-use crate::step::rigid_nodes;
+use crate::step::nodes::block_place::BlockPlace;
+use crate::step::nodes::stages::{GridStages, stops_rigid};
+use crate::step::rigid::motion::RigidState;
+use crate::step::rigid::nodes;
 use impactite_scene::boundary::Boundary;
+use impactite_simd::Float;
 
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
     /// Let the bodies act on each other at the nodes they share: contact impulses on the velocities of `phase`, then
@@ -156,7 +156,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 let real = real.filter(|i| phase == ContactPhase::Trial && !place.is_copy(i.0, mirrors));
                 for ((node, impulse), body) in real.zip(body.into_iter().cycle()) {
                     let impulse = impulse.map(T::to_double);
-                    rigid_nodes::book(body, &place.node(node), &impulse, &mut books.ledger);
+                    nodes::book(body, &place.node(node), &impulse, &mut books.ledger);
                     // The work of a body force was booked with the velocities before contact. What bodies do to each other
                     // changes no mean; what a body of prescribed motion does to others changes theirs.
                     for d in 0..D {

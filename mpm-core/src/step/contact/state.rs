@@ -6,10 +6,10 @@ use impactite_scene::{ContactPoint, PairContact};
 
 use super::found::{BlockContacts, Scratch, Touch};
 use super::memory::ContactMemory;
-use crate::geometry::Lattice;
-use crate::parallel::Float;
-use crate::step::block_place::BlockPlace;
-use crate::step::fields::Fields;
+use crate::step::nodes::block_place::BlockPlace;
+use crate::step::nodes::fields::Fields;
+use impactite_geometry::Lattice;
+use impactite_simd::Float;
 
 fn extended<const D: usize>(block: &[i32; D]) -> [i32; 3] {
     let mut all = [0; 3];

@@ -1,0 +1,27 @@
+//! What a run remembers of looks at it.
+
+use impactite_scene::Totals;
+use impactite_scene::watch::Watcher;
+
+use super::cells::Cells;
+
+/// What a run remembers of its looks.
+#[derive(Clone, Debug, Default)]
+pub(in crate::step) struct Looks<const D: usize> {
+    pub(in crate::step) watcher: Watcher,
+    /// Parts of each body at the first look.
+    pub(in crate::step) parts: Vec<u64>,
+    pub(in crate::step) cells: Option<Cells<D>>,
+    pub(in crate::step) totals: Vec<Totals>,
+}
+
+impl<const D: usize> Looks<D> {
+    /// Open the balance anew with the next step, as bodies came.
+    pub(in crate::step) fn reopen(&mut self) {
+        self.watcher.reopen();
+        *self = Looks { watcher: std::mem::take(&mut self.watcher), ..Looks::default() };
+    }
+    pub(in crate::step) fn bytes(&self) -> usize {
+        self.cells.as_ref().map_or(0, Cells::bytes) + self.totals.capacity() * size_of::<Totals>()
+    }
+}

@@ -1,0 +1,135 @@
+//! A deformable body, as it is described to a scene.
+
+use std::sync::Arc;
+
+use mpm_materials::point::flatten;
+use mpm_materials::{Constitutive, IntoMaterial, Material, MaySplit};
+
+use super::load::{FieldForce, Loads, Traction};
+use crate::step::between_steps::splitting::Splitting;
+use crate::step::passes::kernels::MethodKernels;
+use impactite_geometry::Seeds;
+use impactite_simd::Float;
+
+/// A velocity by position, m and m/s.
+pub(in crate::step) type Velocity<'a, const D: usize> = dyn Fn([f64; D]) -> [f64; D] + 'a;
+
+/// The numbers of a law's state by position, m.
+pub(in crate::step) type InitialState<'a, T, const D: usize> = dyn Fn([f64; D]) -> Vec<T> + 'a;
+
+/// A deformable body for a scene: a law, particles, how they move, and what else is to be said of them. All of that combines.
+///
+/// ```
+/// # use mpm_core::{BlockGrid, Deformable, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, Traction, geometry::*};
+/// # use mpm_materials::{Constitutive, Stretching, library};
+/// # use std::sync::Arc;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let lattice = Lattice::new([0.0; 2], 1e-3)?;
+/// # let seeds = fill(&Cuboid::new([0.0; 2], [4e-3, 2e-3])?, &lattice, 2, &Filling::new())?;
+/// # let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+/// let pull = Traction {
+///     region: Arc::new(Cuboid::new([3.5e-3, 0.0], [4e-3, 2e-3])?),
+///     axis: 0,
+///     history: Arc::new(|_| [1e6, 0.0]),
+///     revolved: false,
+/// };
+/// let strip = Deformable::new("strip", Stretching::new(library::lead()).compiled(), &seeds)
+///     .moving(|x| [10.0 * x[0], 0.0])
+///     .with_traction(pull)
+///     .with_splitting(Splitting::at(2.0)?);
+/// mpm.add_body(strip)?;
+/// # mpm.run_until(1e-7)?;
+/// # Ok(())
+/// # }
+/// ```
+pub struct Deformable<'a, const D: usize, L, T: Float = f64> {
+    name: String,
+    pub(crate) law: L,
+    seeds: &'a Seeds<D>,
+    velocity: Box<Velocity<'a, D>>,
+    state: Option<Box<InitialState<'a, T, D>>>,
+    loads: Loads<D>,
+    splitting: Option<Splitting>,
+    pub(crate) kernels: Option<Arc<dyn MethodKernels<T, D>>>,
+}
+
+impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
+    /// A body of this law with particles at `seeds`, at rest.
+    pub fn new(name: &str, law: L, seeds: &'a Seeds<D>) -> Self {
+        let velocity = Box::new(|_| [0.0; D]);
+        let (name, loads) = (name.to_string(), Loads::default());
+        Deformable { name, law, seeds, velocity, state: None, loads, splitting: None, kernels: None }
+    }
+    /// With a velocity by position, m/s by m.
+    #[must_use]
+    pub fn moving(mut self, velocity: impl Fn([f64; D]) -> [f64; D] + 'a) -> Self {
+        self.velocity = Box::new(velocity);
+        self
+    }
+    /// With a surface load, in addition to those before.
+    #[must_use]
+    pub fn with_traction(mut self, traction: Traction<D>) -> Self {
+        self.loads.tractions.push(traction);
+        self
+    }
+    /// With a force on all particles.
+    #[must_use]
+    pub fn with_field_force(mut self, field: FieldForce<D>) -> Self {
+        self.loads.field = Some(field);
+        self
+    }
+    /// With points in the law's `state` by position (m) instead of virgin: stressed by their own weight, or to be lit when a
+    /// detonation wave arrives. A seed's volume is that of the state.
+    #[must_use]
+    pub fn in_state<C>(mut self, state: impl Fn([f64; D]) -> C::State<T::Single> + 'a) -> Self
+    where
+        L: IntoMaterial<T, Law = C>,
+        C: Constitutive<T>,
+    {
+        let numbers = move |x| flatten(&state(x)).into_iter().map(|x: T::Single| x.into()).collect();
+        self.state = Some(Box::new(numbers));
+        self
+    }
+    /// The same by the numbers of the state, in the order of [`Material::state_names`], of a law that is an object.
+    #[must_use]
+    pub fn in_numbers(mut self, state: impl Fn([f64; D]) -> Vec<T> + 'a) -> Self {
+        self.state = Some(Box::new(state));
+        self
+    }
+    /// With particles that are split where they are stretched too far.
+    ///
+    /// ```compile_fail
+    /// # use mpm_core::{Deformable, Splitting, geometry::Seeds};
+    /// # use mpm_materials::library;
+    /// # fn split(seeds: &Seeds<2>) {
+    /// let lead = library::lead::<f64>(); // remembers no stretch
+    /// Deformable::<2, _>::new("ball", lead, seeds).with_splitting(Splitting::at(2.0).unwrap());
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_splitting(mut self, splitting: Splitting) -> Self
+    where
+        L::Law: MaySplit<T>,
+    {
+        self.splitting = Some(splitting);
+        self
+    }
+    /// The same, whatever the type of its law.
+    pub(crate) fn prepared(self) -> Prepared<'a, T, D> {
+        let Deformable { name, law, seeds, velocity, state, loads, splitting, kernels } = self;
+        let material = law.into_material();
+        Prepared { name, material, seeds, velocity, state, loads, splitting, kernels }
+    }
+}
+
+/// A [`Deformable`] of a law that is an object.
+pub struct Prepared<'a, T: Float, const D: usize> {
+    pub(in crate::step) name: String,
+    pub(in crate::step) material: Arc<dyn Material<T>>,
+    pub(in crate::step) seeds: &'a Seeds<D>,
+    pub(in crate::step) velocity: Box<Velocity<'a, D>>,
+    pub(in crate::step) state: Option<Box<InitialState<'a, T, D>>>,
+    pub(in crate::step) loads: Loads<D>,
+    pub(in crate::step) splitting: Option<Splitting>,
+    pub(in crate::step) kernels: Option<Arc<dyn MethodKernels<T, D>>>,
+}

@@ -1,0 +1,9 @@
+//! Bodies of a scene: description, particles, loads, capabilities.
+
+pub(crate) mod adding;
+pub(crate) mod body;
+pub(crate) mod capability;
+pub(crate) mod deformable;
+pub(crate) mod load;
+pub(crate) mod particle_body;
+pub(crate) mod seeding;

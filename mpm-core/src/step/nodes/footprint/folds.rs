@@ -1,0 +1,58 @@
+//! Nodes behind planes of symmetry, edges and periodic planes, and those that stand for them.
+
+use super::NodeWeight;
+use crate::step::nodes::wrap::Wrap;
+use impactite_geometry::Lattice;
+use impactite_scene::boundary::{Boundary, Plane};
+
+/// What nodes behind planes stand for.
+pub(in crate::step) struct Folds<const D: usize> {
+    wrap: Wrap<D>,
+    mirrors: Vec<Plane>,
+    edges: Vec<Plane>,
+}
+
+impl<const D: usize> Folds<D> {
+    /// Of these boundaries; `modified`: does the basis end at walls and fixed planes?
+    pub(in crate::step) fn of(boundaries: &[Boundary<D>], lattice: &Lattice<D>, modified: bool) -> Self {
+        Folds {
+            // A scene has none that cannot be.
+            wrap: Wrap::of(boundaries, lattice).unwrap_or_default(),
+            mirrors: boundaries.iter().filter_map(|b| b.mirror(lattice)).collect(),
+            edges: boundaries.iter().filter(|_| modified).filter_map(|b| b.edge(lattice)).collect(),
+        }
+    }
+
+    /// Put the nodes that stand for them in the place of those behind planes.
+    pub(in crate::step) fn fold(&self, nodes: &[NodeWeight<D>], list: &mut Vec<NodeWeight<D>>) {
+        list.clear();
+        list.extend_from_slice(nodes);
+        if !self.wrap.is_none() {
+            list.iter_mut().for_each(|w| w.node = self.wrap.node(w.node));
+        }
+        for m in &self.mirrors {
+            for w in list.iter_mut().filter(|w| (w.node[m.axis] - m.node) * m.sign < 0) {
+                w.node[m.axis] = 2 * m.node - w.node[m.axis];
+                w.sign[m.axis] = -w.sign[m.axis];
+            }
+        }
+        // The node behind an edge is 2 (node on it) - (node in front).
+        for e in &self.edges {
+            for n in 0..list.len() {
+                if list[n].node[e.axis] != e.node - e.sign {
+                    continue;
+                }
+                let scaled = |by: f64, node: i32| {
+                    let mut w = list[n];
+                    w.node[e.axis] = node;
+                    w.value *= by;
+                    w.gradient = w.gradient.map(|g| by * g);
+                    w
+                };
+                let (on, front) = (scaled(2.0, e.node), scaled(-1.0, e.node + e.sign));
+                list[n] = on;
+                list.push(front);
+            }
+        }
+    }
+}

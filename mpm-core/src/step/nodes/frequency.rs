@@ -1,0 +1,68 @@
+//! Gershgorin's bound of the highest frequency, for the time step.
+
+use super::stages::{free_directions, mass_cutoff};
+use crate::step::between_steps::rest::{AtNodes, Frequency};
+use crate::step::mpm::Mpm;
+use impactite_simd::Float;
+
+/// What a node has of the bound.
+#[derive(Clone, Copy, Debug, Default)]
+struct Row {
+    mass: f64,
+    sum: f64,
+}
+
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// A bound of the highest frequency by the circles of Gershgorin,
+    ///
+    /// ```text
+    /// omega_i^2 <= (1/m_i) sum_p m_p c_p^2 |G_ip| sum_j |G_jp|
+    /// ```
+    ///
+    /// with c the speed of the fastest wave, whose m_p c_p^2 is the volume times the P-wave modulus. Nodes that boundaries
+    /// hold in every direction are left out. It knows where in their cells particles are, which h / c does not.
+    /// Made from the particles one by one, some ten times the work of a step.
+    pub fn frequency_bound(&self) -> Frequency {
+        self.work.frequency_bound(self)
+    }
+
+    pub(in crate::step) fn frequency_bound_here(&self) -> Frequency {
+        let mut rows = AtNodes::<D, Row>::default();
+        let (mut speed, mut lightest) = (0.0f64, f64::MAX);
+        self.for_each_footprint(&mut |p| {
+            speed = larger(speed, p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
+            lightest = lightest.min(p.mass);
+            let around: f64 = p.nodes.iter().map(|w| w.steepness()).sum();
+            for w in p.nodes {
+                let row = rows.at(w.node);
+                row.mass += p.mass * w.value;
+                row.sum += p.mass * p.wave_speed * p.wave_speed * w.steepness() * around;
+            }
+        });
+        let lattice = *self.grid.lattice();
+        let cutoff = lightest * mass_cutoff::<T>().to_double();
+        let mut square = 0.0f64;
+        for (node, row) in rows.iter() {
+            let x = lattice.node(node.map(i64::from));
+            let free = free_directions(&self.scene.conditions, &x, self.clock.time, lattice.spacing(), 0.0);
+            if row.mass > cutoff && free[..D].contains(&true) {
+                square = larger(square, row.sum / row.mass);
+            }
+        }
+        Frequency { bound: square.sqrt(), speed }
+    }
+
+    /// One over the longest step that [`Frequency`] allows, 1/s: sqrt(2) / omega with USL, 2 / omega with MUSL and USF;
+    /// in the updated frame no particle further than half a cell.
+    pub(in crate::step) fn gershgorin_rate(&self) -> f64 {
+        let Frequency { bound, speed } = self.frequency_bound();
+        let rate = bound / if self.facts().symplectic() { 2.0 } else { 2.0f64.sqrt() };
+        let crossing = if self.facts().total { 0.0 } else { 2.0 * speed / self.grid.lattice().spacing() };
+        larger(rate, crossing)
+    }
+}
+
+/// The larger of two; a NaN stays one.
+fn larger(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b > a { b } else { a }
+}

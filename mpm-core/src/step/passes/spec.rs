@@ -1,0 +1,75 @@
+//! What a pass is of a method, as a type: what its kernels are compiled for.
+
+use std::marker::PhantomData;
+
+use super::spread::Maps;
+use crate::frame::Frame;
+use crate::method::Composition;
+use crate::scheme::{Pass, PassKind};
+use crate::shape::ShapeFunction;
+use crate::transfer::Transfer;
+use impactite_scene::embedding::Embedding;
+use impactite_simd::{Float, Vectors};
+
+/// A pass, with what it needs to know of its method.
+pub(in crate::step) trait Spec<T: Float, const D: usize>: Send + Sync + 'static {
+    /// The shape function.
+    type Shape: ShapeFunction<T, D>;
+    /// The transfer, if velocities change.
+    type Transfer: Transfer<T>;
+    /// What it does.
+    const DOES: Pass;
+    /// The copies that its kernels are worth.
+    const VECTORS: Vectors;
+    /// Is the third direction a hoop around an axis?
+    const HOOP: bool;
+    /// Do weights belong to the reference configuration?
+    const TOTAL: bool;
+    /// What it maps.
+    const MAPS: Maps;
+}
+
+/// The pass `K` with the shape function `S`, the transfer `X`, the embedding `E` and the frame `F`.
+pub(in crate::step) struct PassOf<S, X, E, F, K>(PhantomData<(S, X, E, F, K)>);
+
+impl<T, const D: usize, S, X, E, F, K> Spec<T, D> for PassOf<S, X, E, F, K>
+where
+    T: Float,
+    S: ShapeFunction<T, D>,
+    X: Transfer<T>,
+    E: Embedding<D>,
+    F: Frame,
+    K: PassKind,
+{
+    type Shape = S;
+    type Transfer = X;
+    const DOES: Pass = K::DOES;
+    const VECTORS: Vectors = match K::VECTORS {
+        Vectors::Avx512 if D < 3 => Vectors::Avx2,
+        vectors => vectors,
+    };
+    const HOOP: bool = E::HOOP;
+    const TOTAL: bool = F::TOTAL;
+    const MAPS: Maps = Maps {
+        momentum: K::DOES.momentum,
+        affine: K::DOES.velocity && K::DOES.momentum && X::AFFINE,
+        force: K::DOES.force,
+        direct: K::DOES.force && E::HOOP,
+        together: K::DOES.force && K::DOES.momentum && K::PLANS && !X::READS_INCREMENT,
+        least_squares: K::DOES.force && X::LEAST_SQUARES,
+        convected: S::DOMAIN.convects(),
+    };
+}
+
+/// The pass `K` of the method `M`, as far as it sees it.
+pub(in crate::step) type SpecOf<M, K, T, const D: usize> = PassOf<
+    <M as Composition<T, D>>::Shape,
+    <K as PassKind>::Transfer<T, <M as Composition<T, D>>::Transfer>,
+    <K as PassKind>::Embedding<D, <M as Composition<T, D>>::Embedding>,
+    <K as PassKind>::Frame<<M as Composition<T, D>>::Frame>,
+    K,
+>;
+
+/// The stencil of a pass.
+pub(in crate::step) type ExtentOf<P, T, const D: usize> =
+    <<P as Spec<T, D>>::Shape as ShapeFunction<T, D>>::Extent;

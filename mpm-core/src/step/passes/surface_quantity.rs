@@ -1,0 +1,468 @@
+//! What contact asks of the particles near the nodes that bodies share.
+//!
+//! Nodes of a block are given by a bit each, x fastest. Only bins whose stencil has one of them are visited:
+//! slots around the block, bins and particles in order of place, so that the sums do not depend on threads.
+
+use std::marker::PhantomData;
+
+use mpm_contact::{NearPoint, SurfaceQuantity};
+use mpm_materials::material::{Material, Response, States};
+use mpm_materials::{Lane, Sym3};
+
+use super::rows::of_row;
+use super::slot::{Domains, Slot};
+use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours, offset};
+use crate::particles::{Columns, Masses};
+use crate::shape::domain::{Table, table};
+use crate::shape::{ShapeFunction, Weights, bin_centre, node_offset};
+use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
+
+/// For each of the nodes of a stencil: its place in the block, if it is asked about.
+struct Reached {
+    node: [u8; block_nodes(3)],
+    /// Where the bin's block is from the block of the nodes.
+    block: [i32; 3],
+}
+
+const OUTSIDE: u8 = u8::MAX;
+
+/// Places in a node block of the stencil, of `count` nodes an axis, of the bin at `first` (coordinates of its first stencil node,
+/// relative to the block's first node), as far as they are in `nodes`.
+#[inline(always)]
+fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached {
+    let mut found = Reached { node: [OUTSIDE; block_nodes(3)], block: [0; 3] };
+    let inside = 0..BLOCK as i32;
+    for c in 0..if D == 3 { count } else { 1 } {
+        let z = if D == 3 { first[2] + c as i32 } else { 0 };
+        for b in 0..count {
+            let y = first[1] + b as i32;
+            if !inside.contains(&z) || !inside.contains(&y) {
+                continue;
+            }
+            for a in 0..count {
+                let x = first[0] + a as i32;
+                if !inside.contains(&x) {
+                    continue;
+                }
+                let node = (z * BLOCK as i32 + y) * BLOCK as i32 + x;
+                if nodes & (1 << node) != 0 {
+                    found.node[(c * count + b) * count + a] = node as u8;
+                }
+            }
+        }
+    }
+    found
+}
+
+/// The first of the four layers of a block across each axis, a bit a node.
+const LAYERS: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
+
+/// A set of places in a block, moved along an axis; what leaves the block is lost.
+#[inline(always)]
+fn moved(set: u64, by: i32, axis: usize) -> u64 {
+    let stride = [1, 4, 16][axis];
+    let mut kept = 0;
+    for place in 0..BLOCK as i32 {
+        if (0..BLOCK as i32).contains(&(place + by)) {
+            kept |= LAYERS[axis] << (place as usize * stride);
+        }
+    }
+    // Nothing is kept of what would be shifted by 64 or more.
+    let shift = by.unsigned_abs() * stride as u32;
+    let set = set & kept;
+    if by < 0 { set.wrapping_shr(shift) } else { set.wrapping_shl(shift) }
+}
+
+/// The nodes of a block at offset `o` from a slot that stencils, of `count` nodes an axis, of the slot's `bins` have.
+#[inline(always)]
+pub(in crate::step) fn nodes_of<const D: usize>(count: usize, o: &[i32; D], bins: u64) -> u64 {
+    let mut set = bins;
+    for d in 0..D {
+        let mut nodes = 0;
+        for a in 0..count as i32 {
+            nodes |= moved(set, first_node(count) + a - o[d] * BLOCK as i32, d);
+        }
+        set = nodes;
+    }
+    set
+}
+
+/// The bins of a slot at offset `o` from another that are among `bins` of that or next to one of them.
+pub(in crate::step) fn beside<const D: usize>(o: &[i32; D], bins: u64) -> u64 {
+    let mut set = bins;
+    for d in 0..D {
+        set = (-1..=1).fold(0, |all, by| all | moved(set, by - o[d] * BLOCK as i32, d));
+    }
+    set
+}
+
+/// The bins of a slot at offset `o` from the block whose stencils, of `count` nodes an axis, have one of `nodes`.
+#[inline(always)]
+fn bins_at<const D: usize>(count: usize, o: &[i32; D], nodes: u64) -> u64 {
+    let mut set = nodes;
+    for d in 0..D {
+        let mut bins = 0;
+        for a in 0..count as i32 {
+            bins |= moved(set, -(o[d] * BLOCK as i32 + first_node(count) + a), d);
+        }
+        set = bins;
+    }
+    set
+}
+
+/// The bins of the slots around a block that have one of `nodes` in their stencil, with particles in them.
+macro_rules! for_bins {
+    ($slots:expr, $contributors:expr, $nodes:expr, $count:expr, $d:ident, $masses:expr, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
+        for around in 0..neighbours($d) {
+            let Some($slot) = $slots.get($contributors[around] as usize) else { continue };
+            let o = offset::<$d>(around);
+            let mut set = bins_at::<$d>($count, &o, $nodes);
+            while set != 0 {
+                let $bin = set.trailing_zeros() as usize;
+                set &= set - 1;
+                if set != 0 {
+                    $slot.block.prefetch(set.trailing_zeros() as usize, Columns::state($d), $masses.row());
+                }
+                if $slot.block.bin_len($bin) == 0 {
+                    continue;
+                }
+                let mut first = [0; 3];
+                for d in 0..$d {
+                    let place = $bin / BLOCK.pow(d as u32) % BLOCK;
+                    first[d] = o[d] * BLOCK as i32 + place as i32 + first_node($count);
+                }
+                let mut $at = reached::<$d>($count, first, $nodes);
+                $at.block[..$d].copy_from_slice(&o);
+                $do
+            }
+        }
+    };
+}
+
+/// What is asked, of whom.
+pub struct SurfaceTask<'a, T: Float, const D: usize> {
+    pub(in crate::step) what: SurfaceQuantity,
+    pub(in crate::step) material: &'a dyn Material<T>,
+    pub(in crate::step) slots: &'a [Slot<T, D>],
+    /// The slots around the block.
+    pub(in crate::step) contributors: &'a [u32],
+    pub(in crate::step) nodes: u64,
+    pub(in crate::step) normals: &'a [[T; 3]],
+    pub(in crate::step) out: &'a mut [[T; 3]],
+    pub(in crate::step) domains: Domains<T>,
+    pub(in crate::step) spacing: T,
+    pub(in crate::step) masses: Masses<T>,
+}
+
+/// A quantity of the particles around a block, by their weights ([`GRADIENT`], [`TRACTION`]) or places ([`REACH`]).
+pub(in crate::step) struct SurfaceKernel<'a, T: Float, const D: usize, S, const KIND: u8> {
+    pub(in crate::step) shape: &'a S,
+    pub(in crate::step) about: SurfaceTask<'a, T, D>,
+    /// What the law says of the groups that are visited, in turn, where that is asked.
+    pub(in crate::step) said: &'a [Response<T>],
+}
+
+/// Sums of gradients of weights, times masses or volumes.
+pub(in crate::step) const GRADIENT: u8 = 0;
+/// How far particles reach.
+pub(in crate::step) const REACH: u8 = 1;
+/// Sums of normal stresses.
+pub(in crate::step) const TRACTION: u8 = 2;
+
+/// How far from the line through a node a particle may be to count for [`SurfaceQuantity::LocalReach`], squared, in cells;
+/// those half a cell away to either side count alike, whatever the rounding.
+const BESIDE: f64 = 0.25 + 1e-6;
+
+/// What the law says of the groups that are visited, bin by bin.
+pub(in crate::step) fn asked<T: Float, const D: usize>(
+    about: &SurfaceTask<'_, T, D>,
+    count: usize,
+) -> Vec<Response<T>> {
+    let mut said = Vec::new();
+    if !matches!(about.what, SurfaceQuantity::VolumeGradient | SurfaceQuantity::Traction) {
+        return said;
+    }
+    let SurfaceTask { slots, contributors, nodes, masses, material, .. } = about;
+    for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, _at| {
+        let mut groups = Vec::new();
+        let mut next = slot.block.last_group(bin);
+        while let Some((group, _)) = next {
+            next = slot.block.group_before(group);
+            groups.push(group);
+        }
+        let (all, stride) = slot.block.all_rows();
+        let mut response = Response::default();
+        let states = States { all, stride, first: Columns::state(D), groups: &groups };
+        // Speeds are not looked at.
+        material.describe(states, T::of(1.0), &mut response);
+        said.push(response);
+    });
+    said
+}
+
+impl<T, const D: usize, S, const KIND: u8> Kernel<T> for SurfaceKernel<'_, T, D, S, KIND>
+where
+    T: Float,
+    S: ShapeFunction<T, D>,
+{
+    const VECTORS: Vectors = if KIND == TRACTION { Vectors::Plain } else { Vectors::Avx2 };
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let SurfaceKernel { shape, about, said } = self;
+        let SurfaceTask {
+            what,
+            material,
+            slots,
+            contributors,
+            nodes,
+            normals,
+            out,
+            domains,
+            spacing,
+            masses,
+        } = about;
+        let count = S::Extent::NODES;
+        let layers = S::Extent::LAYERS;
+        let (zero, one) = (A::Pack::zero(), A::Pack::one());
+        let lowest = A::Pack::of(-1e30);
+        let carries = S::DOMAIN.carried();
+        let convects = S::DOMAIN.convects();
+        let reaches = KIND == REACH;
+        let (centres, local) = (what == SurfaceQuantity::CentreReach, what == SurfaceQuantity::LocalReach);
+        let per_density = A::Pack::splat(material.density()).recip();
+        // A sum a node and lane; lanes are added up at the end.
+        let mut sums = [[if reaches { lowest } else { zero }; 3]; block_nodes(3)];
+        // Half sizes along the normals, where they are the same for all particles.
+        let mut sizes = [T::default(); block_nodes(3)];
+        if reaches && !centres && !carries {
+            let mut left = nodes;
+            while left != 0 {
+                let node = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let mut square = T::default();
+                for d in 0..D {
+                    square += domains.half[d] * normals[node][d] * (domains.half[d] * normals[node][d]);
+                }
+                sizes[node] = square.sqrt();
+            }
+        }
+        let lane_index = lane_numbers::<T, A::Pack>();
+        let mut visited = 0;
+        for_bins!(slots, contributors, nodes, count, D, masses, |slot, bin, at| {
+            let of_bin = said.get(visited);
+            visited += 1;
+            let mut number = 0;
+            let mut next = slot.block.last_group(bin);
+            while let Some((group, in_group)) = next {
+                next = slot.block.group_before(group);
+                let group = slot.block.group(group);
+                let of_group = of_bin.map(|of| (&of.outputs()[number / 2], number % 2));
+                number += 1;
+                for lane in (0..in_group).step_by(A::Pack::WIDTH) {
+                    let here = in_group - lane;
+                    let alive = lane_index.lt(A::Pack::of(here as f64));
+                    let mut xi = [zero; 3];
+                    let size = domains
+                        .of::<A::Pack, S, D>(|n| of_row::<T, A::Pack>(&group[domains.column + n], lane));
+                    let mut w = [Weights::<A::Pack, S::Extent>::zero(); 3];
+                    let mut weights = Table::<A::Pack, S::Extent>::zero();
+                    for d in 0..D {
+                        xi[d] = of_row::<T, A::Pack>(&group[Columns::position() + d], lane);
+                        if !reaches && !convects {
+                            w[d] = shape.weights(xi[d], size[d]);
+                        }
+                    }
+                    if !reaches && convects {
+                        weights = table::<T, A::Pack, S, D>(&xi, &size);
+                    }
+                    if D == 2 {
+                        w[2].value[0] = one;
+                    }
+                    let mass = masses.of_group(alive, |row| of_row::<T, A::Pack>(&group[row], lane));
+                    let mut amount = mass;
+                    let mut stress = Sym3::<A::Pack>::zero();
+                    if let Some((said, half)) = of_group {
+                        if KIND == GRADIENT {
+                            amount = A::Pack::from_pair(&said.volume_ratio, half, lane) * mass * per_density;
+                        } else if KIND == TRACTION {
+                            for i in 0..6 {
+                                stress.0[i] = A::Pack::from_pair(&said.stress[i], half, lane);
+                            }
+                        }
+                    }
+                    for c in 0..layers {
+                        for b in 0..count {
+                            // What the nodes of a row have in common, of a gradient and of a weight.
+                            let (y, z) = (w[1].value[b], w[2].value[c] * amount);
+                            let (yz, dyz) = (y * z, w[1].slope[b] * z);
+                            let ydz = if D == 3 { y * (w[2].slope[c] * amount) } else { zero };
+                            for a in 0..count {
+                                let node = at.node[(c * count + b) * count + a] as usize;
+                                if node >= block_nodes(3) {
+                                    continue;
+                                }
+                                let sum = &mut sums[node];
+                                let of_table = (c * count + b) * count + a;
+                                if KIND == GRADIENT && convects {
+                                    for d in 0..D {
+                                        sum[d] = weights.slope[d][of_table].mul_add(amount, sum[d]);
+                                    }
+                                    continue;
+                                }
+                                if KIND == GRADIENT {
+                                    sum[0] = w[0].slope[a].mul_add(yz, sum[0]);
+                                    sum[1] = w[0].value[a].mul_add(dyz, sum[1]);
+                                    if D == 3 {
+                                        sum[2] = w[0].value[a].mul_add(ydz, sum[2]);
+                                    }
+                                    continue;
+                                }
+                                let n = normals[node];
+                                let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
+                                if KIND == TRACTION {
+                                    let t = normal_stress(&stress, &n);
+                                    let weighted = match convects {
+                                        true => weights.value[of_table] * amount,
+                                        false => w[0].value[a] * yz,
+                                    };
+                                    sum[0] = weighted.mul_add(t, sum[0]);
+                                    continue;
+                                }
+                                let place = [a, b, c];
+                                let (mut along, mut away) = (zero, zero);
+                                for d in 0..D {
+                                    let x = xi[d] - A::Pack::of(node_offset::<S::Extent>(place[d]));
+                                    along = x.mul_add(n[d], along);
+                                    away = x.mul_add(x, away);
+                                }
+                                let half = if centres {
+                                    zero
+                                } else if carries {
+                                    S::DOMAIN.half_along::<A::Pack, D>(&size, &n)
+                                } else {
+                                    A::Pack::splat(sizes[node])
+                                };
+                                let mut reach = along + half;
+                                if local {
+                                    let near = (away - along * along).lt(A::Pack::of(BESIDE));
+                                    reach = A::Pack::select(near, reach, lowest);
+                                }
+                                sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
+                            }
+                        }
+                    }
+                }
+            }
+        });
+        let per_spacing = T::of(1.0) / spacing;
+        let mut left = nodes;
+        while left != 0 {
+            let node = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let to = &mut out[node];
+            if reaches {
+                let mut far = sums[node][0].lane(0);
+                for i in 1..A::Pack::WIDTH {
+                    far = far.max(sums[node][0].lane(i));
+                }
+                to[0] = to[0].max(far * spacing);
+            } else {
+                let factor = if KIND == TRACTION { T::of(1.0) } else { per_spacing };
+                for d in 0..D {
+                    let mut sum = sums[node][d].lane(0);
+                    for i in 1..A::Pack::WIDTH {
+                        sum += sums[node][d].lane(i);
+                    }
+                    to[d] += sum * factor;
+                }
+            }
+        }
+    }
+}
+
+/// n . sigma . n.
+#[inline(always)]
+fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
+    let two = L::of(2.0);
+    let direct = s.0[0] * n[0] * n[0] + s.0[1] * n[1] * n[1] + s.0[2] * n[2] * n[2];
+    direct + two * (s.0[3] * n[1] * n[2] + s.0[4] * n[0] * n[2] + s.0[5] * n[0] * n[1])
+}
+
+/// Where particles near some nodes of a block are asked for one by one.
+pub(in crate::step) struct NearPoints<'a, T: Float, const D: usize, S> {
+    pub(in crate::step) shape: PhantomData<S>,
+    pub(in crate::step) about: NearTask<'a, T, D>,
+}
+
+/// Whose particles.
+pub struct NearTask<'a, T: Float, const D: usize> {
+    pub(in crate::step) slots: &'a [Slot<T, D>],
+    /// The slots around the block.
+    pub(in crate::step) contributors: &'a [u32],
+    pub(in crate::step) nodes: u64,
+    pub(in crate::step) domains: Domains<T>,
+    pub(in crate::step) spacing: T,
+    pub(in crate::step) masses: Masses<T>,
+}
+
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> NearPoints<'_, T, D, S> {
+    pub(in crate::step) fn visit(&self, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
+        let NearTask { slots, contributors, nodes, domains, spacing: h, masses } = &self.about;
+        let count = S::Extent::NODES;
+        for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, at| {
+            let mut mask = 0;
+            for node in at.node.into_iter().filter(|n| *n != OUTSIDE) {
+                mask |= 1 << node;
+            }
+            // Nodes of the block are at whole numbers; the bin's centre is where its stencil's is.
+            let mut centre = [T::default(); 3];
+            for d in 0..D {
+                let place = (bin / BLOCK.pow(d as u32) % BLOCK) as i32;
+                let block = at.block[d] * BLOCK as i32;
+                centre[d] = T::of(f64::from(block + place) + bin_centre::<S::Extent>());
+            }
+            for place in slot.block.bin_places(bin) {
+                let number = |column: usize| slot.block.get(place, column);
+                let mut near = NearPoint {
+                    offset: [T::default(); 3],
+                    half: [T::default(); 3],
+                    mass: masses.read(number),
+                };
+                let carried = |n: usize| T::Single::from(number(domains.column + n));
+                let domain = domains.of::<T::Single, S, D>(carried);
+                for d in 0..D {
+                    let mut axis = [T::Single::zero(); 3];
+                    axis[d] = T::Single::one();
+                    let half: T = S::DOMAIN.half_along::<T::Single, D>(&domain, &axis).into();
+                    near.half[d] = half * *h;
+                    near.offset[d] = (centre[d] + number(Columns::position() + d)) * *h;
+                }
+                visit(mask, &near);
+            }
+        });
+    }
+}
+
+const _: () = assert!(block_nodes(3) == u64::BITS as usize, "a node of a block is a bit");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_beside_spill_into_blocks_around() {
+        // The last bin of a block in the plane: all around it, three of them in three other blocks.
+        let last = 1 << (BLOCK * BLOCK - 1);
+        assert_eq!(beside::<2>(&[0, 0], last), 0b1100_1100_0000_0000);
+        assert_eq!(beside::<2>(&[1, 0], last), 0b0001_0001_0000_0000);
+        assert_eq!(beside::<2>(&[0, 1], last), 0b1100);
+        assert_eq!(beside::<2>(&[1, 1], last), 1);
+        assert_eq!(beside::<2>(&[-1, 0], last), 0);
+        // A full block in space: itself, and a layer of each of its neighbours.
+        let count = |o| beside::<3>(&o, !0).count_ones() as usize;
+        assert_eq!((count([0; 3]), count([0, -1, 0]), count([1, 1, 0]), count([-1; 3])), (64, 16, 4, 1));
+        assert_eq!(count([2, 0, 0]), 0);
+    }
+}
