@@ -1,4 +1,4 @@
-//! Closed triangle meshes: volume, inside, distance, files, and what is refused.
+//! Closed triangle meshes: volume, inside test, distance, files and errors.
 
 use std::f64::consts::PI;
 
@@ -23,16 +23,16 @@ impl Points {
 
 type Raw = (Vec<[f64; 3]>, Vec<[usize; 3]>);
 
-/// A box as twelve triangles.
+/// Triangulate a box by twelve triangles.
 fn raw_box(min: [f64; 3], max: [f64; 3]) -> Raw {
     let corners = Bounds { min, max }.corners().collect();
-    // Corner k has bit i set where coordinate i is the larger one.
+    // Bit i of the index of a corner is set if coordinate i is the larger one.
     let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let triangles = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     (corners, triangles)
 }
 
-/// The surface swept by a profile (z, r) about the third axis, first and last point on the axis.
+/// Triangulate the surface of revolution of a profile (z, r) about the third axis, first and last point on the axis.
 fn raw_revolved(profile: &[[f64; 2]], around: usize) -> Raw {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     for [z, r] in profile {
@@ -44,7 +44,7 @@ fn raw_revolved(profile: &[[f64; 2]], around: usize) -> Raw {
     for i in 0..profile.len() - 1 {
         for k in 0..around {
             let (p, q) = (i * around + k, i * around + (k + 1) % around);
-            // Where the radius is zero one of the two lacks an area and is dropped.
+            // At zero radius one of the two triangles is degenerate and is dropped.
             triangles.push([p, q, q + around]);
             triangles.push([p, q + around, p + around]);
         }
@@ -61,7 +61,7 @@ fn sphere_profile(n: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Small tetrahedra apart from each other, in a cube.
+/// Separate small tetrahedra in a cube.
 fn raw_tetrahedra(count: usize) -> Raw {
     let side = (count as f64).cbrt().ceil() as usize;
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
@@ -74,7 +74,7 @@ fn raw_tetrahedra(count: usize) -> Raw {
             x[axis] += 1.0;
             vertices.push(x);
         }
-        // Every other one inside out.
+        // Every second tetrahedron is inside out.
         for [a, b, c] in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]] {
             triangles.push(if k % 2 == 0 { [a, b, c] } else { [a, c, b] }.map(|i| first + i));
         }
@@ -107,7 +107,7 @@ fn a_box_of_triangles_is_the_box() {
 
 #[test]
 fn lines_through_edges_and_corners_do_no_harm() {
-    // Every line of the lattice runs through edges, diagonals, corners and walls.
+    // Every line of the lattice passes through edges, diagonals, corners or faces.
     let solid = mesh(raw_box([0.0; 3], [1.0; 3]));
     let last: Vec<f64> = (0..=40).map(|k| -0.5 + k as f64 * 0.05).collect();
     let mut inside = vec![false; last.len()];
@@ -124,9 +124,9 @@ fn lines_through_edges_and_corners_do_no_harm() {
             count += usize::from(inside.iter().any(|i| *i));
         }
     }
-    // The walls belong to one side: four of the five lines along each axis count.
+    // Points on faces count on one side only: four of five lines along each axis.
     assert_eq!(count, 16);
-    // A pole of a globe, where dozens of triangles meet, and its meridians.
+    // Pole of a sphere, where dozens of triangles share a vertex, and its meridians.
     let globe = mesh(raw_revolved(&sphere_profile(24), 48));
     for x in [[0.0; 3], [0.0, 0.0, 0.99], [0.0, 0.0, -0.99], [0.5, 0.0, 0.0], [0.0, -0.7, 0.3]] {
         assert!(globe.contains(x), "{x:?}");
@@ -167,7 +167,7 @@ fn a_fine_sphere_and_rod_agree_with_the_analytic_ones() {
             }
             let near = solid.signed_distance_within(x, 3.0 * gap);
             assert_eq!(near, a.clamp(-3.0 * gap, 3.0 * gap));
-            // Lipschitz, and the surface is nowhere nearer.
+            // Lipschitz condition: the surface is not nearer than the distance.
             let y = points.within(&exact.bounds(), 0.3);
             let between = (0..3).map(|i| (x[i] - y[i]).powi(2)).sum::<f64>().sqrt();
             assert!((a - solid.signed_distance(y)).abs() <= between * (1.0 + 1e-12));
@@ -209,7 +209,7 @@ fn pieces_and_cavities_are_told_apart() {
     let cavity = raw_box([1.0; 3], [2.0; 3]);
     let core = raw_box([1.4; 3], [1.6; 3]);
     let aside = raw_box([5.0; 3], [6.0; 3]);
-    // However the pieces are oriented.
+    // The result does not depend on the orientation of the pieces.
     for parts in [
         [outer.clone(), cavity.clone(), core.clone(), aside.clone()],
         [inside_out(outer.clone()), cavity.clone(), inside_out(core.clone()), inside_out(aside.clone())],
@@ -293,7 +293,7 @@ mod files {
         assert!(matches!(unit, GeometryError::Parameter { field: "unit", .. }));
     }
 
-    /// A box as the facets of an ASCII file.
+    /// Write a box as the facets of an ASCII file.
     fn facets(min: [f64; 3], max: [f64; 3]) -> String {
         let (v, t) = raw_box(min, max);
         let mut text = String::new();
@@ -328,7 +328,7 @@ mod files {
                 TriangleMesh::read_stl(file(&format!("solids_{i}.stl"), text.as_bytes()), 1.0).unwrap();
             assert_eq!((solid.vertices().len(), solid.triangles().len()), (16, 24), "text {i}");
             assert!((solid.measure().unwrap() / 25.0 - 1.0).abs() < 1e-14, "text {i}");
-            // In double precision: 0.1 is not the one of 32 bits.
+            // Read in double precision: 0.1 is not the single-precision value.
             assert!(solid.vertices().iter().any(|x| x[0] == 0.1), "text {i}");
             assert!(solid.contains([0.5, 0.5, 7.5]) && !solid.contains([0.5, 0.5, 5.0]));
         }
@@ -392,7 +392,7 @@ mod files {
             let reason = format!("of 12 triangles has 684 bytes, but {found} were found");
             assert!(error.contains(&reason), "{error}");
         }
-        // Fewer bytes than a triangle has may follow.
+        // Fewer bytes than those of a triangle may follow.
         assert!(TriangleMesh::read_stl(file("more.stl", &[&binary[..], &[7; 49]].concat()), 1.0).is_ok());
         binary[84 + 50 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
         let error = said("nan.stl", &binary);
@@ -420,7 +420,7 @@ mod files {
     }
 }
 
-/// Three million particles in a mesh: `cargo test --release -- --ignored`.
+/// Benchmark: three million particles in a mesh. `cargo test --release -- --ignored`.
 #[test]
 #[ignore = "a measurement of seconds, which a busy machine fails"]
 fn three_million_particles_are_quick_in_a_mesh() {
@@ -438,7 +438,7 @@ fn three_million_particles_are_quick_in_a_mesh() {
     }
 }
 
-/// Thin triangles all in one fan, many pieces, many triangles: volume and points are those of the shapes.
+/// A fan of thin triangles, many pieces, many triangles: volumes and inside tests agree with the exact shapes.
 #[test]
 fn large_meshes_are_what_they_stand_for() {
     let solid = mesh(raw_revolved(&[[0.0, 0.0], [0.0, 1.0], [1.5, 0.0]], 40_000));
@@ -449,7 +449,7 @@ fn large_meshes_are_what_they_stand_for() {
         |filling: Filling| [&solid as &dyn Shape<3>, &cone].map(|s| fill(s, &lattice, 2, &filling).unwrap());
     let [a, b] = filled(Filling::new().at_sites());
     assert_eq!(a.positions, b.positions);
-    // Moved by the distance, which decides at the rim and the tip alone by rounding.
+    // Fitted to the surface: results may differ by rounding only at the rim and the tip.
     let [a, b] = filled(Filling::new());
     let far = |(x, y): (&[f64; 3], &[f64; 3])| (0..3).map(|i| (x[i] - y[i]).abs()).fold(0.0, f64::max);
     let others = a.positions.iter().zip(&b.positions).map(far).filter(|d| *d > 1e-6).count();
@@ -465,13 +465,13 @@ fn large_meshes_are_what_they_stand_for() {
     let solid = mesh(raw_tetrahedra(50_000));
     assert_eq!(solid.triangles().len(), 200_000);
     assert!((solid.measure().unwrap() / (50_000.0 / 6.0) - 1.0).abs() < 1e-12);
-    // Each has one of the eight places of its cell: the other seven are beyond its face.
+    // Each tetrahedron contains one of the eight sites of its cell; the other seven are beyond its face.
     let lattice = Lattice::new([0.0; 3], 1.0).unwrap();
     let filling = Filling::new().at_sites().uncorrected();
     assert_eq!(fill(&solid, &lattice, 2, &filling).unwrap().len(), 50_000);
 }
 
-/// What large meshes cost: `cargo test --release -- --ignored --nocapture large_meshes`.
+/// Benchmark of large meshes: `cargo test --release -- --ignored --nocapture large_meshes`.
 #[test]
 #[ignore = "a measurement of seconds, which a busy machine fails"]
 fn large_meshes_are_quick() {

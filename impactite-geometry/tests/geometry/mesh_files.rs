@@ -1,10 +1,9 @@
-//! Gmsh and Abaqus files: what is read, what is refused, and that no mutilated file makes the readers panic.
-#![cfg(feature = "mesh")]
+//! Gmsh and Abaqus readers: supported content, error messages, and no panic for corrupted files.
 
 use impactite_geometry::*;
 use proptest::prelude::*;
 
-/// Two unit cubes in a row, a physical volume `rod`, one of its faces `impact`, and an arc's centre that no element uses.
+/// Two unit cubes in a row, with a physical volume `rod`, one face `impact`, and an arc centre that no element uses.
 const GMSH: &str = r#"$MeshFormat
 4.1 0 8
 $EndMeshFormat
@@ -130,14 +129,14 @@ fn a_gmsh_file_becomes_blocks_and_sets() {
     let nodes = GMSH.find("$Nodes\n").unwrap();
     let groupless = gmsh(&format!("{}{}", &GMSH[..names], &GMSH[nodes..])).unwrap();
     assert_eq!((groupless.blocks[0].name.as_str(), groupless.node_sets.len()), ("", 0));
-    // Nodes with parameters, as Gmsh writes them on demand.
+    // Nodes with parametric coordinates, an option of Gmsh.
     let parametric = GMSH
         .replace("2 3 0 4", "2 3 1 4")
         .replace("0 0 0\n0 1 0\n0 1 1\n0 0 1\n", "0 0 0 .1 .2\n0 1 0 .1 .2\n0 1 1 .1 .2\n0 0 1 .1 .2\n");
     assert_eq!(gmsh(&parametric).unwrap(), mesh);
 }
 
-/// The mesh above as version 2.2 has it, text or binary: nodes and elements one by one, with physical and elementary tags.
+/// The mesh of `GMSH` in version 2.2, text or binary: nodes and elements one by one, with physical and elementary tags.
 fn version_two(binary: bool) -> Vec<u8> {
     let nodes: [(i32, [f64; 3]); 13] = [
         (1, [0.0, 0.0, 0.0]),
@@ -189,7 +188,7 @@ fn version_two(binary: bool) -> Vec<u8> {
     out
 }
 
-/// Every version that Gmsh writes says the same mesh.
+/// All format versions of Gmsh give the same mesh.
 #[test]
 fn versions_of_gmsh_are_read_alike() {
     let newest = gmsh(GMSH).unwrap();
@@ -197,7 +196,7 @@ fn versions_of_gmsh_are_read_alike() {
         let mesh = ElementMesh::<3>::from_gmsh("2.msh", &version_two(binary), 1.0).unwrap();
         assert_eq!(mesh, newest, "binary: {binary}");
     }
-    // 4.0: tags of entities before dimensions, no smallest and largest tags, a node's tag beside its coordinates.
+    // Version 4.0: tags of entities before dimensions, no smallest and largest tags, the tag of a node before its coordinates.
     let nodes = "$Nodes\n3 13\n3 2 0 4\n1 0 0 0\n2 0 1 0\n3 0 1 1\n4 0 0 1\n1 3 0 8\n11 1 0 0\n12 1 1 0\n13 1 1 1\n14 1 0 1\n\
                  21 2 0 0\n22 2 1 0\n23 2 1 1\n24 2 0 1\n9 0 0 1\n30 5 5 5\n$EndNodes\n";
     let elements = "$Elements\n2 3\n3 2 3 1\n1 1 2 3 4\n1 3 5 2\n2 1 2 3 4 11 12 13 14\n3 11 12 13 14 21 22 23 24\n$EndElements\n";
@@ -206,7 +205,7 @@ fn versions_of_gmsh_are_read_alike() {
         .replace("9 5 5 5 0", "9 5 5 5 5 5 5 0");
     let four = gmsh(&format!("{head}{nodes}{elements}")).unwrap();
     assert_eq!(four, newest);
-    // The same in bytes: `s` is a size_t, `i` an int, `d` a double.
+    // Binary form of version 4.0: `s` is a size_t, `i` an int, `d` a double.
     let (start, entities) = head.split_at(head.find("$Entities\n").unwrap());
     let mut bytes = start.replace("4 0 8\n", "4 1 8\n@\n").into_bytes();
     let at = bytes.iter().position(|b| *b == b'@').unwrap();
@@ -234,7 +233,7 @@ fn versions_of_gmsh_are_read_alike() {
     assert_eq!(ElementMesh::<3>::from_gmsh("4.msh", &bytes, 1.0).unwrap(), newest);
 }
 
-/// Version 2 repeats an element for every physical group that it is in: it is one element of the first, and its nodes are in all.
+/// Version 2 repeats an element for every physical group: it is read once, for the first group, and its nodes are in all groups.
 #[test]
 fn elements_of_several_groups_are_read_once() {
     let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"all\"\n2 2 \"left\"\n$EndPhysicalNames\n\
@@ -246,7 +245,7 @@ fn elements_of_several_groups_are_read_once() {
     assert_eq!((mesh.node_sets["all"].len(), mesh.node_sets["left"].len()), (4, 3));
 }
 
-/// Elements of several physical groups are in the element set of each, by their entity in version 4 and by repetition in version 2.
+/// Elements in several physical groups are in the element set of each, by their entity in version 4 and by repetition in version 2.
 #[test]
 fn an_element_is_in_every_physical_group_that_has_it() {
     let two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"all\"\n2 2 \"left\"\n1 3 \"rim\"\n$EndPhysicalNames\n\
@@ -269,7 +268,7 @@ fn an_element_is_in_every_physical_group_that_has_it() {
     }
 }
 
-/// A prism and a pyramid upon one of its quadrilaterals, of first and second order.
+/// A prism, and a pyramid on one of its quadrilaterals, of first and second order.
 #[test]
 fn prisms_and_pyramids_become_tetrahedra() {
     for (prism, pyramid, more) in [(6, 7, [0, 0]), (13, 14, [12, 9]), (18, 19, [9, 8])] {
@@ -289,7 +288,7 @@ fn prisms_and_pyramids_become_tetrahedra() {
     }
 }
 
-/// Elements of second order are what their corners make.
+/// Second-order elements are read by their corners.
 #[test]
 fn second_order_is_read_by_corners() {
     let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n5 .5 0 0\n6 .5 .5 0\n7 0 .5 0\n\
@@ -299,7 +298,7 @@ fn second_order_is_read_by_corners() {
     assert!((mesh.measure(Metric::Cartesian).unwrap() - 1.0 / 6.0).abs() < 1e-15);
 }
 
-/// A plane mesh whose third coordinates are rounding is plane; one that is not flat is refused.
+/// A plane mesh may have third coordinates of rounding magnitude; a mesh that is not plane is an error.
 #[test]
 fn third_coordinates_of_rounding_are_none() {
     let file = |z: &str| {
@@ -312,7 +311,7 @@ fn third_coordinates_of_rounding_are_none() {
     assert!(read("1e-6").unwrap_err().to_string().contains("beyond the 2"));
 }
 
-/// The file above in binary form.
+/// The file `GMSH` in binary form.
 fn binary(big_endian: bool, long: bool) -> Vec<u8> {
     let mut out = Vec::new();
     let mut sections = GMSH.split_inclusive('\n').peekable();
@@ -395,13 +394,13 @@ fn an_abaqus_file_becomes_blocks_and_sets() {
     assert!((mesh.measure_of(1, 0, Metric::Cartesian).unwrap() - 6f64.sqrt()).abs() < 1e-15);
     assert_eq!(abaqus(&ABAQUS.replace('\n', "\r\n")).unwrap(), mesh);
 
-    // As Abaqus/CAE writes them: an assembly of one instance, sets that name it, and keywords that go on in the next line.
+    // Style of Abaqus/CAE: an assembly of one instance, sets that name the instance, and keywords that continue in the next line.
     let assembly = "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=Rod-1, PART=Rod\n*END INSTANCE\n\
         *NSET, NSET=Right,\n INSTANCE=Rod-1, INTERNAL\n21, 22, 23, 24,\n*END ASSEMBLY\n";
     let assembled = abaqus(&ABAQUS.replace("*END PART\n", &format!("*END PART\n{assembly}"))).unwrap();
     assert_eq!(assembled.node_sets["Right"], [8, 9, 10, 11]);
     assert_eq!(assembled.blocks, mesh.blocks);
-    // Of numbers that are far apart those that exist are taken, without going through all between.
+    // A sparse range is read without a loop over all missing numbers.
     let sparse = ABAQUS.replace("24, 2, 0, 1\n", "24, 2, 0, 1\n18446744073709551611, 0, 0, 9\n");
     let sparse = abaqus(&sparse.replace("1, 4, 1\n", "1, 18446744073709551611, 10\n")).unwrap();
     assert_eq!(sparse.node_sets["Left"], [0, 4, 8], "1, 11, 21, and one that no element uses");
@@ -592,7 +591,7 @@ fn bad_abaqus_files_are_refused_by_line_and_key() {
     assert!(abaqus("").unwrap_err().to_string().contains("the file has no element"));
 }
 
-/// Replaces, drops or repeats bytes at places.
+/// Replace, remove or repeat bytes at given positions.
 fn mutilate(bytes: &[u8], changes: &[(u16, u8, u8)]) -> Vec<u8> {
     let mut bytes = bytes.to_vec();
     for &(place, what, value) in changes {
@@ -648,8 +647,8 @@ proptest! {
     }
 }
 
-/// Files that Gmsh 4.15.2 wrote: a block of 2 x 1 x 3 m of bricks, with entities, physical groups of volume, face and point; a disc of
-/// triangles with parameters of nodes on its rim.
+/// Files written by Gmsh 4.15.2: a block of 2 x 1 x 3 m of bricks, with entities, physical groups of volume, face and point; a disc of
+/// triangles with parametric coordinates of nodes on its rim.
 #[test]
 fn files_of_gmsh_itself_are_read() {
     let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/");
@@ -665,7 +664,7 @@ fn files_of_gmsh_itself_are_read() {
 
     let disc = ElementMesh::<2>::read_gmsh(format!("{data}disc.msh"), 1.0).unwrap();
     let rim = disc.node_sets["rim"].len();
-    // The polygon of the nodes on the rim.
+    // Area of the polygon of the rim nodes.
     let polygon = 0.5 * rim as f64 * (std::f64::consts::TAU / rim as f64).sin();
     assert!((disc.measure(Metric::Cartesian).unwrap() - polygon).abs() < 1e-10);
     assert_eq!(disc.surface().unwrap().len(), rim);
@@ -677,7 +676,7 @@ fn files_of_gmsh_itself_are_read() {
     }
 }
 
-/// Message of each reader for a file at `path`.
+/// Error message of each reader for a file at `path`.
 fn said(path: &std::path::Path) -> [String; 5] {
     fn said<X>(read: Result<X, GeometryError>) -> String {
         read.err().expect("refused").to_string()
@@ -705,7 +704,7 @@ fn a_file_of_another_kind_is_named_with_its_reader() {
     for (n, (text, kind, reader)) in kinds.iter().enumerate() {
         let path = folder.join("file");
         std::fs::write(&path, text).unwrap();
-        // Its own reader reads the Gmsh file, and finds nothing in the others.
+        // The Gmsh reader accepts the Gmsh file and finds no mesh in the others.
         let names_kind = |path: &std::path::Path, k: usize| match k {
             0 => TriangleMesh::read_stl(path, 1.0).err(),
             1 => TriangleMesh::read_obj(path, 1.0).err(),
@@ -724,7 +723,7 @@ fn a_file_of_another_kind_is_named_with_its_reader() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Without an end, or without anybody at the other end, neither is opened.
+/// Pipes and devices are not opened: they may be endless or block.
 #[cfg(target_os = "linux")]
 #[test]
 fn pipes_and_devices_are_refused() {

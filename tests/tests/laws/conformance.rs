@@ -1,5 +1,4 @@
-//! Every law of the crate against the exported battery.
-#![cfg(feature = "conformance")]
+//! Conformance suite applied to every law of the crate.
 
 use mpm_materials::conformance::{Options, eos, state_length};
 use mpm_materials::*;
@@ -8,7 +7,8 @@ fn steel() -> Moduli<f64> {
     Moduli::young_poisson(200e9, 0.3).unwrap()
 }
 
-/// Shear work heats: see [`Options::wave_tolerance`]. In strong tension the modulus it is compared with is low.
+/// Options of metals: shear work heats, see [`Options::wave_tolerance`]. In strong tension the reference modulus is
+/// low.
 fn metal(strain: f64) -> Options {
     Options { wave_tolerance: 0.05, ..Options::strain(strain) }
 }
@@ -136,7 +136,7 @@ conformance_suite!(
     yields
 );
 
-// Failure. The strains of the whole battery stay below failure where it would be a jump.
+// Failure criteria. The strains of the suite stay below failure where failure is abrupt.
 fn brittle_aluminium() -> Solid<J2<f64>, MieGruneisen<f64>> {
     Solid::new(J2::linear(26e9, 300e6, 1e9).unwrap(), MieGruneisen::aluminium_6061())
 }
@@ -232,16 +232,16 @@ fn absent_ingredients_take_no_memory() {
 }
 
 mpm_materials::state! {
-    /// What another law remembers, and the shear of the last step for others to see.
+    /// State of another law, and the shear of the last step as output.
     pub struct Shown<L, S> {
-        /// The law's state.
+        /// State of the law.
         pub law: S,
         /// Shear of the last step.
         pub shear: L,
     }
 }
 
-/// Rubber with a number that is only written, or one that takes it for a pressure and swallows it if it is none.
+/// Rubber with an output variable, which is write-only or used as a pressure that hides a NaN.
 #[derive(Clone, Debug)]
 struct Showing {
     rubber: NeoHookean<f64>,
@@ -286,7 +286,7 @@ impl Constitutive<f64> for Showing {
     }
 }
 
-/// A number that a law only writes may be anything; one that it reads must be reported when it is none.
+/// A write-only state variable may be NaN; a state variable that the law reads must be reported if it is NaN.
 #[test]
 fn only_what_a_law_reads_must_be_a_number() {
     let rubber = NeoHookean::new(1000.0, Moduli::young_poisson(1e7, 0.4).unwrap()).unwrap();

@@ -1,5 +1,4 @@
-//! Input files of Abaqus and CalculiX as people and programs write them: types of elements, parts, sets, included files.
-#![cfg(feature = "mesh")]
+//! Abaqus and CalculiX input files in practice: element types, parts, sets, included files.
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -22,7 +21,7 @@ fn volume<const D: usize>(mesh: &ElementMesh<D>) -> f64 {
     mesh.measure(Metric::Cartesian).unwrap()
 }
 
-/// One element of a type: its corners, then nodes of edges far away, eight numbers a line.
+/// One element of a type: its corners, then remote mid-side nodes, eight numbers per line.
 fn one(kind: &str, corners: &[[f64; 3]], nodes: usize) -> String {
     let mut text = String::from("*NODE\n");
     for n in 0..nodes {
@@ -48,7 +47,7 @@ const CUBE: [[f64; 3]; 8] = [
     [0.0, 1.0, 1.0],
 ];
 
-/// Every type with its volume or area and its number of elements. All of them are sums of few products of zeros and ones.
+/// Every type with its volume or area and its number of elements. All are sums of few products of zeros and ones.
 #[test]
 fn types_of_elements_are_read_by_their_corners() {
     let tetra = [CUBE[0], CUBE[1], CUBE[3], CUBE[4]];
@@ -87,7 +86,7 @@ fn types_of_elements_are_read_by_their_corners() {
         let bar: ElementMesh<2> = read(&one(kind, &CUBE[..2], 2)).unwrap();
         assert_eq!((bar.blocks[0].kind, volume(&bar)), (ElementKind::Bar2, 1.0), "{kind}");
     }
-    // A beam may have a third node, which gives its orientation.
+    // A beam may have a third node for its orientation.
     let beams = "*NODE\n1, 0, 0\n2, 1, 0\n3, 2, 0\n9, 0, 1\n*ELEMENT, TYPE=B31\n1, 1, 2, 9\n2, 2, 3\n";
     assert_eq!(read::<2>(beams).unwrap().blocks[0].nodes, [0, 1, 1, 2]);
     for kind in ["C3D27", "AC3D8", "DC3D8", "CGAX4", "C3D8X", "C3D", "MASS", "B32", "T3D3", "SC8R", "EC3D8R"]
@@ -99,7 +98,7 @@ fn types_of_elements_are_read_by_their_corners() {
     }
 }
 
-/// A number from a fixed sequence.
+/// Next number of a fixed pseudorandom sequence.
 fn random(state: &mut u64) -> usize {
     *state ^= *state << 13;
     *state ^= *state >> 7;
@@ -107,12 +106,12 @@ fn random(state: &mut u64) -> usize {
     (*state >> 33) as usize
 }
 
-/// Columns of wedges, however their nodes are numbered: tetrahedra that fill the column and have no face within it.
+/// Columns of wedges with any node numbering: the tetrahedra fill the column and have no internal free face.
 #[test]
 fn wedges_and_pyramids_become_tetrahedra_that_conform() {
     let mut state = 5;
     for _ in 0..200 {
-        // Order of the nodes of three levels of a square.
+        // Node numbering of three levels of a square.
         let mut order: Vec<usize> = (0..12).collect();
         for n in (1..12).rev() {
             order.swap(n, random(&mut state) % (n + 1));
@@ -126,7 +125,7 @@ fn wedges_and_pyramids_become_tetrahedra_that_conform() {
         let mut number = 0;
         for level in [0, 4] {
             for corners in [[0, 1, 2], [0, 2, 3]] {
-                // Any of three corners first, and either triangle.
+                // Random first corner, and random order of the two triangles.
                 let turn = random(&mut state) % 3;
                 let mut lower = [0, 1, 2].map(|i| corners[(i + turn) % 3] + level + 1);
                 let mut upper = lower.map(|n| n + 4);
@@ -144,7 +143,7 @@ fn wedges_and_pyramids_become_tetrahedra_that_conform() {
         assert!((volume(&mesh) - 2.0).abs() < 1e-14, "sum of twelve volumes");
         assert_eq!(mesh.surface().unwrap().len(), 2 * 2 + 2 * 8, "{text}");
     }
-    // Six pyramids with their tips in the middle of a cube.
+    // Six pyramids with their tips at the centre of a cube.
     let mut text = String::from("*NODE\n9, 0.5, 0.5, 0.5\n");
     for (n, [x, y, z]) in CUBE.iter().enumerate() {
         writeln!(text, "{}, {x}, {y}, {z}", n + 1).unwrap();
@@ -183,7 +182,7 @@ const ROW: &str = "*NODE, NSET=ALL\n1, 0, 0, 0\n2, 1, 0, 0\n3, 2, 0, 0\n4, 0, 1,
     *ELEMENT, TYPE=C3D8R, ELSET=STEEL\n1, 1, 2, 5, 4, 11, 12, 15, 14\n\
     *ELEMENT, TYPE=C3D8R, ELSET=RUBBER\n2, 2, 3, 6, 5, 12, 13, 16, 15\n";
 
-/// The same file in other words.
+/// Syntax variants of one file give the same mesh.
 #[test]
 fn dialects_are_read_alike() {
     let plain = solid(ROW);
@@ -231,7 +230,7 @@ fn dialects_are_read_alike() {
     for (what, text) in dialects {
         assert_eq!(read(&text).unwrap_or_else(|e| panic!("{what}: {e}\n{text}")), plain, "{what}");
     }
-    // A quarter of a ring: angles in degrees.
+    // Quarter of a ring: angles in degrees.
     let ring = "*NODE, SYSTEM=C\n1, 1, 0\n2, 2, 0\n3, 2, 90\n4, 1, 90\n*ELEMENT, TYPE=CPS4\n1, 1, 2, 3, 4\n";
     let ring = read::<2>(ring).unwrap();
     // Two triangles between the axes; the cosine of 90 degrees is round-off.
@@ -239,7 +238,7 @@ fn dialects_are_read_alike() {
     assert!(ring.nodes[2][0].abs() < 2e-16 && ring.nodes[2][1] == 2.0);
 }
 
-/// Sets of one name that elements share with other sets, of numbers, of ranges and of sets.
+/// Element sets that share elements, defined by numbers, ranges and other sets.
 #[test]
 fn an_element_is_in_every_set_that_names_it() {
     let sets = "*ELSET, ELSET=BOTH, GENERATE\n1, 2\n*ELSET, ELSET=Second\n2,\n*ELSET, ELSET=TWICE\nsecond, 1, Second\n\
@@ -256,10 +255,10 @@ fn an_element_is_in_every_set_that_names_it() {
     let rubber = mesh.only_groups(&["rubber"]).unwrap();
     rubber.check().unwrap();
     assert_eq!((rubber.nodes.len(), rubber.blocks.len()), (8, 1));
-    // Round-off of eight points of integration.
+    // Round-off of eight quadrature points.
     assert!((volume(&rubber) - 1.0).abs() < 1e-15);
     assert_eq!(rubber.bounds(), Bounds { min: [1.0, 0.0, 0.0], max: [2.0, 1.0, 1.0] });
-    // Of the nodes 1, 3, 4, 11, 13 and 14 the second cube has 3 and 13.
+    // The second cube contains nodes 3 and 13 of the set 1, 3, 4, 11, 13 and 14.
     let ends: Vec<[f64; 3]> = rubber.node_sets["ends"].iter().map(|&n| rubber.nodes[n as usize]).collect();
     assert_eq!(ends, [[2.0, 0.0, 0.0], [2.0, 0.0, 1.0]]);
     assert_eq!(rubber.element_sets.keys().collect::<Vec<_>>(), ["BOTH", "RUBBER", "Second", "TWICE"]);
@@ -275,7 +274,7 @@ fn an_element_is_in_every_set_that_names_it() {
     assert_eq!(said, "mesh: there is no element; a choice of groups needs one at least");
 }
 
-/// Faces of shells, membranes and rigid bodies in a file of bricks are sets of their nodes.
+/// Surface elements of shells, membranes and rigid bodies in a file of bricks become node sets.
 #[test]
 fn surface_elements_of_a_volume_mesh_are_sets_of_nodes() {
     for kind in ["S4", "S4R", "M3D4", "R3D4", "CPS4", "SFM3D4R"] {
@@ -286,12 +285,12 @@ fn surface_elements_of_a_volume_mesh_are_sets_of_nodes() {
         let said = mesh.only_groups(&["IMPACT"]).unwrap_err().to_string();
         assert!(said.contains("there are RUBBER, STEEL"), "{said}");
     }
-    // Bars reinforce.
+    // Bars remain as reinforcement.
     let bar = solid(&format!("{ROW}*ELEMENT, TYPE=T3D2, ELSET=BARS\n5, 1, 16\n"));
     assert_eq!((bar.elements(), bar.element_sets["BARS"].as_slice()), (3, &[2][..]));
 }
 
-/// An assembly of three instances of two parts, one of them with a mesh of its own.
+/// Assembly of three instances of two parts, one instance with a mesh of its own.
 fn assembly() -> String {
     let tip = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=TIP\n1, 1, 2, 3, 4\n";
     format!(
@@ -310,7 +309,7 @@ fn assembly() -> String {
     )
 }
 
-/// Translation before rotation; sets of parts, of instances and of the assembly.
+/// Translation precedes rotation; sets belong to parts, instances and the assembly.
 #[test]
 fn parts_are_read_where_their_instances_are() {
     let mesh = solid(&assembly());
@@ -319,13 +318,13 @@ fn parts_are_read_where_their_instances_are() {
         (2 * 12 + 4, 2 * 2 + 1),
         "the reference point is dropped"
     );
-    // Sums of volumes of one, round-off of a rotation.
+    // Sum of unit volumes, with round-off of a rotation.
     assert!((volume(&mesh) - (4.0 + 1.0 / 6.0)).abs() < 1e-14);
     let bounds = |group: &str| mesh.only_groups(&[group]).unwrap_or_else(|e| panic!("{e}")).bounds();
     let close = |group: &str, min: [f64; 3], max: [f64; 3]| {
         let found = bounds(group);
         for (found, exact) in found.min.iter().chain(&found.max).zip(min.iter().chain(&max)) {
-            // Round-off at coordinates of ten.
+            // Round-off at coordinates of order ten.
             assert!((found - exact).abs() < 1e-14, "{group}: {:?}", bounds(group));
         }
     };
@@ -355,7 +354,7 @@ fn parts_are_read_where_their_instances_are() {
     assert_eq!(places("Row-1.Left"), [[0.0; 3], [0., 0., 1.]]);
     assert_eq!(mesh.node_sets["More"].len(), 4 + 2 + 1);
     assert!(mesh.node_sets["Reference"].is_empty());
-    // Under one name alone a set needs no instance.
+    // A set with a unique name needs no instance prefix.
     let one = format!(
         "*PART, NAME=P\n{ROW}*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=P\n*END INSTANCE\n*END ASSEMBLY\n"
     );
@@ -391,7 +390,7 @@ fn what_an_assembly_lacks_is_refused() {
     }
 }
 
-/// A folder of files that is removed at the end.
+/// Temporary folder of files, removed on drop.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -441,7 +440,7 @@ fn included_files_are_read_in_their_place() {
                 ),
             ),
             ("parts/nodes.txt", places),
-            // Beside the main file, not beside the one that includes it.
+            // In the folder of the main file, not of the including file.
             ("main/more.inp", &format!("{head}, INPUT=../parts/last.txt\n")),
             ("parts/last.txt", lines),
             ("windows.inp", "*INCLUDE, INPUT=\"parts\\mesh.inp\"\n*NSET, NSET=LEFT\n1, 4\n"),
@@ -510,7 +509,7 @@ fn included_files_that_are_not_there_or_have_no_end_are_refused() {
     );
 }
 
-/// Sets go with their elements.
+/// Element sets follow their elements through mesh operations.
 #[test]
 fn element_sets_follow_the_elements() {
     let mesh = solid(&format!("{ROW}*ELSET, ELSET=BOTH\n1, 2\n"));

@@ -1,4 +1,4 @@
-//! Failure criteria and what remains after them, against closed forms.
+//! Failure criteria and post-failure responses against closed forms.
 
 use approx::assert_relative_eq;
 use mpm_materials::driver::{Path, Step, run};
@@ -11,7 +11,7 @@ fn stretched(axial: f64, lateral: f64) -> Mat3<f64> {
 
 fn seen(pressure: f64, increment: f64, dt: f64) -> Observed<f64> {
     Observed {
-        // Equivalent stress 600 MPa.
+        // Von Mises stress 600 MPa.
         deviator: Sym3([400e6, -200e6, -200e6, 0.0, 0.0, 0.0]),
         pressure,
         plastic_strain: 0.0,
@@ -39,12 +39,12 @@ fn johnson_cook_failure_strain() {
             !law.failed(&law.judge(&seen(pressure, 0.99 * strain, 0.99 * strain / rate), &law.intact()), 0.0)
         );
     }
-    // 6061-T6 in strong tension: the fit is negative there, the floor acts.
+    // 6061-T6 in strong tension: the fit is negative there, and the lower limit applies.
     let soft = JohnsonCookDamage::<f64>::aluminium_6061();
     assert_eq!(soft.failure_strain(1.5, 1.0, 0.0), 1e-6);
     assert_relative_eq!(soft.failure_strain(0.0, 1.0, 0.5), 0.68 * 1.8, max_relative = 1e-12);
     assert_eq!(soft.with_smallest_strain(0.01).unwrap().failure_strain(1.5, 1.0, 0.0), 0.01);
-    // No flow, no stress, no damage.
+    // No plastic flow and no stress: no damage.
     let mut nothing = seen(0.0, 0.0, 1e-9);
     nothing.deviator = Sym3::zero();
     assert_eq!(soft.judge(&nothing, &soft.intact()).failure_damage, 0.0);
@@ -52,7 +52,7 @@ fn johnson_cook_failure_strain() {
 
 #[test]
 fn johnson_cook_damage_in_a_tension_test() {
-    // Uniaxial stress has triaxiality 1/3, so that damage is plastic strain over one number.
+    // Uniaxial stress has triaxiality 1/3: damage is plastic strain over a constant.
     let strain = 0.05 + 0.4 * f64::exp(-1.5 / 3.0);
     let law = Solid::new(J2::linear(26e9, 300e6, 0.0).unwrap(), LogarithmicBulk::new(2700.0, 70e9).unwrap())
         .with_failure(JohnsonCookDamage::new([0.05, 0.4, -1.5, 0.0, 0.0], 1.0).unwrap());
@@ -60,7 +60,7 @@ fn johnson_cook_damage_in_a_tension_test() {
     let damage = table.column("failure_damage").unwrap();
     let plastic = table.column("plastic_strain").unwrap();
     for k in 0..=2000 {
-        // The lateral stress is zero to what the driver's iteration leaves.
+        // Tolerance: the driver iterates the lateral stress to zero.
         assert_relative_eq!(damage[k], plastic[k] / strain, max_relative = 1e-8, epsilon = 1e-12);
     }
     assert!(damage[2000] > 0.5 && damage[2000] < 1.0);
@@ -68,7 +68,7 @@ fn johnson_cook_damage_in_a_tension_test() {
 
 #[test]
 fn crack_bands_open_alike() {
-    // The opening h eps_f at failure is that of the reference size, for every cell.
+    // Crack band: the opening h eps_f at failure equals that of the reference size for every cell size.
     for size in [0.5e-3, 1e-3, 4e-3] {
         let law = JohnsonCookDamage::new([0.2, 0.0, 0.0, 0.0, 0.0], 1.0)
             .unwrap()
@@ -84,10 +84,10 @@ fn crack_bands_open_alike() {
 
 #[test]
 fn square_pulses_break_after_their_time() {
-    // One elastic step, then rest: sigma_1 constant.
+    // Loading by one elastic step, then rest: constant sigma_1.
     let (bulk, shear) = (70e9, 26e9);
     for (exponent, size) in [(1.0, 1e-3_f64), (2.0, 1e-3), (2.5, 2e-3)] {
-        // The strain of a step is that of its middle.
+        // Strain increment of a step at its middle.
         let stress = bulk * (1.0 + size).ln() + 4.0 / 3.0 * shear * size / (1.0 + 0.5 * size);
         let (threshold, time) = (60e6, 1e-6);
         let law = Solid::new(Elastic::new(shear).unwrap(), LogarithmicBulk::new(2700.0, bulk).unwrap())
@@ -111,8 +111,8 @@ fn square_pulses_break_after_their_time() {
 
 type Metal<F> = Solid<J2<f64>, MieGruneisen<f64>, F>;
 
-/// A solid that fails at 1 GPa of mean tension, pulled beyond it in one direction.
-/// Gives the law, the stress after each leg, and energy and stress work.
+/// Pull a solid that fails at 1 GPa of mean tension beyond failure in one direction. Returns the law, the stress
+/// after each leg, and energy and stress work.
 fn pulled<F: Failure<f64>>(failure: F) -> (Metal<F>, Vec<Sym3<f64>>, [f64; 2]) {
     let law = Solid::new(J2::linear(26e9, 300e6, 0.0).unwrap(), MieGruneisen::aluminium_6061());
     let law = law.with_failure(failure);
@@ -137,12 +137,12 @@ fn pulled<F: Failure<f64>>(failure: F) -> (Metal<F>, Vec<Sym3<f64>>, [f64; 2]) {
 #[test]
 fn what_remains_is_a_choice() {
     let spall = TensilePressure::new(1e9).unwrap();
-    // Stresses after the pull, after a shear, after a compression to 0.98 of the volume.
+    // Stresses after the pull, after a shear, and after a compression to 0.98 of the volume.
     let (_, rubble, books) = pulled(spall);
     assert_eq!(rubble[0].0, [0.0; 6]);
     assert_eq!(rubble[1].0, [0.0; 6]);
     assert!(rubble[2].mean() < -1e9 && rubble[2].deviator().equivalent() < 1.0);
-    // Stress work by the trapezoidal rule: the step of failure is the first-order part.
+    // Tolerance: stress work by the trapezoidal rule is of first order in the step of failure.
     assert_relative_eq!(books[0], books[1], max_relative = 2e-3);
 
     let (_, cracked, books) = pulled(LosesTension(spall));
@@ -159,7 +159,7 @@ fn what_remains_is_a_choice() {
     let (law, gone, books) = pulled(Removed(spall));
     assert!(gone.iter().all(|s| s.0 == [0.0; 6]));
     assert_relative_eq!(books[0], books[1], max_relative = 2e-3);
-    // It no longer breaks, whatever happens to it, and keeps its energy.
+    // A removed point no longer breaks under any deformation and keeps its energy.
     let mut state = law.virgin();
     state.failure = law.failure().0.judge(&seen(-2e9, 0.0, 1.0), &state.failure);
     state.energy = 5e6;
@@ -197,8 +197,8 @@ fn bad_failure_constants_are_refused() {
     assert!(CohesiveSpall::of_work(1e9, -1.0).is_err());
 }
 
-/// Pulled to all sides in cells of this size, m, until it fails: opening, m, and tension, Pa, of each step, and the
-/// energy per area of crack, J/m^2.
+/// Expand a law isotropically in cells of this size, m, until it fails; return opening, m, and tension, Pa, of each
+/// step, and the energy per crack area, J/m^2.
 fn opened<E: Eos<f64>>(law: &Solid<J2<f64>, E, CohesiveSpall<f64>>, size: f64) -> (Vec<[f64; 2]>, f64) {
     let step = |size| Kinematics { increment: Mat3::identity() * 1e-6, dt: 1e-9, length: size };
     let (mut state, mut curve) = (law.virgin(), vec![]);
@@ -217,7 +217,7 @@ fn cracks_take_their_work_whatever_the_cell() {
     let spall = CohesiveSpall::of_work(strength, work).unwrap();
     assert_relative_eq!(spall.opening(), 1e-5, max_relative = 1e-15);
     let j2 = J2::linear(26e9, 300e6, 0.0).unwrap();
-    // Without thermal pressure: heat would expand the matter under tension.
+    // Law without thermal pressure: heat would expand the material under tension.
     let law = Solid::new(j2, LogarithmicBulk::new(2700.0, 74e9).unwrap()).with_failure(spall);
     for size in [1e-5, 1e-4, 5e-4] {
         let (curve, taken) = opened(&law, size);
@@ -227,18 +227,19 @@ fn cracks_take_their_work_whatever_the_cell() {
         for [opening, tension] in open {
             assert_relative_eq!(tension, strength * (1.0 - opening / 1e-5), epsilon = 1e-10 * strength);
         }
-        // All that was stored came back, and the surface has taken the rest; by the trapezoidal rule, and in the last step
-        // what was lost did no work.
+        // Energy balance: all stored energy was returned, and the crack surface dissipated the rest, by the trapezoidal
+        // rule; the loss in the last step did no work.
         assert_relative_eq!(taken, work, max_relative = 1e-3);
         assert_eq!(curve[curve.len() - 1], [0.0, 0.0]);
     }
-    // With it tension is the same.
+    // With thermal pressure the tension is the same.
     let hot = Solid::new(j2, MieGruneisen::aluminium_6061()).with_failure(spall);
     let (curve, _) = opened(&hot, 1e-4);
     for [opening, tension] in curve[..curve.len() - 1].iter().filter(|c| c[0] > 0.0) {
         assert_relative_eq!(*tension, strength * (1.0 - opening / 1e-5), epsilon = 1e-10 * strength);
     }
-    // Stiffness over strength times the opening: 74e9/1e9 * 1e-5 m. Beyond that it breaks at once.
+    // Limit of the cell size, stiffness over strength times the opening: 74e9/1e9 * 1e-5 m. Beyond it failure is
+    // abrupt.
     let (curve, taken) = opened(&law, 1e-3);
     assert!(curve.iter().all(|c| c[0] == 0.0));
     assert!(taken > 1.2 * work, "{taken}");
@@ -273,7 +274,7 @@ fn closing_cracks_go_back_to_the_origin() {
     let (curve, shut) = go(-1e-6, &|_, tension| tension < -0.5e9);
     on_line(&curve);
     assert_eq!((shut.failure.0.crack_volume, shut.failure.0.crack_damage), (0.0, damage));
-    // Closed, it is the solid again, but for the heat of the crack.
+    // Closed crack: equal to the intact solid except for the heat of the crack.
     let whole = solid.eos().pressure(shut.volume_ratio, shut.energy);
     assert_relative_eq!(-shut.stress.mean(), whole, max_relative = 1e-12);
     let (curve, state) = go(1e-6, &|opening, _| opening > 0.7e-5);
@@ -283,7 +284,6 @@ fn closing_cracks_go_back_to_the_origin() {
     assert!(state.failure.0.crack_damage > damage);
 }
 
-#[cfg(feature = "conformance")]
 mod battery {
     use mpm_materials::conformance::{self as held, Options};
     use mpm_materials::*;
@@ -373,7 +373,7 @@ fn debris_that_flies_apart_has_no_shear_wave() {
     state.volume_ratio = 50.0;
     let bulk = whole.eos().speed_squared(50.0, 0.0).max(0.0).sqrt();
     assert_relative_eq!(law.wave_speed(&state), bulk, max_relative = 1e-15);
-    // Only what carries no shear: a cracked point keeps its wave.
+    // Only points without shear stiffness slow down: a cracked point keeps its wave speed.
     let cracked = whole.with_failure(LosesTension(PlasticStrainLimit::new(0.1).unwrap()));
     assert!(cracked.wave_speed(&state) > bulk);
 }

@@ -1,4 +1,4 @@
-//! Lanes, tensors and objective rates.
+//! Vector lanes, tensors and objective rates.
 
 use approx::assert_relative_eq;
 use mpm_materials::rate::{rotation, turn};
@@ -74,7 +74,7 @@ fn tensor_algebra() {
     assert_relative_eq!(a * b * c, s.determinant(), max_relative = 1e-12);
     let f = Mat3([[1.0, 0.2, -0.1], [0.3, 0.9, 0.4], [0.0, -0.5, 1.2]]);
     assert_eq!(f.times_transpose().to_mat(), f.times(&f.transpose()));
-    // The axial vector: W x = w cross x.
+    // Axial vector: W x = w cross x.
     let (w, x) = (f.axial(), [1.0, -2.0, 0.5]);
     let skew = |i: usize, j: usize| 0.5 * (f.0[i][j] - f.0[j][i]);
     let cross = [w[1] * x[2] - w[2] * x[1], w[2] * x[0] - w[0] * x[2], w[0] * x[1] - w[1] * x[0]];
@@ -97,7 +97,7 @@ fn rotations_are_orthogonal_and_rates_agree_with_them() {
     }
     assert_relative_eq!(q.determinant(), 1.0, epsilon = 1e-15);
 
-    // An increment that is a spin alone.
+    // Increment of pure spin.
     let increment = Mat3([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]]);
     let kinematics = Kinematics { increment, dt: 1.0, length: 1.0 };
     let small = SmallRotation.increments(&kinematics);
@@ -105,7 +105,7 @@ fn rotations_are_orthogonal_and_rates_agree_with_them() {
     let stress = Sym3([3.0, -1.0, 2.0, 0.5, -0.7, 1.1]);
     let exact = HughesWinget.rotate(&small, &stress);
     let first_order = SmallRotation.rotate(&small, &stress);
-    // To first order, spelt out: s + W s - s W.
+    // First-order rotation: s + W s - s W.
     let spin = increment.times(&stress.to_mat());
     for i in 0..3 {
         for j in 0..3 {
@@ -114,12 +114,12 @@ fn rotations_are_orthogonal_and_rates_agree_with_them() {
             assert!((first_order.at(i, j) - exact.at(i, j)).abs() < 2.0 * 1.4e-3 * 4.0);
         }
     }
-    // A rotation keeps the invariants.
+    // Invariants are preserved under rotation.
     assert_relative_eq!(exact.trace(), stress.trace(), max_relative = 1e-14);
     assert_relative_eq!(exact.determinant(), stress.determinant(), max_relative = 1e-13);
 }
 
-/// X of size about one, by a fixed rule.
+/// Deterministic motion increment X of size about one.
 fn direction(n: usize) -> Mat3<f64> {
     let mut x = Mat3::zero();
     for i in 0..3 {
@@ -140,8 +140,8 @@ fn strain_and_spin_of_the_middle_are_exact_at_any_size() {
             let a = strain.to_mat() + cross(spin);
             let whole = (increment + Mat3::identity()).determinant();
             assert_relative_eq!(volume_factor, whole, max_relative = 1e-14, epsilon = 1e-15);
-            // A (I + X/2) = X, and what is left is rounding of numbers of the size of A: an ill-conditioned middle of the
-            // step, det(I + X/2) far below one, makes A large.
+            // Check A (I + X/2) = X within round-off of numbers of the size of A: an ill-conditioned mid-step
+            // configuration, det(I + X/2) far below one, makes A large.
             let half = Mat3::identity() + increment * 0.5;
             if half.determinant() < 0.05 {
                 continue;
@@ -158,7 +158,7 @@ fn strain_and_spin_of_the_middle_are_exact_at_any_size() {
     }
 }
 
-/// The matrix of an axial vector.
+/// Skew matrix of an axial vector.
 fn cross([x, y, z]: [f64; 3]) -> Mat3<f64> {
     Mat3([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 }
@@ -170,7 +170,7 @@ fn a_rotation_has_a_spin_and_no_strain() {
             let w = axis.map(|n| n * 2.0 * (0.5 * angle).tan());
             let kinematics = Kinematics { increment: turn(w), dt: 1.0, length: 1.0 };
             let Increments { strain, spin, .. } = kinematics.increments();
-            // Of the rounding of the increment, magnified by 1/cos^2 near half a turn.
+            // Round-off of the increment, magnified by 1/cos^2 near half a turn.
             let large = 1.0 + w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
             let rounding = 8.0 * f64::EPSILON * (2.0 * (0.5 * angle).tan()) * large;
             for i in 0..6 {
@@ -179,7 +179,7 @@ fn a_rotation_has_a_spin_and_no_strain() {
             for i in 0..3 {
                 assert!((spin[i] - w[i]).abs() <= rounding, "{spin:?} {w:?}");
             }
-            // The rotation is the motion itself.
+            // Exact rotation of the motion.
             let stress = Sym3([3.0, -1.0, 2.0, 0.5, -0.7, 1.1]);
             let turned = HughesWinget.rotate(&kinematics.increments(), &stress);
             let expected = (kinematics.increment + Mat3::identity()).congruence(&stress);
@@ -207,8 +207,8 @@ fn a_step_without_a_middle_is_not_a_number() {
 
 #[test]
 fn a_spinning_solid_stays_as_it_is() {
-    // A hundred turns in steps of a degree. To first order each step is a strain of 1.5e-4, and the steel yields in the
-    // first turn.
+    // A hundred turns in steps of one degree. With first-order rotation each step has a strain of 1.5e-4, and the steel
+    // yields in the first turn.
     let law = Solid::new(J2::linear(80e9, 500e6, 1e9).unwrap(), MieGruneisen::steel_4340())
         .with_bulk_viscosity(0.06, 1.5)
         .unwrap();
@@ -224,7 +224,7 @@ fn a_spinning_solid_stays_as_it_is() {
         state
     }
     let end = spun(&law, &kinematics);
-    // Rounding of the increment, 4e-18, and of its determinant, 1e-16, once a step.
+    // Tolerance: round-off of the increment, 4e-18, and of its determinant, 1e-16, per step.
     assert!(end.stress.0.iter().all(|s| s.abs() < 36_000.0 * 2e-16 * 160e9), "{:?}", end.stress);
     assert!(end.strength.plastic_strain == 0.0 && end.energy.abs() < 1e-3, "{end:?}");
     let first_order = spun(&law.with_rate(SmallRotation), &kinematics);
@@ -256,8 +256,7 @@ fn states_are_lists_with_names() {
     );
 }
 
-/// Work of a cycle of strains of size `strain`, which ends where it began, on a body that turns by `turn` rad a step meanwhile, over the largest
-/// energy that it stored.
+/// Work of a closed strain cycle of amplitude `strain` on a body that rotates by `turn` rad per step, over the largest stored energy.
 fn work_of_a_cycle<C: Constitutive<f64>>(law: &C, strain: f64, turn: f64) -> f64 {
     const STEPS: usize = 2000;
     let gradient = |n: usize| {
@@ -276,7 +275,7 @@ fn work_of_a_cycle<C: Constitutive<f64>>(law: &C, strain: f64, turn: f64) -> f64
         );
         nalgebra::Rotation3::from_axis_angle(&nalgebra::Vector3::z_axis(), turn * n as f64) * stretch
     };
-    // The stress that works on the gradient of deformation.
+    // First Piola-Kirchhoff stress, work-conjugate to the deformation gradient.
     let nominal = |state: &C::State<f64>, f: &nalgebra::Matrix3<f64>| {
         let [xx, yy, zz, yz, xz, xy] = law.stress(state).0;
         let stress = nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
@@ -307,8 +306,8 @@ fn a_cycle_of_elastic_strain_on_a_body_that_turns_gives_its_work_back() {
     for (strain, turn) in [(1e-4, 1e-3), (1e-3, 1e-3), (1e-3, 1e-2), (1e-2, 1e-3)] {
         let lost = [work_of_a_cycle(&elastic, strain, turn), work_of_a_cycle(&strong, strain, turn)];
         println!("{strain:e} {turn:e}: {lost:?}");
-        // Second order in the turn of a step. A rate form with constant moduli is conservative to the square of the strain; that of a deviator
-        // without its volume to the strain.
+        // Second order in the rotation of a step. A rate form with constant moduli is conservative to the square of the strain; a
+        // deviatoric rate form without the volume is conservative to the strain.
         let turned = 1e-6 + 0.3 * turn * turn;
         assert!(lost[0].abs() < turned + 0.3 * strain * strain, "{strain:e} {turn:e}: {lost:?}");
         assert!(lost[1].abs() < turned + 3.0 * strain, "{strain:e} {turn:e}: {lost:?}");

@@ -1,4 +1,4 @@
-//! Shapes: signed distances, exact measures, combinations and placements.
+//! Shapes: signed distances, exact measures, Boolean operations and transformations.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use impactite_geometry::*;
 use nalgebra::{Rotation2, Rotation3, Vector3};
 use proptest::prelude::*;
 
-/// Uniform points of a box by a small generator.
+/// Generator of uniform random points in a box.
 struct Points(u64);
 
 impl Points {
@@ -91,7 +91,7 @@ fn plane_shapes() -> Named<2> {
     ]
 }
 
-/// Central differences of the signed distance.
+/// Gradient of the signed distance by central differences.
 fn gradient<const D: usize>(shape: &dyn Shape<D>, x: [f64; D], step: f64) -> [f64; D] {
     let mut g = [0.0; D];
     for i in 0..D {
@@ -103,7 +103,7 @@ fn gradient<const D: usize>(shape: &dyn Shape<D>, x: [f64; D], step: f64) -> [f6
     g
 }
 
-/// Lipschitz with constant one, gradient of length one, and no jump of sign nearer than the distance says.
+/// Check the signed distance: Lipschitz constant one, gradient of unit length, no change of sign within the distance.
 fn check_distance<const D: usize>(name: &str, shape: &dyn Shape<D>) {
     const N: usize = 4000;
     let mut points = Points(88172645463325252);
@@ -116,7 +116,7 @@ fn check_distance<const D: usize>(name: &str, shape: &dyn Shape<D>) {
         assert!((dx - dy).abs() <= distance(x, y) * (1.0 + 1e-12), "{name}: not Lipschitz at {x:?}, {y:?}");
         assert_eq!(dx < 0.0, shape.contains(x), "{name}: {x:?}");
         assert!(dx >= 0.0 || b.contains(x), "{name}: inside but out of bounds at {x:?}");
-        // A point at most that far away is on the same side.
+        // A point within the distance is on the same side.
         let step = points.within(&Bounds { min: [-1.0; D], max: [1.0; D] }, 0.0);
         let mut near = x;
         for i in 0..D {
@@ -126,7 +126,7 @@ fn check_distance<const D: usize>(name: &str, shape: &dyn Shape<D>) {
         let g = gradient(shape, x, 1e-6 * size);
         if (distance(g, [0.0; D]) - 1.0).abs() < 1e-4 {
             unit_gradients += 1;
-            // The foot of the perpendicular is on the surface: the distance is the true one.
+            // The foot of the perpendicular is on the surface if the distance is exact.
             let mut foot = x;
             for i in 0..D {
                 foot[i] -= dx * g[i];
@@ -135,7 +135,7 @@ fn check_distance<const D: usize>(name: &str, shape: &dyn Shape<D>) {
             assert!(left < 2e-3 * size, "{name}: {left} left at the foot of {x:?}");
         }
     }
-    // All but the neighbourhood of ridges.
+    // All points except near ridges.
     assert!(unit_gradients > N * 99 / 100, "{name}: {unit_gradients} of {N} gradients have length one");
 }
 
@@ -169,7 +169,7 @@ fn distances_of_combinations_are_bounds() {
     }
 }
 
-/// Measure and centroid by counting points of a fine lattice.
+/// Measure and centroid by counting the points of a fine lattice.
 fn counted<const D: usize>(
     shape: &dyn Shape<D>,
     n: usize,
@@ -226,7 +226,7 @@ fn measures_and_centroids_agree_with_counting() {
 #[test]
 fn bounds_are_tight() {
     for (name, shape) in solids() {
-        // The bounds of a turned box are those of its turned bounds: larger than need be once scaled.
+        // The bounding box of a rotated box is that of its rotated bounding box, hence not tight.
         if name == "turned" {
             continue;
         }
@@ -254,7 +254,7 @@ fn the_rod_of_the_oblique_penetration() {
     let rod = OgiveRod::new([0.0; 3], [0.0, 0.0, 1.0], 12.9e-3, 88.9e-3, 3.0).unwrap();
     assert!((rod.measure().unwrap() - 1.0352e-5).abs() < 1e-9);
     assert!((rod.nose_length() - 21.39e-3).abs() < 5e-6);
-    // The published formula for the nose: k pi a^2 l.
+    // Published formula for the volume of the nose: k pi a^2 l.
     let (psi, a) = (3.0f64, 6.45e-3);
     let root = (4.0 * psi - 1.0).sqrt();
     let k = 4.0 * psi * psi - 4.0 * psi / 3.0 + 1.0 / 3.0
@@ -264,7 +264,7 @@ fn the_rod_of_the_oblique_penetration() {
     // A nose of CRH 1/2 is a hemisphere.
     let blunt = OgiveRod::new([0.0; 3], [1.0, 1.0, 0.0], 2.0, 3.0, 0.5).unwrap();
     assert!((blunt.measure().unwrap() - PI * (2.0 + 2.0 / 3.0)).abs() < 1e-13);
-    // On the axis of axisymmetric coordinates it is the same rod.
+    // On the axis of axisymmetric coordinates the section represents the same rod.
     let profile = OgiveRod::new([0.0, 0.5], [0.0, -2.0], 12.9e-3, 88.9e-3, 3.0).unwrap();
     assert!((profile.revolved_measure().unwrap() * 2.0 * PI - rod.measure().unwrap()).abs() < 1e-19);
     let sampled = sampled_measure(&profile, Metric::Axisymmetric, 1e-5).unwrap();
@@ -276,7 +276,7 @@ fn volumes_per_radian() {
     let full = |v: f64| 2.0 * PI * v;
     let cylinder = Cuboid::new([0.0, 1.0], [0.3, 3.0]).unwrap();
     assert!((cylinder.revolved_measure().unwrap() - 0.3 * 0.3 * 2.0 / 2.0).abs() < 1e-15);
-    // What lies at r < 0 does not count.
+    // The part at r < 0 does not count.
     let across = Cuboid::new([-0.7, 1.0], [0.3, 3.0]).unwrap();
     assert_eq!(across.revolved_measure(), cylinder.revolved_measure());
     let same = Cylinder::new([0.0, 1.0], [0.0, 1.0], 2.0, 0.3).unwrap();
@@ -285,7 +285,7 @@ fn volumes_per_radian() {
     assert!((full(sphere.revolved_measure().unwrap()) - 4.0 / 3.0 * PI * 0.125).abs() < 1e-15);
     let torus = Disc::new([2.0, 0.0], 0.5).unwrap();
     assert!((full(torus.revolved_measure().unwrap()) - 2.0 * PI * PI * 2.0 * 0.25).abs() < 1e-13);
-    // A spindle torus, against sampling.
+    // Spindle torus against sampling.
     for centre in [-0.3, -0.1, 0.2, 0.49, 0.51] {
         let spindle = Disc::new([centre, 0.0], 0.5).unwrap();
         let sampled = sampled_measure(&spindle, Metric::Axisymmetric, 1e-3).unwrap();
@@ -324,7 +324,7 @@ fn combinations_know_their_measure_where_it_is_certain() {
     assert!(distance(c, [2.0, 1.0, 1.0]) < 1e-15);
     let c = block.minus(Cuboid::new([1.0, 0.0, 0.0], [2.0; 3]).unwrap()).centroid().unwrap();
     assert!(distance(c, [0.5, 1.0, 1.0]) < 1e-15);
-    // An eighth of the ball is in the block.
+    // One eighth of the ball is in the block.
     let sampled = sampled_measure(&block.and(cutting), Metric::Cartesian, 0.01).unwrap();
     assert!((sampled / (v / 8.0) - 1.0).abs() < 1e-4, "{sampled} {}", v / 8.0);
 }
@@ -377,7 +377,7 @@ proptest! {
         prop_assert_eq!(a.or(b).signed_distance(x), b.or(a).signed_distance(x));
         prop_assert!(!b.minus(a.or(b)).contains(x));
         prop_assert_eq!(a.minus(a.minus(b)).contains(x), a.and(b).contains(x));
-        // What is in neither is what is out of both: the complement of a union by a half space of everything.
+        // De Morgan: the complement of a union is the intersection of the complements.
         let all = Cuboid::new([-9.0; 3], [9.0; 3]).unwrap();
         prop_assert_eq!(
             all.minus(a.or(b)).signed_distance(x), all.minus(a).and(all.minus(b)).signed_distance(x)
@@ -400,7 +400,7 @@ proptest! {
         };
         let turned = rod.rotated(rotation, pivot).unwrap();
         prop_assert!((turned.signed_distance(turn(x)) - rod.signed_distance(x)).abs() < 1e-13);
-        // The same rod, made in its new place.
+        // Reference: the rod created at its final position.
         let direction = (rotation * Vector3::from(axis)).into();
         let direct = OgiveRod::new(turn(tail), direction, 0.5, 1.5, 2.0).unwrap();
         prop_assert!((turned.signed_distance(x) - direct.signed_distance(x)).abs() < 1e-13);

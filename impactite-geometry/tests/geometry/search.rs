@@ -1,10 +1,10 @@
-//! Neighbour searches: all find what looking at every pair finds, and refuse what no search can use.
+//! Neighbour searches: all agree with the brute-force search, and reject invalid input.
 
 use impactite_geometry::search::*;
 use impactite_simd::Team;
 use proptest::prelude::*;
 
-/// Points of one kind of set.
+/// Set of points with radii.
 #[derive(Clone, Debug)]
 struct Set<const D: usize> {
     positions: Vec<[f64; D]>,
@@ -17,32 +17,32 @@ impl<const D: usize> Set<D> {
     }
 }
 
-/// How points lie.
+/// Spatial distribution of points.
 #[derive(Clone, Copy, Debug)]
 enum Lie {
-    /// Anywhere in a box.
+    /// Random in a box.
     Spread,
-    /// Each at the place of one of a few.
+    /// Coincident with one of a few positions.
     Coincident,
-    /// On a line along an axis,
+    /// On a line along an axis.
     Straight,
-    /// or across all axes.
+    /// On a diagonal line across all axes.
     Oblique,
     /// On a lattice: many pairs exactly at their range.
     Lattice,
-    /// Two crowds far apart, and one point far from both.
+    /// Two distant clusters, and one point far from both.
     Crowds,
-    /// A lattice of sparse points: their cells fold onto each other.
+    /// Sparse lattice: its cells fold onto each other.
     Sparse,
 }
 
-/// How radii differ.
+/// Distribution of radii.
 #[derive(Clone, Copy, Debug)]
 enum Sizes {
     Alike,
-    /// By up to 1e4, as many in each decade.
+    /// Logarithmic over four decades.
     Graded,
-    /// One large, all others small, some of radius zero.
+    /// One large radius, all others small, some zero.
     OneLarge,
     None,
 }
@@ -67,7 +67,7 @@ fn offsets() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(-0.3), Just(1e6), Just(-1e12)]
 }
 
-/// Up to `most` points with coordinates of about one, times the scale.
+/// Strategy for up to `most` points with coordinates of order one, times a scale.
 fn sets<const D: usize>(most: usize) -> impl Strategy<Value = Set<D>> {
     let numbers = prop::collection::vec(prop::array::uniform4(0.0..1.0f64), 0..most);
     (numbers, lies(), sizes(), offsets(), prop_oneof![Just(1.0), Just(1e-9), Just(1e7)]).prop_map(
@@ -103,7 +103,7 @@ fn sets<const D: usize>(most: usize) -> impl Strategy<Value = Set<D>> {
     )
 }
 
-/// The reach of a kind, with lengths of about a spacing.
+/// Return a reach of a kind, with lengths of the order of the spacing.
 fn reach_of(kind: usize, set: &[f64], wide: f64) -> Reach {
     let largest = set.iter().fold(0.0, |m: f64, &r| m.max(r));
     match kind {
@@ -126,7 +126,7 @@ fn agree<const D: usize>(set: &Set<D>, other: &Set<D>, reach: Reach, u: [f64; 3]
         assert!(wanted.of(i).windows(2).all(|w| w[0] < w[1]), "ascending");
         assert!(wanted.of(i).iter().all(|&j| wanted.of(j as usize).contains(&(i as u32))), "symmetric");
     }
-    // Places: some of the points, beside them, between two, and far away.
+    // Query positions: some of the points, positions beside them, midpoints, and remote positions.
     let mut places = vec![[0.0; D], [-3.0 * u[0]; D], [1e20 * u[1]; D]];
     for i in (0..points.len()).step_by(1 + points.len() / 4) {
         let (x, y) = (set.positions[i], set.positions[points.len() - 1 - i]);
@@ -177,7 +177,7 @@ proptest! {
         agree(&set, &other, reach_of(kind, &set.radii, u[2]), u);
     }
 
-    /// Lists hold all in reach, and none farther than two skins beyond, while points move, shrink and grow, come and go.
+    /// Verlet lists contain all points within reach, and none beyond two skins, while points move, shrink, grow, appear and vanish.
     #[test]
     fn kept_lists_miss_nothing(set in sets::<2>(80), kind in 0usize..6, seed in prop::array::uniform3(0.0..1.0f64), wide in 0.0..1.0f64) {
         let reach = reach_of(kind, &set.radii, seed[2]);
@@ -208,7 +208,7 @@ proptest! {
     }
 }
 
-/// A number in [0, 1) from a place.
+/// Pseudorandom number in [0, 1) from an index.
 fn random(place: usize) -> f64 {
     let mut z = (place as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -216,7 +216,7 @@ fn random(place: usize) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Enough points for many tasks.
+/// Create enough points for many tasks.
 fn crowd<const D: usize>(count: usize, ratio: f64) -> Set<D> {
     let at = |n: usize, d: usize| random(n * 4 + d);
     let spacing = (count as f64).powf(-1.0 / D as f64);
@@ -245,7 +245,7 @@ fn lists_are_the_same_for_any_number_of_threads_and_any_origin() {
                 assert_eq!(search.neighbours_of(&other.points(), &team).unwrap(), between);
             }
         }
-        // One more point, out of reach of all, moves where cells begin.
+        // One more point, out of reach of all, shifts the origin of the cells.
         for away in [-0.3, -7.7, -1e5] {
             let mut moved = set.clone();
             moved.positions.push([away; D]);
@@ -310,7 +310,7 @@ fn what_no_search_can_use_is_refused() {
             Reach::larger(f64::INFINITY),
             Reach::uniform(-0.1),
             Reach::Sum { factor: -1.0, tolerance: 0.0 },
-            // 2e150 is too far.
+            // A range of 2e150 is too large.
             Reach::sum(0.0),
         ] {
             assert!(method.sort(&points, reach).is_err(), "{} takes {reach:?}", method.name());

@@ -1,4 +1,4 @@
-//! Detonation products, programmed burn and the equations of state of shocked matter against closed forms.
+//! Detonation products, programmed burn and shock equations of state against closed forms.
 
 use approx::assert_relative_eq;
 use mpm_materials::driver::{Path, Step, run};
@@ -7,7 +7,8 @@ use mpm_materials::*;
 
 #[test]
 fn jwl_on_its_isentrope() {
-    // p = A exp(-R1 V) + B exp(-R2 V) + C V^-(1+w) with e = A/R1 exp(-R1 V) + B/R2 exp(-R2 V) + C/w V^-w.
+    // Isentrope: p = A exp(-R1 V) + B exp(-R2 V) + C V^-(1+w) with e = A/R1 exp(-R1 V) + B/R2 exp(-R2 V) + C/w
+    // V^-w.
     let (a, b, r1, r2, w) = (371.2e9_f64, 3.21e9_f64, 4.15_f64, 0.95_f64, 0.30_f64);
     let law = Jwl::tnt();
     for c in [0.5e9, 1.2e9, 3e9] {
@@ -16,7 +17,7 @@ fn jwl_on_its_isentrope() {
             let pressure = first + second + c * v.powf(-1.0 - w);
             let energy = first / r1 + second / r2 + c / w * v.powf(-w);
             assert_relative_eq!(law.pressure(v, energy), pressure, max_relative = 1e-12);
-            // Along it, rho0 c^2 = -V^2 dp/dV.
+            // Sound speed along the isentrope: rho0 c^2 = -V^2 dp/dV.
             let fall = r1 * first + r2 * second + (1.0 + w) * c * v.powf(-2.0 - w);
             assert_relative_eq!(law.speed_squared(v, energy), v * v * fall / 1630.0, max_relative = 1e-12);
         }
@@ -25,7 +26,8 @@ fn jwl_on_its_isentrope() {
 
 #[test]
 fn products_expand_along_the_isentrope() {
-    // From constant-volume burn, e = E0 at V = 1, to V = e^2, by the trapezoidal rule of the energy: second order.
+    // Expansion from constant-volume burn, e = E0 at V = 1, to V = e^2, by the trapezoidal rule of the energy:
+    // second order.
     let (a, b, r1, r2, w) = (371.2e9_f64, 3.21e9_f64, 4.15_f64, 0.95_f64, 0.30_f64);
     let c = w * (6.993e9 - a * (-r1).exp() / r1 - b * (-r2).exp() / r2);
     let law = Fluid::new(Jwl::<f64>::tnt());
@@ -42,21 +44,22 @@ fn products_expand_along_the_isentrope() {
 
 #[test]
 fn chapman_jouguet_states() {
-    // TNT: computed for this project by another program (book, "Material constants"), to the digits given there.
+    // TNT reference: computed for this project by another program (book, "Material constants"), to the digits given
+    // there.
     let tnt = chapman_jouguet(&Jwl::<f64>::tnt()).unwrap();
     assert_relative_eq!(tnt.speed, 6928.0, max_relative = 1e-4);
     assert_relative_eq!(tnt.pressure, 20.98e9, max_relative = 3e-4);
     assert_relative_eq!(tnt.volume_ratio, 0.7318, max_relative = 1e-4);
     assert_relative_eq!(tnt.particle_speed, 1858.0, max_relative = 3e-4);
-    // A gas of constant gamma: D^2 = 2 (gamma^2 - 1) q, p = 2 (gamma - 1) rho0 q, V = gamma/(gamma + 1).
+    // Gas of constant gamma: D^2 = 2 (gamma^2 - 1) q, p = 2 (gamma - 1) rho0 q, V = gamma/(gamma + 1).
     let (gamma, density, heat) = (3.0_f64, 1600.0, 4e6);
     let gas = IdealGas::new(density, gamma, (gamma - 1.0) * density * heat).unwrap();
     let found = chapman_jouguet(&gas).unwrap();
-    // The root is flat in the speed and not in the volume: half the digits would do there.
+    // Accuracy: the root is flat in the speed but not in the volume, where half the digits would suffice.
     assert_relative_eq!(found.speed, (2.0 * (gamma * gamma - 1.0) * heat).sqrt(), max_relative = 1e-12);
     assert_relative_eq!(found.pressure, 2.0 * (gamma - 1.0) * density * heat, max_relative = 1e-10);
     assert_relative_eq!(found.volume_ratio, gamma / (gamma + 1.0), max_relative = 1e-10);
-    // Nothing to detonate.
+    // Laws without detonation energy.
     assert!(chapman_jouguet(&MieGruneisen::<f64>::copper()).is_none());
     assert!(Explosive::<f64, _>::new(MieGruneisen::copper()).is_err());
 }
@@ -72,7 +75,7 @@ fn a_lit_point_burns_over_its_width() {
         assert!(!new.fault.any());
         let behind = (f64::from(k) * dt - 1e-7) * 6930.0 / (1.5 * length);
         assert_relative_eq!(new.state.burn_fraction, behind.clamp(0.0, 1.0), epsilon = 1e-12);
-        // No motion, no work: the pressure comes up, the energy stays.
+        // Burn at rest without work: the pressure rises, the energy is constant.
         let full = Jwl::<f64>::tnt().pressure(1.0, 6.993e9);
         assert_relative_eq!(new.stress.0[0], -new.state.burn_fraction * full, max_relative = 1e-12);
         assert_eq!(charge.energy(&new.state), 0.0);
@@ -80,7 +83,7 @@ fn a_lit_point_burns_over_its_width() {
         state = new.state;
     }
     assert_eq!(state.burn_fraction, 1.0);
-    // A virgin point is not lit.
+    // A virgin point does not burn.
     let mut state = charge.virgin();
     for _ in 0..1000 {
         state = charge.update(&still, &state).state;
@@ -135,7 +138,7 @@ fn a_gas_as_a_polynomial() {
 #[test]
 fn polynomial_by_hand() {
     let law = Polynomial::new(2000.0, [1e6, 20e9, 30e9, 40e9], [1.5, 0.5, 0.25], 1e7).unwrap();
-    // mu = 1/4 in compression, -1/5 in expansion.
+    // Test states: mu = 1/4 in compression, -1/5 in expansion.
     let compressed = 1e6 + 20e9 / 4.0 + 30e9 / 16.0 + 40e9 / 64.0 + (1.5 + 0.125 + 0.25 / 16.0) * 2e9;
     assert_relative_eq!(law.pressure(0.8, 2e9), compressed, max_relative = 1e-13);
     let expanded = 1e6 - 20e9 / 5.0 - 40e9 / 125.0 + (1.5 - 0.1) * 2e9;
@@ -145,13 +148,14 @@ fn polynomial_by_hand() {
 
 #[test]
 fn cubic_shock_line() {
-    // U_s = c0 + S1 u + S2 u^2/U_s + S3 u^3/U_s^2, p = rho0 U_s u, eta = u/U_s, e = p eta/2: whatever gamma does.
+    // Hugoniot: U_s = c0 + S1 u + S2 u^2/U_s + S3 u^3/U_s^2, p = rho0 U_s u, eta = u/U_s, e = p eta/2, for any
+    // gamma.
     let (rho0, c0, s) = (8930.0, 3940.0, [1.2, 0.3, -0.15]);
     let shock = CubicShock::new(rho0, c0, s).unwrap();
     for (gamma, a) in [(1.96, 0.0), (1.96, 0.47), (1.96, 1.96)] {
         let law = Gruneisen::new(shock, gamma, a).unwrap();
         for u in [1.0, 100.0, 800.0, 2000.0] {
-            // The speed by its own iteration.
+            // Shock speed by independent iteration.
             let mut speed: f64 = c0;
             for _ in 0..200 {
                 let r = u / speed;
@@ -164,12 +168,12 @@ fn cubic_shock_line() {
                 max_relative = 1e-10
             );
         }
-        // gamma(mu), off the Hugoniot.
+        // Gruneisen coefficient gamma(mu), off the Hugoniot.
         let j: f64 = 0.8;
         assert_relative_eq!(law.terms(j).thermal, gamma + a * (1.0 / j - 1.0), max_relative = 1e-13);
     }
     assert!(Gruneisen::new(shock, 1.0, 1.5).is_err());
-    // The denominator is zero at the singular compression, and the law continued from four fifths of that.
+    // Singular compression: zero of the denominator; the law is continued beyond four fifths of it.
     let limit: f64 = shock.singular();
     assert!((1.0 - limit * (1.2 + limit * (0.3 - 0.15 * limit))).abs() < 1e-12);
     let law = Gruneisen::new(shock, 1.97, 0.0).unwrap();
@@ -199,10 +203,10 @@ fn polynomial_hugoniot_is_the_series_of_the_shock_line() {
         let exact = bulk * mu * (1.0 + mu) / (1.0 - (s - 1.0) * mu).powi(2);
         let cubic = bulk * (mu + (2.0 * s - 1.0) * mu * mu + (s - 1.0) * (3.0 * s - 1.0) * mu.powi(3));
         assert_relative_eq!(series.curve(mu).pressure, cubic, max_relative = 1e-13);
-        // The next term of the series: (s - 1)^2 (4 s - 1) mu^4.
+        // Error bound, the next term of the series: (s - 1)^2 (4 s - 1) mu^4.
         assert!((series.curve(mu).pressure - exact).abs() < 1.5 * bulk * 0.115 * 4.36 * mu.powi(4));
     }
-    // Cold, on the Hugoniot and in tension.
+    // Pressure on the cold curve, on the Hugoniot and in tension.
     let law = Gruneisen::new(series, 1.99, 0.0).unwrap();
     let (mu, j) = (0.1_f64, 1.0 / 1.1);
     let shocked = series.curve(mu).pressure;
@@ -210,12 +214,11 @@ fn polynomial_hugoniot_is_the_series_of_the_shock_line() {
     assert_relative_eq!(law.pressure(1.25, 1e8), -0.2 * bulk + 1.99e8, max_relative = 1e-12);
 }
 
-#[cfg(feature = "conformance")]
 mod battery {
     use mpm_materials::conformance::{Options, eos};
     use mpm_materials::*;
 
-    // Explosives. A charge that burns is not virgin for long, and gives work in a cycle: it is held to the rest.
+    // Explosives. A burning charge does not stay virgin and yields work in a cycle: only the other checks apply.
     conformance_suite!(
         charge_without_fire,
         Explosive::new(Jwl::tnt()).unwrap().without_compression_burn(),

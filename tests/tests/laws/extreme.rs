@@ -1,22 +1,23 @@
-//! States far beyond any data: equations of state and laws stay defined, and keep their books.
+//! Extreme states far beyond any data: equations of state and laws stay defined and conserve energy.
 
 use mpm_materials::eos::{Eos, balance};
 use mpm_materials::*;
 
-/// Volume ratios from `low` to `high`, evenly in the logarithm, falling.
+/// Decreasing volume ratios from `high` to `low` with logarithmic spacing.
 fn falling(low: f64, high: f64) -> impl Iterator<Item = f64> {
     const PARTS: i32 = 4000;
     (0..=PARTS).map(move |k| high * (low / high).powf(f64::from(k) / f64::from(PARTS)))
 }
 
-/// The pressure grows with the density from `low` to `high`, at these energies; c^2 > 0 in compression.
+/// Assert that the pressure increases with the density from `low` to `high` at these energies, and c^2 > 0 in
+/// compression.
 fn monotone<E: Eos<f64>>(eos: &E, [low, high]: [f64; 2], energies: &[f64]) {
     for &e in energies {
         let mut last = f64::NEG_INFINITY;
         for j in falling(low, high) {
             let (p, squared) = (eos.pressure(j, e), eos.speed_squared(j, e));
             assert!(p.is_finite() && squared.is_finite(), "{}: {p:e} at J = {j}", eos.name());
-            // In tension a thermal pressure that does not fall with the density may be all there is.
+            // In tension the pressure may be thermal only and independent of the density.
             assert!(p > last || j > 1.0 && p == last, "{}: {last:e} {p:e} at J = {j}, e = {e:e}", eos.name());
             assert!(j >= 1.0 || squared > 0.0, "{}: c^2 = {squared:e} at J = {j}, e = {e:e}", eos.name());
             last = p;
@@ -48,7 +49,7 @@ fn equations_of_state_are_monotone_for_every_volume() {
         for law in [metal, metal.constant_gamma(), corrected] {
             monotone(&law, ALL, &ENERGIES);
             monotone(&Expanding::new(law), [0.01, 1e6], &ENERGIES);
-            // c^2 is that of the pressure beyond the range, too.
+            // Consistency of c^2 with the pressure beyond the range, too.
             for j in [0.99, 0.7, 0.5, 0.3, 0.1, 0.02] {
                 let (e, h) = (1e10, 1e-5 * j);
                 if (j - law.smallest_volume_ratio()).abs() < 2.0 * h {
@@ -71,7 +72,7 @@ fn equations_of_state_are_monotone_for_every_volume() {
     let bent = PolynomialHugoniot::new(2700.0, [80e9, 30e9, -40e9]).unwrap();
     for curve in [series, bent] {
         monotone(&Gruneisen::new(curve, 1.97, 0.48).unwrap(), ALL, &ENERGIES[..1]);
-        // A series that falls in tension is not used there: p = K mu.
+        // A series that decreases in tension is not used there: p = K mu.
         monotone(&Gruneisen::new(curve, 1.97, 1.97).unwrap(), ALL, &ENERGIES);
     }
     monotone(&Jwl::tnt(), [0.01, 1e6], &ENERGIES[1..]);
@@ -96,7 +97,7 @@ fn the_balance_has_a_solution_for_every_step() {
                 let change = j - j / factor;
                 let found = balance(law.terms(j), e, change);
                 assert!(found.pressure.is_finite() && found.energy.is_finite());
-                // The energy has the work of the pressure that comes back.
+                // Energy balance: the energy includes the work of the returned pressure.
                 let work = e - 0.5 * change * found.pressure;
                 assert!((found.energy - work).abs() <= 1e-12 * (e + (change * found.pressure).abs()));
             }
@@ -125,13 +126,13 @@ fn a_metal_crushed_to_a_twentieth_keeps_its_books() {
             assert!(law.wave_speed(&new).is_finite() && law.wave_speed(&new) < 1e6);
             state = new;
             most = most.max(state.energy);
-            // Rounding of thousands of steps.
+            // Tolerance: round-off of thousands of steps.
             assert!((law.energy(&state) - work).abs() <= 1e-9 * most, "{:e} {work:e}", state.energy);
         }
-        // No cycle of an isentrope yields work, but for the order of the scheme: 2 x 4000 steps of 7e-4.
+        // An isentropic cycle yields no work up to the order of the scheme: 2 x 4000 steps of 7e-4.
         assert!(most > 1e11 && state.energy.abs() < 1e-3 * most, "{:e} of {most:e}", state.energy);
         assert!((state.volume_ratio - 1.0).abs() < 1e-9);
-        // In one step, to a twentieth and to a hundredth.
+        // Compression in one step, to a twentieth and to a hundredth.
         for to in [0.05, 0.01] {
             let update = law.update(&squeezed(1.0, to), &law.virgin());
             assert!(!update.fault.any() && update.stress.mean() < 0.0);

@@ -19,7 +19,7 @@ fn a_block_on_the_lattice_is_filled_exactly() {
     assert!((seeds.correction - 1.0).abs() < 1e-13);
     assert_eq!(seeds.half_size, [0.025; 3]);
     assert!((plain_sum(&seeds) / 0.006 - 1.0).abs() < 1e-13);
-    // Cell by cell and part by part, the first axis slowest; positions to the last bit.
+    // Order by cell and by part, the first axis slowest; positions are exact to the last bit.
     let mut n = 0;
     for cell in [[1, 2], [2, 2]].into_iter().flat_map(|[i, j]| (1..4).map(move |k| [i, j, k])) {
         for part in 0..8usize {
@@ -36,13 +36,13 @@ fn a_block_on_the_lattice_is_filled_exactly() {
 
 #[test]
 fn the_aluminium_balls_have_552_particles() {
-    // Diameter of ten spacings, centre on a corner of the particles' cells, two a cell and axis.
+    // Diameter of ten spacings, centre on a corner of the particle cells, two particles per cell and axis.
     let lattice = Lattice::new([0.0; 3], 2.0).unwrap();
     let seeds = fill(&Sphere::new([5.0; 3], 5.0).unwrap(), &lattice, 2, &Filling::new()).unwrap();
     assert_eq!(seeds.len(), 552);
     assert_eq!(seeds.raw_measure, 552.0);
     assert!((seeds.correction - 4.0 / 3.0 * PI * 125.0 / 552.0).abs() < 1e-14);
-    // As symmetric as the ball.
+    // The centroid coincides with that of the ball by symmetry.
     let c = seeds.centroid();
     assert!(c.iter().all(|x| (x - 5.0).abs() < 1e-13), "{c:?}");
 }
@@ -85,13 +85,13 @@ fn axisymmetric_volumes_are_per_radian() {
     let seeds = fill(&cylinder, &lattice, 2, &Filling::new().axisymmetric()).unwrap();
     let exact = radius * radius * length / 2.0;
     assert_eq!(seeds.len(), 3 * 20 * 4);
-    // On a matching lattice the sum of r A is exact already.
+    // On a matching lattice the sum of r A is exact without correction.
     assert!((seeds.correction - 1.0).abs() < 1e-13);
     assert!((seeds.volumes.iter().sum::<f64>() / exact - 1.0).abs() < 1e-12);
     for (x, v) in seeds.positions.iter().zip(&seeds.volumes) {
         assert!((v / (x[0] * 0.05 * 0.05) - 1.0).abs() < 1e-13);
     }
-    // A sphere on the axis, on a lattice that also has cells at r < 0.
+    // Sphere on the axis, on a lattice that also has cells at r < 0.
     let lattice = Lattice::new([-0.8, 0.03], 0.1).unwrap();
     let ball = Disc::new([0.0, 1.0], 0.55).unwrap();
     for filling in [Filling::new(), Filling::new().partial(8, 0.1)] {
@@ -100,7 +100,7 @@ fn axisymmetric_volumes_are_per_radian() {
         assert!((seeds.measure() / (2.0 / 3.0 * 0.55f64.powi(3)) - 1.0).abs() < 1e-12);
         assert!((seeds.correction - 1.0).abs() < 0.01, "{}", seeds.correction);
     }
-    // A lattice out of step with the axis is refused only where that matters.
+    // A lattice that does not match the axis is an error only if the shape reaches the axis.
     let shifted = Lattice::new([0.03, 0.0], 0.1).unwrap();
     let refused = fill(&ball, &shifted, 2, &Filling::new().axisymmetric()).unwrap_err();
     assert!(matches!(refused, GeometryError::Parameter { field: "origin[0] of the lattice", .. }));
@@ -117,7 +117,7 @@ fn partial_volumes_conserve_the_total() {
     let centre = fill(&disc, &lattice, 2, &Filling::new().uncorrected()).unwrap();
     let all = fill(&disc, &lattice, 2, &Filling::new().partial(8, 0.0).uncorrected()).unwrap();
     let merged = fill(&disc, &lattice, 2, &Filling::new().partial(8, 0.2).uncorrected()).unwrap();
-    // Far nearer to the truth than whole particles.
+    // Partial volumes are far more accurate than whole particles.
     assert!((all.raw_measure / exact - 1.0).abs() < 1e-3, "{}", all.raw_measure / exact);
     assert!((centre.raw_measure / exact - 1.0).abs() > (all.raw_measure / exact - 1.0).abs());
     assert!(merged.len() < all.len());
@@ -130,7 +130,7 @@ fn partial_volumes_conserve_the_total() {
         let c = seeds.centroid();
         assert!((c[0] - 0.31).abs() < 1e-4 && (c[1] - 0.47).abs() < 1e-4, "{c:?}");
     }
-    // The same in 3D, corrected.
+    // Same check in 3D, with correction.
     let rod = OgiveRod::new([0.0; 3], [1.0, 0.3, 0.2], 0.2, 0.6, 3.0).unwrap();
     let lattice = Lattice::new([0.0; 3], 0.04).unwrap();
     let seeds = fill(&rod, &lattice, 2, &Filling::new().partial(4, 0.15)).unwrap();
@@ -142,7 +142,7 @@ fn partial_volumes_conserve_the_total() {
 
 #[test]
 fn lonely_slivers_are_not_lost() {
-    // A wire in the corner of one particle cell, and a block far away: the wire has no neighbour.
+    // A wire in the corner of one particle cell, and a remote block: the wire has no neighbour.
     let wire = Cuboid::new([0.0, 0.0], [0.01, 0.05]).unwrap();
     let block = Cuboid::new([0.5, 0.5], [0.6, 0.6]).unwrap();
     let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
@@ -174,7 +174,7 @@ fn jitter_is_reproducible_and_bounded() {
         mixed += u[0] * u[1] / 900.0;
     }
     assert!(mean.abs() < 0.05 && (square - 1.0 / 3.0).abs() < 0.03 && mixed.abs() < 0.05);
-    // A part of the shape draws the same displacements.
+    // Displacements do not depend on the shape: half of it gives the same ones.
     let half = Cuboid::new([0.5, 0.0], [1.0; 2]).unwrap();
     let h = fill(&half, &lattice, 3, &Filling::new().jittered(7, 0.8)).unwrap();
     assert_eq!(h.positions[..], a.positions[450..]);
@@ -193,7 +193,7 @@ fn one_dimension_is_served() {
 
 #[test]
 fn what_is_cut_in_two_is_shared_out_without_loss() {
-    // The cut runs through the centres of particles.
+    // The cut passes through the centres of particles.
     let disc = Disc::new([0.5, 0.5], 0.4).unwrap();
     let knife = HalfSpace::new([0.525, 0.0], [1.0, 0.0]).unwrap();
     let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
@@ -252,7 +252,7 @@ fn threads_do_not_matter() {
     }
 }
 
-/// Three million particles in less than two seconds: `cargo test --release -- --ignored`.
+/// Benchmark: three million particles in less than two seconds. `cargo test --release -- --ignored`.
 #[test]
 #[ignore = "a measurement of seconds, which a busy machine fails"]
 fn three_million_particles_are_quick() {
@@ -303,7 +303,7 @@ proptest! {
     }
 }
 
-/// The outermost particles of curved and oblique surfaces are half a particle below them, wherever the lattice lies.
+/// The outermost particles of curved and oblique surfaces are half a particle below the surface, for any position of the lattice.
 #[test]
 fn the_outermost_layer_follows_the_surface() {
     let lattice = Lattice::new([0.013, -0.007], 0.05).unwrap();
@@ -324,7 +324,7 @@ fn the_outermost_layer_follows_the_surface() {
             let way = (a[0] - b[0]).hypot(a[1] - b[1]);
             assert!(way <= edge && (way == 0.0 || depth(a) < edge), "moved by {way}");
         }
-        // No hole: no place inside is farther from a particle than the diagonal of a cell.
+        // No hole: the distance of any point inside to a particle is at most the diagonal of a cell.
         for i in 0..400 {
             let x = [-1.0 + 0.05 * f64::from(i % 40), -1.0 + 0.1 * f64::from(i / 40 * 2)];
             let far = fitted
@@ -335,7 +335,7 @@ fn the_outermost_layer_follows_the_surface() {
             assert!(!shape.contains(x) || far < lattice.spacing(), "hole of {far} at {x:?}");
         }
     }
-    // On the lattice nothing moves, not by a bit.
+    // A surface that coincides with the lattice moves no particle, to the last bit.
     let block = Cuboid::new([0.013, -0.007], [0.513, 0.243]).unwrap();
     let still = [Filling::new(), Filling::new().at_sites()].map(|f| fill(&block, &lattice, 2, &f).unwrap());
     assert_eq!(still[0], still[1]);

@@ -3,7 +3,7 @@
 use verification::problems::elements::{Elements, Wave, pulsating, standing};
 use verification::stored::order;
 
-/// Errors of displacement over three meshes, and their order.
+/// Displacement errors over three meshes, and their order.
 fn orders(name: &str, cells: [usize; 3], error: impl Fn(usize) -> Result<f64, String>) -> (f64, f64) {
     let list = cells.map(|cells| (cells, error(cells).expect("run")));
     let order = order(&list);
@@ -11,7 +11,7 @@ fn orders(name: &str, cells: [usize; 3], error: impl Fn(usize) -> Result<f64, St
     (order, list[2].1)
 }
 
-/// Second order in displacement on distorted meshes, with waves that change volumes and with those that do not.
+/// Second-order convergence of the displacement on distorted meshes, for pressure and shear waves.
 #[test]
 fn standing_waves_converge_with_second_order() {
     for wave in Wave::ALL {
@@ -24,14 +24,14 @@ fn standing_waves_converge_with_second_order() {
     }
 }
 
-/// V3: second order where the square is strained by 31 % along its axes.
+/// V3: second-order convergence at axis-aligned strains of 31 %.
 #[test]
 fn v3_converges_with_second_order() {
     for elements in Elements::ALL {
         let name = format!("V3, {elements:?}");
         let (order, finest) = orders(&name, [16, 32, 64], |cells| pulsating(elements, cells));
         assert!(order > 1.8, "{name}: {order}");
-        // Averages over the nodes of triangles smooth what quadrilaterals resolve.
+        // Tolerance: nodal averages of triangles smooth fields that quadrilaterals resolve.
         let most = if matches!(elements, Elements::Triangles(_)) { 0.006 } else { 0.0015 };
         assert!(finest < most, "{name}: {finest}");
     }

@@ -1,4 +1,4 @@
-//! Meshes of elements: what is refused, measures, surfaces, and what is made of meshes.
+//! Element meshes: errors, measures, surfaces and mesh operations.
 
 use impactite_geometry::structured::*;
 use impactite_geometry::*;
@@ -60,10 +60,10 @@ fn what_is_no_mesh_is_refused_by_block_and_element() {
     assert!(said(arrow.check()).contains("at its node 2 (corner 2)"));
     let point = of(ElementKind::Bar2, &[[1.0, 2.0], [1.0, 2.0]]);
     assert!(said(point.check()).contains("the bar 0 of block 0"));
-    // Bars and shells in space have no sense of rotation.
+    // Bars and shells in space have no orientation.
     of(ElementKind::Quad4, &[[0.0; 3], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0]]).check().unwrap();
 
-    // Nothing that numbers of nodes lead astray panics before it is checked.
+    // Invalid node indices cause errors, not panics.
     let mut astray = sound.clone();
     astray.blocks[0].nodes[3] = u32::MAX;
     assert!(astray.surface().is_err() && astray.measure(Metric::Cartesian).is_err());
@@ -78,7 +78,7 @@ fn what_is_no_mesh_is_refused_by_block_and_element() {
 
 #[test]
 fn measures_of_bent_elements_are_exact() {
-    // A trilinear map with a Jacobian of second degree in each coordinate; its integral by hand:
+    // Trilinear map with a Jacobian of second degree in each coordinate, integrated analytically:
     // x = u, y = v (1 + u w / 2), z = w (1 + u v / 2) over the unit cube.
     let place = |[u, v, w]: [f64; 3]| [u, v * (1.0 + 0.5 * u * w), w * (1.0 + 0.5 * u * v)];
     let brick = cube([1; 3]).mapped(place).unwrap();
@@ -107,7 +107,7 @@ fn surfaces_are_of_the_elements_alive() {
     let all = mesh.surface().unwrap();
     assert_eq!(all.len(), 54);
     assert!(all.is_sorted_by_key(|f| (f.block, f.element)));
-    // The element in the middle leaves a cavity, a corner changes nothing but its three faces.
+    // Removal of the central element adds a cavity; removal of a corner replaces three faces by three.
     assert_eq!(mesh.surface_of(&|_, e| e != 13).unwrap().len(), 60);
     assert_eq!(mesh.surface_of(&|_, e| e != 0).unwrap().len(), 54);
     assert!(mesh.surface_of(&|_, _| false).unwrap().is_empty());
@@ -116,7 +116,7 @@ fn surfaces_are_of_the_elements_alive() {
     assert_eq!((eroded.elements(), eroded.nodes.len()), (26, 64));
     assert_eq!(mesh.part(&|_, e| e == 0).unwrap().nodes.len(), 8);
 
-    // A third element on a facet, and two on the same side of it.
+    // A third element on a facet, and two elements on the same side of a facet.
     let mut three = cube([1; 3]);
     three.blocks.push(three.blocks[0].clone());
     assert!(said(three.surface()).contains("belongs to 2 elements, among them (0, 0) and (1, 0)"));
@@ -135,12 +135,12 @@ fn meshes_are_moved_joined_and_welded() {
     let body = joined.clone().welded(1e-9).unwrap();
     assert_eq!((body.nodes.len(), body.surface().unwrap().len()), (45, 40));
     body.check().unwrap();
-    // The face between is in the sets of both.
+    // The common face is in the sets of both parts.
     assert_eq!(body.node_sets["x_max"].len(), 18);
     assert_eq!(body.node_sets["y_min"].len(), 15);
     assert!(said(joined.clone().welded(0.6)).contains("twice"));
     assert!(said(joined.welded(-1.0)).contains("welded: tolerance = -1"));
-    // Chains of nodes do not collapse: every node moves by less than the tolerance.
+    // A chain of close nodes does not collapse: every node moves by less than the tolerance.
     let row = ElementMesh::<1> {
         nodes: (0..6).map(|i| [0.09 * f64::from(i)]).collect(),
         blocks: vec![ElementBlock { name: String::new(), kind: ElementKind::Bar2, nodes: vec![0, 2, 2, 4] }],
@@ -168,11 +168,11 @@ fn nodes_and_edges_are_found() {
     let mesh = box_mesh(&Cuboid::new([0.0; 3], [2.0, 1.0, 0.3]).unwrap(), [2, 2, 3]).unwrap();
     let lengths = mesh.edge_lengths().unwrap();
     assert!((lengths.min - 0.1).abs() < 1e-15 && lengths.max == 1.0);
-    // 2 x 3 x 4 edges of 1, 3 x 2 x 4 of 0.5, 3 x 3 x 3 of 0.1.
+    // Number of edges: 2 x 3 x 4 of length 1, 3 x 2 x 4 of 0.5, 3 x 3 x 3 of 0.1.
     assert!((lengths.mean - (24.0 + 12.0 + 2.7) / 75.0).abs() < 1e-14);
     let ball = Sphere::new([0.0; 3], 0.5).unwrap();
     assert_eq!(mesh.nodes_in(&ball, 0.0).unwrap().len(), 4 + 1);
-    // The column on the axis, the one at y = 0.5, and two nodes at a distance of 1.
+    // The column on the axis, the column at y = 0.5, and two nodes at a distance of 1.
     assert_eq!(mesh.nodes_in(&ball, 0.5).unwrap().len(), 4 + 4 + 2);
     assert!(mesh.nodes_in(&ball, -0.1).is_err());
     let top = mesh.nodes_where(|x| x[2] > 0.25);
@@ -182,7 +182,7 @@ fn nodes_and_edges_are_found() {
 
 #[test]
 fn bricks_split_to_five_or_six_tetrahedra_that_conform() {
-    // A brick whose nodes are numbered alternately from the corners of a tetrahedron splits to five.
+    // A brick numbered alternately from the corners of a tetrahedron splits into five.
     let mut brick = cube([1; 3]);
     let order = [0u32, 4, 1, 5, 6, 2, 7, 3];
     let mut nodes = brick.nodes.clone();
@@ -203,7 +203,7 @@ fn bricks_split_to_five_or_six_tetrahedra_that_conform() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// However the nodes are numbered, neighbours agree on the diagonals of their faces.
+    /// Neighbours agree on the diagonals of their faces for any node numbering.
     #[test]
     fn splits_conform_for_any_numbering(order in Just((0u32..36).collect::<Vec<_>>()).prop_shuffle()) {
         let mesh = cube([3, 2, 2]);

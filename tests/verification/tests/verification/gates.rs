@@ -1,29 +1,29 @@
-//! Gates by all methods: errors within 2 % of what they were, and within what theory and references allow.
+//! Gates by all methods: errors within 2 % of the stored ones, and within the limits of theory and references.
 
 use verification::fragile::{Flux, Fragile};
 use verification::problems::gates::{Gate, Passage, Way, stored};
 use verification::stored::{Runs, judged, order, series};
 
-/// A measure of a way over its grids, coarse first.
+/// Measure of a method over its grids, coarse first.
 fn over_grids(runs: &Runs<Passage>, way: Way, quantity: &str) -> Vec<f64> {
     series(runs, quantity, |passage| passage.way == way).into_iter().map(|(_, error)| error).collect()
 }
 
-/// The ways that are stored.
+/// Stored methods.
 fn ways(runs: &Runs<Passage>) -> Vec<Way> {
     let mut ways: Vec<Way> = runs.iter().map(|(passage, _)| passage.way).collect();
     ways.dedup();
     ways
 }
 
-/// Fragile points with the symmetric flux.
+/// True for fragile points with the symmetric flux.
 fn is_symmetric(way: Way) -> bool {
     matches!(way, Way::Fragile(Fragile { flux: Flux::Symmetric, .. }))
 }
 
-/// A: the velocity comes nearer to d'Alembert's fronts with every grid, and the bar leaves the wall with 10 m/s, but for what is left in waves
-/// as short as a cell, which is less with every grid: 2.5 % of the speed on the finest, 2.7 % with the symmetric flux of fragile points, with
-/// which short waves are fastest.
+/// A: the velocity error decreases on every grid refinement. The bar rebounds at 10 m/s except for residual waves as short as a cell, which
+/// decrease with every refinement: 2.5 % of the speed on the finest grid, 2.7 % with the symmetric flux of fragile points, for which short
+/// waves are fastest.
 #[test]
 fn gate_a_bar_on_a_wall() {
     let runs = judged(stored(Gate::Bar));
@@ -37,9 +37,9 @@ fn gate_a_bar_on_a_wall() {
     }
 }
 
-/// B: the end nearer to its path with every grid, at least as fast as first order has it, and its lowest place within 1.5 % on the finest. Material
-/// points by splines meet the clamp and the load half a cell beside them and stay at first order; random cells with the symmetric flux, which
-/// is stiff, have 31 % on six through the beam and 7 % on twelve.
+/// B: the path error of the end decreases at least with first order, and its minimum is within 1.5 % on the finest grid. Spline material
+/// points apply clamp and load half a cell off and are of first order; random cells with the stiff symmetric flux have errors of 31 % with
+/// six cells through the beam and 7 % with twelve.
 #[test]
 fn gate_b_cantilever() {
     let runs = judged(stored(Gate::Cantilever));
@@ -59,8 +59,8 @@ fn gate_b_cantilever() {
     }
 }
 
-/// C: the frequency within 2 % on the finest grid. Not by updated smoothed particles with kernels of 2.6 spacings, 6 % slow with eight through
-/// the beam and 10 % where artificial stress was not balanced.
+/// C: the frequency error is below 2 % on the finest grid. Exception: updated smoothed particles with kernels of 2.6 spacings are 6 % too
+/// slow with eight particles through the beam, and 10 % with unbalanced artificial stress.
 #[test]
 fn gate_c_beam() {
     let runs = judged(stored(Gate::Beam));
@@ -72,8 +72,8 @@ fn gate_c_beam() {
     }
 }
 
-/// D: Rankine's and Hugoniot's pressure within 1 %, density within 0.1 %, the speed of the shock within 1 %. The profile and the energy that
-/// is left behind are of the first order that a shock with viscosity allows: where it started, it heats too much.
+/// D: Rankine-Hugoniot pressure within 1 %, density within 0.1 %, shock speed within 1 %. The profile and the energy behind the shock are
+/// of first order, as for any shock with artificial viscosity, with wall heating where it started.
 #[test]
 fn gate_d_plate() {
     let runs = judged(stored(Gate::Plate));
@@ -91,8 +91,8 @@ fn gate_d_plate() {
     }
 }
 
-/// G: lengths within 0.3 % on four cells and on eight, faces within 3 % on eight, but for updated smoothed particles, which hold the rim
-/// back by 4.5 %.
+/// G: length errors below 0.3 % with four and eight cells, face errors below 3 % with eight, except for updated smoothed particles,
+/// whose face radius is 4.5 % too small.
 #[test]
 fn gate_g_bars_of_steel() {
     let runs = judged(stored(Gate::Taylor));
@@ -104,12 +104,12 @@ fn gate_g_bars_of_steel() {
     }
 }
 
-/// G by elements that become particles, as those before. They are not stored, for the smallest change of rounding may convert an element a step
-/// later. Elements lose no energy where they meet the wall, particles from the start do; a joint of both that gave energy would be seen.
+/// G by elements with conversion to particles. Errors are not stored, since round-off may shift a conversion by a step. Elements lose no
+/// energy at the wall, initial particles do; the test would detect an energy gain of the coupling.
 #[test]
 fn gate_g_by_elements_that_become_particles() {
-    // Cells, and errors of the length, the face and the energy allowed. Elements that share nodes with particles are stopped by their own nodes
-    // alone, while the wall stops particles at their surfaces: AFEMP stays 2.9 and 0.9 % too long.
+    // Cells, and allowed errors of length, face and energy. The wall stops elements that share nodes with particles at their nodes only,
+    // but particles at their surfaces: AFEMP is 2.9 and 0.9 % too long.
     let mpfem = [(4, [4e-3, 0.035, 0.02]), (8, [3e-3, 0.03, 0.007])];
     let afemp = [(4, [0.032, 0.045, 3e-3]), (8, [0.01, 0.045, 3e-3])];
     for (way, rows) in [(Way::Mpfem, mpfem), (Way::Afemp, afemp)] {
@@ -125,9 +125,9 @@ fn gate_g_by_elements_that_become_particles() {
     }
 }
 
-/// The plate that is pulled: second order where the pull is smooth, about 5/3 where its rate jumps. Not by material points with splines, whose
-/// load acts within the end (first order), nor by the incomplete flux of fragile points, whose errors of both signs nearly cancel: they are a
-/// third of those of the symmetric one, and fall unevenly.
+/// Pulled plate: second order for the smooth traction, about 5/3 for the traction with jumps in its rate. Exceptions: spline material
+/// points, whose load acts within the end (first order), and the incomplete flux of fragile points, whose errors of both signs nearly
+/// cancel: they are a third of those of the symmetric flux, and converge unevenly.
 #[test]
 fn a_plate_that_is_pulled() {
     let runs = judged(stored(Gate::Pull));

@@ -1,5 +1,5 @@
-//! Hardening, rate factors, Steinberg-Guinan, Borvik, Bingham and p-alpha against closed forms; the energy ledger of
-//! points that heat and melt.
+//! Hardening, rate factors, Steinberg-Guinan, Borvik, Bingham and p-alpha against closed forms; energy balance of
+//! points with heating and melting.
 
 use approx::assert_relative_eq;
 use mpm_materials::driver::{Path, Step, run};
@@ -10,7 +10,7 @@ use mpm_materials::strength::{
 };
 use mpm_materials::*;
 
-/// Any direction with sqrt(2/3 e:e) = 1.
+/// Strain direction with sqrt(2/3 e:e) = 1.
 fn direction() -> Sym3<f64> {
     let direction = Sym3([0.5, 0.1, -0.6, 0.3, -0.2, 0.4]);
     direction * (1.5 / direction.dot(&direction)).sqrt()
@@ -20,7 +20,7 @@ fn loading(part: f64, rate: f64, pressure: f64, specific_volume: f64) -> Loading
     Loading { strain_deviator: direction() * part, dt: part / rate, length: 1e-3, pressure, specific_volume }
 }
 
-/// A strength alone, strained in proportion to `strain` in `count` steps; all histories and flow stresses.
+/// Strain a strength law proportionally to `strain` in `count` steps; return all state variables and flow stresses.
 fn strained<S: Strength<f64>>(
     law: &S,
     strain: f64,
@@ -123,7 +123,7 @@ fn steinberg_guinan_under_pressure() {
         assert_relative_eq!(new.history.plastic_strain - 0.1, lost, max_relative = 1e-9, epsilon = 1e-15);
     }
     assert_relative_eq!(law.stiffening(pressure, j, &old), r, max_relative = 1e-12);
-    // Melting: T_m0 exp(2 a (1 - 1/eta)) eta^(2 (gamma0 - a - 1/3)), eta = 1/J.
+    // Melting temperature: T_m0 exp(2 a (1 - 1/eta)) eta^(2 (gamma0 - a - 1/3)), eta = 1/J.
     let eta = 1.0 / j;
     let melt = 1800.0 * (3.0 * (1.0 - 1.0 / eta)).exp() * eta.powf(2.0 * (2.0 - 1.5 - 1.0 / 3.0));
     assert_relative_eq!(law.melting_temperature(j), melt, max_relative = 1e-12);
@@ -139,7 +139,7 @@ fn steinberg_guinan_under_pressure() {
 
 #[test]
 fn steinberg_guinan_heats() {
-    // Without softening the heat is that of the closed integral of the curve.
+    // Heat without thermal softening: closed-form integral of the flow curve.
     let constants = SteinbergConstants { temperature: 0.0, taylor_quinney: 0.9, ..steinberg() };
     let curve = SaturatingPower::new(120e6, 1e12, 36.0, 0.45, 0.0).unwrap();
     let law = SteinbergGuinan::new(constants, curve).unwrap();
@@ -154,7 +154,7 @@ fn steinberg_guinan_heats() {
 }
 
 fn borvik(threshold: f64) -> BorvikConstants<f64> {
-    // Melting far away: no thermal softening to speak of in the integrated tests.
+    // Melting temperature so high that thermal softening is negligible in the integrated tests.
     let heat = Heat { room: 293.0, melt: 1e9, exponent: 1.0, heat_capacity: 452.0, taylor_quinney: 0.0 };
     BorvikConstants {
         shear: 75e9,
@@ -170,7 +170,8 @@ fn borvik(threshold: f64) -> BorvikConstants<f64> {
 
 #[test]
 fn borvik_damages_and_softens() {
-    // Constant rate and no pressure: p_f constant, so that D = D_c (p - p_d)/(p_f - p_d) and r follows.
+    // Closed form at constant rate and zero pressure: p_f constant, so that D = D_c (p - p_d)/(p_f - p_d) and r
+    // follows.
     for threshold in [0.0, 0.1] {
         let law = Borvik::new(borvik(threshold)).unwrap();
         let (rate, count) = (1e3, 2000);
@@ -179,7 +180,7 @@ fn borvik_damages_and_softens() {
         let mut old: Softened<f64> = law.virgin();
         for (history, flow) in list {
             let (p, r, d) = (history.plastic_strain, history.hardening_strain, history.damage);
-            // Each step, exactly: damage of the start, hardening of the end.
+            // Exact update of each step: initial damage, final hardening.
             let sound = 1.0 - old.damage;
             assert_relative_eq!(
                 r - old.hardening_strain,
@@ -199,20 +200,20 @@ fn borvik_damages_and_softens() {
             }
             old = history;
         }
-        // And integrated: the plastic rate is nearly the total one.
+        // Integrated damage: the plastic rate is nearly the total rate.
         let fracture = 1.8025 * (1.0 + rate / 5e-4).powf(-0.0123);
         let expected = 0.3 * (old.plastic_strain - threshold) / (fracture - threshold);
         assert_relative_eq!(old.damage, expected, max_relative = 1e-3);
     }
-    // Damage ends at D_c, where the companion fails the point.
+    // Damage is limited to D_c, where the failure criterion applies.
     let law = Borvik::new(borvik(0.0)).unwrap();
     let last = strained(&law, 5.0, 1000, 1e3, 0.0)[999].0;
     assert_eq!(law.damage(&last), 0.3);
-    // Crack band: half the cell, half the damage a strain.
+    // Crack band: half the cell size, half the damage per strain.
     let banded = law.with_localisation(CrackBand::new(2e-3).unwrap());
     let (whole, half) = (strained(&law, 0.1, 1, 1.0, 0.0)[0].0, strained(&banded, 0.1, 1, 1.0, 0.0)[0].0);
     assert_relative_eq!(half.damage, 0.5 * whole.damage, max_relative = 1e-12);
-    // Tension hastens, compression delays.
+    // Pressure dependence: tension accelerates damage, compression delays it.
     let damage = |pressure| strained(&law, 0.1, 10, 1.0, pressure)[9].0.damage;
     assert!(damage(-500e6) > damage(0.0) && damage(0.0) > damage(500e6));
     assert!(Borvik::new(BorvikConstants { critical_damage: 1.0, ..borvik(0.0) }).is_err());
@@ -231,7 +232,7 @@ fn bingham_fluid_in_simple_shear() {
     assert!(Bingham::new(0.0, 1.0, 1.0).is_err());
 }
 
-/// Sand-like: alpha_0 1.6, no thermal pressure unless asked, hardly any strength.
+/// Sand-like law: alpha_0 1.6, thermal pressure by `gamma`, negligible strength.
 fn porous(gamma: f64) -> Porous<f64, J2<f64>, MieGruneisen<f64>> {
     let solid = MieGruneisen::new(2650.0, 4000.0, 1.5, gamma).unwrap();
     Porous::new(J2::linear(1e3, 1.0, 0.0).unwrap(), solid, 1.6, 1e7, 2e9).unwrap()
@@ -257,7 +258,7 @@ fn p_alpha_compacts_along_its_curve() {
         let new = law.update(&squeezed(state.volume_ratio, j), &state);
         assert!(!new.fault.any());
         let (alpha, p) = (new.state.distension, -new.stress.mean());
-        // The pressure of the solid part, shared.
+        // Pressure of the solid part, over the distension.
         assert_relative_eq!(
             p,
             solid(1.6 * new.state.volume_ratio / alpha) / alpha,
@@ -266,7 +267,7 @@ fn p_alpha_compacts_along_its_curve() {
         );
         if alpha < state.distension && alpha > 1.0 {
             compacting += 1;
-            // The quadratic of Herrmann.
+            // Herrmann's quadratic compaction curve.
             let expected = 1.0 + 0.6 * ((2e9 - p) / (2e9 - 1e7)).powi(2);
             assert_relative_eq!(alpha, expected, max_relative = 1e-8);
         }
@@ -276,7 +277,7 @@ fn p_alpha_compacts_along_its_curve() {
         state = new.state;
     }
     assert!(compacting > 300 && full > 50, "{compacting} {full}");
-    // It unloads without opening its pores.
+    // Unloading at constant distension.
     let (alpha, j) = (state.distension, state.volume_ratio);
     state = law.update(&squeezed(j, 1.1 * j), &state).state;
     assert_eq!(state.distension, alpha);
@@ -284,7 +285,7 @@ fn p_alpha_compacts_along_its_curve() {
 
 #[test]
 fn p_alpha_shock_in_one_step() {
-    // One step from rest has the energy of the Hugoniot, e = p (1 - J)/2: fully compacted at these.
+    // One step from rest has the Hugoniot energy, e = p (1 - J)/2: fully compacted at these volume ratios.
     let gamma = 1.5;
     let law = porous(gamma);
     let solid = MieGruneisen::new(2650.0, 4000.0, 1.5, gamma).unwrap();
@@ -294,7 +295,7 @@ fn p_alpha_shock_in_one_step() {
         let cold = solid.pressure(1.6 * j, 0.0);
         let pressure = cold / (1.0 - 0.5 * gamma * 1.6 * (1.0 - j));
         assert_eq!(new.state.distension, 1.0);
-        // The strength of one pascal takes no part.
+        // The strength of one pascal is negligible.
         assert_relative_eq!(-new.stress.mean(), pressure, max_relative = 1e-8);
         assert_relative_eq!(new.state.energy, 0.5 * pressure * (1.0 - j), max_relative = 1e-8);
     }
@@ -302,7 +303,8 @@ fn p_alpha_shock_in_one_step() {
     assert!(Porous::new(J2::linear(1e3, 1.0, 0.0).unwrap(), solid, 1.5, 1e7, 1e6).is_err());
 }
 
-/// Sheared by `rate` for `steps` of `dt`: stress work, energy, heat by the rise of temperature, final state.
+/// Shear a law at `rate` for `steps` of `dt`; return stress work, energy, heat by the temperature rise, and
+/// temperatures.
 fn sheared<S, F>(
     law: &Solid<S, MieGruneisen<f64>, F>,
     steps: usize,
@@ -332,14 +334,15 @@ fn the_ledger_of_a_point_that_heats_and_melts_closes() {
     let gap = |steps: usize| {
         let ([work, energy, heat], _) = sheared(&copper, steps, 8e-4 / steps as f64, 1e4);
         let stored = energy - heat / 0.9;
-        // What is not plastic is elastic: s:s/4G and a little pressure, far below one per cent.
+        // Elastic remainder: s:s/4G and a small volumetric part, far below one per cent.
         assert!(stored > 0.0 && stored < 0.01 * energy, "{stored:e} of {energy:e}");
         (energy - work).abs() / work
     };
     let (coarse, fine) = (gap(4000), gap(8000));
     assert!(fine < 1e-6 + 0.6 * coarse && fine < 1e-3, "{coarse:e} {fine:e}");
 
-    // A set that melts on the way: from then on no strength, no work, no more heat, and the same ledger.
+    // Constants that melt during shear: from then on no strength, no work and no further heat, with the same
+    // balance.
     let heat = Heat { room: 294.0, melt: 400.0, exponent: 1.0, heat_capacity: 383.0, taylor_quinney: 1.0 };
     let soft = JohnsonCook::new(47.7e9, 400e6, 300e6, 0.5).unwrap().with_heat(Adiabatic::new(heat).unwrap());
     let soft = Solid::new(soft, MieGruneisen::copper());
@@ -350,7 +353,6 @@ fn the_ledger_of_a_point_that_heats_and_melts_closes() {
     assert_relative_eq!(heat, energy, max_relative = 1e-2);
 }
 
-#[cfg(feature = "conformance")]
 mod battery {
     use mpm_materials::conformance::{self as held, Options};
     use mpm_materials::*;
@@ -375,7 +377,8 @@ mod battery {
         metal(0.1),
         yields
     );
-    // G depends on pressure: elasticity in rate form gives and takes a little work in a cycle.
+    // Pressure-dependent G: elasticity in rate form is not conservative and yields or dissipates little work in a
+    // cycle.
     conformance_suite!(
         steinberg_copper,
         Solid::new(SteinbergGuinan::copper(), MieGruneisen::copper()),

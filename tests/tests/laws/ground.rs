@@ -4,13 +4,13 @@ use approx::assert_relative_eq;
 use mpm_materials::eos::{CrushConstants, CrushCurve};
 use mpm_materials::*;
 
-/// Strained in x, y, z by `strain` in one step of `dt`.
+/// Kinematics of a step `dt` with strain increments `strain` in x, y, z.
 fn moved(strain: [f64; 3], dt: f64) -> Kinematics<f64> {
     let increment = Mat3([[strain[0], 0.0, 0.0], [0.0, strain[1], 0.0], [0.0, 0.0, strain[2]]]);
     Kinematics { increment, dt, length: 1e-3 }
 }
 
-/// The motion whose middle has this strain and no spin, X = e (I - e/2)^-1.
+/// Kinematics with this mid-step strain and no spin, X = e (I - e/2)^-1.
 fn strained(strain: &Sym3<f64>, dt: f64, length: f64) -> Kinematics<f64> {
     let e = nalgebra::Matrix3::from_fn(|i, j| strain.at(i, j));
     let x = e * (nalgebra::Matrix3::identity() - e * 0.5).try_inverse().unwrap();
@@ -18,15 +18,15 @@ fn strained(strain: &Sym3<f64>, dt: f64, length: f64) -> Kinematics<f64> {
     Kinematics { increment, dt, length }
 }
 
-/// To volume ratio `to` from `from`, in all directions alike.
+/// Kinematics of an isotropic volume change from ratio `from` to `to`.
 fn sized(from: f64, to: f64) -> Kinematics<f64> {
     moved([(to / from).cbrt() - 1.0; 3], 1e-3)
 }
 
-/// The loading curve of the 48 MPa concrete, written from the definition.
+/// Loading curve of the 48 MPa concrete, implemented from the definition.
 fn curve(mu: f64) -> f64 {
     let (k1, k2, k3) = (85e9, -171e9, 208e9);
-    // K1 m + K2 m^2 + K3 m^3 = 0.8 GPa by Newton's method.
+    // Solve K1 m + K2 m^2 + K3 m^3 = 0.8 GPa by Newton's method.
     let mut m: f64 = 0.01;
     for _ in 0..50 {
         m -= (k1 * m + k2 * m * m + k3 * m.powi(3) - 0.8e9) / (k1 + 2.0 * k2 * m + 3.0 * k3 * m * m);
@@ -45,7 +45,7 @@ fn curve(mu: f64) -> f64 {
 #[test]
 fn concrete_crushes_along_its_curve() {
     let concrete = HolmquistJohnsonCook::<f64>::concrete_48();
-    // book, "Concrete": 0.11055, to the digits given there.
+    // Reference, book, "Concrete": 0.11055, to the digits given there.
     let plock = concrete.crush().locked_compression();
     assert_relative_eq!(plock, 0.11055, max_relative = 5e-5);
     let law = Ground::new(concrete);
@@ -54,11 +54,11 @@ fn concrete_crushes_along_its_curve() {
         let mu = 1e-4 * f64::from(k);
         let new = law.update(&sized(state.volume_ratio, 1.0 / (1.0 + mu)), &state);
         assert!(!new.fault.any());
-        // The volume ratio is accurate to rounding; the curve is steep: 1e-10 of the lock pressure.
+        // Tolerance: the volume ratio is accurate to round-off, the curve is steep: 1e-10 of the lock pressure.
         assert_relative_eq!(-new.stress.mean(), curve(mu), max_relative = 1e-10, epsilon = 1e-3);
         state = new.state;
     }
-    // Continuous at mu_plock, from either side.
+    // Continuity at mu_plock from either side.
     let crush = law.law().crush();
     let (below, above) = (crush.loading(plock - 1e-9), crush.loading(plock + 1e-9));
     assert!((above - below).abs() < 200.0 && (below - 0.8e9).abs() < 100.0);
@@ -82,7 +82,7 @@ fn concrete_unloads_by_region() {
         } else {
             85e9 / 1.1
         };
-        // Down, into tension, and up again on the same line; -T (1 - D) is the floor.
+        // Unloading into tension and reloading on the same line; lower limit -T (1 - D).
         let damage = state.history.damage;
         for mu in [
             0.9 * mu_max,
@@ -101,7 +101,7 @@ fn concrete_unloads_by_region() {
             state = new.state;
         }
         assert_eq!(state.history.damage, damage);
-        // Crushing has damaged it: d_mu_p over D1 (P* + T*), floored at 0.01, sums to less than mu_p/0.01.
+        // Crush damage: d_mu_p over D1 (P* + T*), at least 0.01, sums to less than mu_p/0.01.
         let crushing = if mu_max < 0.001 { 0.0 } else { (mu_max - curve(mu_max) / slope).min(0.1) };
         assert!(damage <= crushing / 0.01 + 1e-9 && (damage > 0.0) == (mu_max > 0.001));
     }
@@ -118,7 +118,7 @@ fn concrete_strength() {
                 let expected = fc * (a * (1.0 - damage) + b * (p / fc).powf(n)) * r;
                 assert_relative_eq!(law.strength(p, damage, rate), expected, max_relative = 1e-12);
             }
-            // Tension: falls to zero at -T. The cap.
+            // Strength in tension: decreases to zero at -T. Strength cap at high pressure.
             let expected = fc * a * (1.0 - damage) * 0.75 * r;
             assert_relative_eq!(law.strength(-1e6, damage, rate), expected, max_relative = 1e-12);
             assert_eq!(law.strength(-t, damage, rate), 0.0);
@@ -129,20 +129,20 @@ fn concrete_strength() {
 
 #[test]
 fn sheared_concrete_yields_and_is_damaged() {
-    // Compressed within the elastic region, then sheared at constant volume: all in closed form.
+    // Compression within the elastic region, then isochoric shear: closed form throughout.
     let law = Ground::new(HolmquistJohnsonCook::<f64>::concrete_48());
     let (g, fc) = (14.86e9, 48e6);
     for (mu, rate) in [(0.0005, 0.1_f64), (0.0009, 100.0), (-0.0001, 10.0)] {
         let pressure = 16e9 * mu;
         let mut state = law.update(&sized(1.0, 1.0 / (1.0 + mu)), &law.virgin()).state;
         let (gamma, mut damage, mut plastic, mut stress) = (1e-4, 0.0_f64, 0.0, 0.0);
-        // Spin would turn the stress: strain without it.
+        // Strain without spin, which would rotate the stress.
         let equivalent_strain = gamma / 3.0_f64.sqrt();
         let dt = equivalent_strain / rate;
         let kinematics = strained(&Sym3([0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * gamma]), dt, 1e-3);
         for _ in 0..100 {
             let new = law.update(&kinematics, &state);
-            // The volume of this strain is that of the motion, det(I + X): follow it.
+            // The volume change of this strain is that of the motion, det(I + X).
             let j: f64 = new.state.volume_ratio;
             let p = (16e9 * (1.0 / j - 1.0)).max(-4e6 * (1.0 - damage));
             let cohesion = if p >= 0.0 {
@@ -187,19 +187,19 @@ fn concrete_breaks_in_tension_at_its_strength() {
 fn torn_concrete_is_no_faster_than_its_bulk() {
     let law = Ground::new(HolmquistJohnsonCook::<f64>::concrete_48());
     let shear = |state: &_| {
-        // What c^2 has beyond the bulk modulus, in G: (4/3) J for a point that carries shear.
+        // Shear part of the P-wave modulus rho c^2 over (4/3) G: 1 for a point with shear stiffness.
         let GroundState { volume_ratio, history, .. } = state;
         let bulk: f64 = law.law().bulk_modulus(*volume_ratio, history);
         (law.wave_speed(state).powi(2) * 2440.0 / volume_ratio - bulk) / (4.0 / 3.0 * 14.86e9)
     };
     let mut state = law.virgin();
     assert_relative_eq!(shear(&state), 1.0, max_relative = 1e-12);
-    // Sheared until nothing is left of its cohesion.
+    // Shear until the cohesion is zero.
     while state.history.damage < 1.0 {
         let slide = Mat3([[0.0, 2e-3, 0.0], [2e-3, 0.0, 0.0], [0.0; 3]]);
         state = law.update(&Kinematics { increment: slide, dt: 1e-6, length: 1e-3 }, &state).state;
     }
-    // Closed, or open by less than a tenth, it may be pressed in the next step and carries friction.
+    // A closed point, or one open by less than a tenth, may be compressed in the next step and has friction.
     for j in [0.99, 1.0, 1.05] {
         state = law.update(&sized(state.volume_ratio, j), &state).state;
         assert_relative_eq!(shear(&state), 1.0, max_relative = 1e-12);
@@ -207,15 +207,15 @@ fn torn_concrete_is_no_faster_than_its_bulk() {
     for j in [1.2, 3.0, 50.0] {
         state = law.update(&sized(state.volume_ratio, j), &state).state;
         assert!(shear(&state).abs() < 1e-9, "{}", shear(&state));
-        // What a return to a strength of nothing leaves is rounding of rounding.
+        // Tolerance: return mapping to zero strength leaves round-off of round-off.
         assert!(invariants(&state.stress).iter().all(|s| s.abs() < 1e-15));
     }
-    // Closed again it carries shear again.
+    // A closed point regains its shear stiffness.
     state = law.update(&sized(state.volume_ratio, 0.99), &state).state;
     assert_relative_eq!(shear(&state), 1.0, max_relative = 1e-12);
 }
 
-/// tau and mean stress.
+/// Stress invariants: tau and mean stress.
 fn invariants(stress: &Sym3<f64>) -> [f64; 2] {
     let s = stress.deviator();
     [(0.5 * s.dot(&s)).sqrt(), stress.mean()]
@@ -228,19 +228,20 @@ fn soil() -> Moduli<f64> {
 #[test]
 fn cones_match_the_pyramid() {
     let (phi, c) = (20.0_f64.to_radians(), 10e3);
-    // The deck's numbers, to the digits printed there.
+    // Published constants, to the digits printed there.
     let deck = DruckerPrager::<f64>::slope_soil();
     assert_relative_eq!(deck.friction(), 0.3545, max_relative = 2e-4);
     assert_relative_eq!(deck.cohesion(), 9.74e3, max_relative = 2e-4);
     assert_relative_eq!(deck.tension_cap(), 27.48e3, max_relative = 2e-4);
     let built = DruckerPrager::matching(2100.0, soil(), Cone::Inner, phi, c, 0.0).unwrap();
     assert_relative_eq!(built.cohesion(), deck.cohesion(), max_relative = 1e-14);
-    // sqrt(J2) = k - q sigma_m in triaxial compression (outer) and extension (inner) at the strengths of Mohr-Coulomb.
+    // Match sqrt(J2) = k - q sigma_m in triaxial compression (outer) and extension (inner) at the Mohr-Coulomb
+    // strength.
     let confinement = -30e3;
     let (sin, cos) = phi.sin_cos();
     for (cone, sign) in [(Cone::Outer, 1.0), (Cone::Inner, -1.0)] {
         let law = DruckerPrager::matching(2100.0, soil(), cone, phi, c, 0.0).unwrap();
-        // The other principal stress at failure, from (s1 - s3) + (s1 + s3) sin = 2 c cos.
+        // Other principal stress at failure, from (s1 - s3) + (s1 + s3) sin = 2 c cos.
         let other = if sign > 0.0 {
             (confinement * (1.0 + sin) - 2.0 * c * cos) / (1.0 - sin)
         } else {
@@ -280,11 +281,11 @@ fn drucker_prager_returns_in_closed_form() {
         assert_relative_eq!(found_tau, new_tau, max_relative = 1e-10);
         assert_relative_eq!(found_mean, new_mean, max_relative = 1e-10, epsilon = 1e-6);
         assert_relative_eq!(new.state.history.plastic_strain, plastic, max_relative = 1e-9, epsilon = 1e-15);
-        // On the cone where it flowed.
+        // Stress on the cone after plastic flow.
         if f > 0.0 && !torn {
             assert_relative_eq!(found_tau, k_phi - q_phi * found_mean, max_relative = 1e-10);
         }
-        // At rest the stress stays.
+        // Constant stress at rest.
         let still = law.update(&kinematics(0.0, 0.0), &new.state);
         assert!((still.stress.mean() - found_mean).abs() < 1e-6);
     }
@@ -296,14 +297,14 @@ fn a_torn_soil_closes_when_its_density_is_back() {
     let mut state = law.virgin();
     for j in [1.1, 1.5, 1.2, 1.0001] {
         state = law.update(&sized(state.volume_ratio, j), &state).state;
-        // No cohesion, no tension.
+        // Open point: no cohesion, no tension.
         assert_eq!(invariants(&state.stress), [0.0, 0.0]);
     }
     state = law.update(&sized(state.volume_ratio, 0.999), &state).state;
     assert_relative_eq!(state.stress.mean(), 0.7e6 * f64::ln(0.999), max_relative = 1e-9);
 }
 
-/// Uniaxial compression to failure: the axial stress at the end.
+/// Compress a law uniaxially to failure; return the final axial stress.
 fn crushed<M: Geomaterial<f64>>(law: M) -> f64 {
     use mpm_materials::driver::{Path, Step, run};
     let step = Step { dt: 1e-4, steps: 200 };
@@ -317,11 +318,11 @@ fn unconfined_strengths() {
     let (sin, cos) = phi.sin_cos();
     let compressive = 2.0 * c * cos / (1.0 - sin);
     let pyramid = MohrCoulomb::new(2100.0, soil(), phi, c, psi).unwrap();
-    // An edge of the pyramid: two principal stresses are zero. To what the driver's iteration leaves.
+    // Edge of the pyramid: two principal stresses are zero, within the tolerance of the driver's iteration.
     assert_relative_eq!(crushed(pyramid), compressive, max_relative = 1e-7);
     let outer = DruckerPrager::matching(2100.0, soil(), Cone::Outer, phi, c, psi).unwrap();
     assert_relative_eq!(crushed(outer), compressive, max_relative = 1e-7);
-    // Inner cone: sigma/sqrt 3 = k + q sigma/3.
+    // Strength of the inner cone: sigma/sqrt 3 = k + q sigma/3.
     let inner = DruckerPrager::matching(2100.0, soil(), Cone::Inner, phi, c, psi).unwrap();
     let root = 3.0_f64.sqrt();
     let expected = inner.cohesion() / (1.0 / root - inner.friction() / 3.0);
@@ -330,11 +331,11 @@ fn unconfined_strengths() {
 
 #[test]
 fn plane_strain_cone_has_the_limit_load_of_the_pyramid() {
-    // Compressed in x, free to dilate in y under constant mean strain rate: flow with psi = phi until the stress no
-    // longer changes. Then (s1 - s3) + (s1 + s3) sin phi = 2 c cos phi for both.
+    // Compression in x with dilatation in y at a constant mean strain rate: flow with psi = phi until the stress is
+    // stationary. Then (s1 - s3) + (s1 + s3) sin phi = 2 c cos phi for both laws.
     let (phi, c) = (30.0_f64.to_radians(), 10e3);
     let (sin, cos) = phi.sin_cos();
-    // Plastic flow of both in plane strain: volume rate = sin phi times the shear rate |d_xx - d_yy|.
+    // Plastic flow of both laws in plane strain: volumetric rate = sin phi times the shear rate |d_xx - d_yy|.
     let h = 2e-5;
     let (xx, yy) = (-h * (1.0 - sin), h * (1.0 + sin));
     for pyramid in [false, true] {
@@ -358,14 +359,15 @@ fn plane_strain_cone_has_the_limit_load_of_the_pyramid() {
             }
             state.stress
         };
-        // The increments are not quite logarithmic: second order in h, over 2000 steps.
+        // Tolerance: the increments are approximately logarithmic, of second order in h, over 2000 steps.
         assert!(excess(&end).abs() < 2e-3 * end.0[0].abs(), "{:e} of {:e}", excess(&end), end.0[0]);
     }
 }
 
 #[test]
 fn mohr_coulomb_stays_on_its_pyramid() {
-    // Random principal strains from rest under pressure: admissible, coaxial, and the return to a face by hand.
+    // Random principal strains from rest under pressure: admissible and coaxial stress, and return mapping to a
+    // face in closed form.
     let (k, g) = (soil().bulk, soil().shear);
     let (phi, psi, c) = (30.0_f64.to_radians(), 12.0_f64.to_radians(), 10e3);
     let (sin, cos, dil) = (phi.sin(), phi.cos(), psi.sin());
@@ -385,7 +387,7 @@ fn mohr_coulomb_stays_on_its_pyramid() {
         let mut s = [new.stress.0[0], new.stress.0[1], new.stress.0[2]];
         let scale = 1e-10 * (apex + s[0].abs() + s[1].abs() + s[2].abs());
         assert!(new.stress.0[3..].iter().all(|x| x.abs() < scale));
-        // The order of principal stresses is that of the strains.
+        // The principal stresses have the order of the strains.
         for i in 0..3 {
             for j in 0..3 {
                 assert!(strain[i] < strain[j] || s[i] >= s[j] - scale);
@@ -394,7 +396,7 @@ fn mohr_coulomb_stays_on_its_pyramid() {
         s.sort_by(|a, b| b.partial_cmp(a).unwrap());
         let excess = (s[0] - s[2]) + (s[0] + s[2]) * sin - 2.0 * c * cos;
         assert!(excess <= scale && s[0] <= apex + scale, "{excess:e} {s:?}");
-        // A face: three different principal stresses, and the flow along its normal.
+        // Face of the pyramid: three distinct principal stresses, and flow along its normal.
         let j: f64 = new.state.volume_ratio;
         let mean = k * j.ln();
         let average = (strain[0] + strain[1] + strain[2]) / 3.0;
@@ -403,7 +405,7 @@ fn mohr_coulomb_stays_on_its_pyramid() {
         let over = (trial[0] - trial[2]) + (trial[0] + trial[2]) * sin - 2.0 * c * cos;
         if over > 0.0 && s[0] - s[1] > 10.0 && s[1] - s[2] > 10.0 {
             faces += 1;
-            // D : (1 + dil, 0, -(1 - dil)) by Hooke's law.
+            // Elastic tensor times flow direction, D : (1 + dil, 0, -(1 - dil)), by Hooke's law.
             let lambda = k - 2.0 * g / 3.0;
             let volume = 2.0 * dil;
             let flow = [
@@ -471,7 +473,7 @@ fn bad_concrete_is_refused() {
     let refused = |bad: CrushConstants<f64>| CrushCurve::new(bad).unwrap_err().to_string();
     assert!(refused(CrushConstants { crush_pressure: -1.0, ..good }).contains("P_crush"));
     assert!(refused(CrushConstants { lock_pressure: 1e6, ..good }).contains("P_lock"));
-    // Region III never reaches this pressure before it falls.
+    // Region III decreases before it reaches this pressure.
     assert!(
         refused(CrushConstants { solid: [85e9, -900e9, 0.0], lock_pressure: 5e9, ..good }).contains("P_lock")
     );
@@ -482,13 +484,12 @@ fn bad_concrete_is_refused() {
     assert!(HolmquistJohnsonCook::new(bad, crush).unwrap_err().to_string().contains("tensile"));
 }
 
-#[cfg(feature = "conformance")]
 mod battery {
     use mpm_materials::conformance::{self as held, Options, state_length};
     use mpm_materials::*;
 
-    /// Strength that grows with pressure without dilatancy is not associated flow: in some directions the tangent
-    /// exceeds the elastic one, here by some per cent. Without friction, below, the bound is strict.
+    /// Friction without dilatancy is non-associated flow: in some directions the tangent stiffness exceeds the
+    /// elastic one, here by some per cent. Without friction, below, the bound is strict.
     const FRICTION: f64 = 0.1;
 
     fn concrete() -> Ground<HolmquistJohnsonCook<f64>> {
@@ -514,7 +515,7 @@ mod battery {
         held::lanes(&spall, &options).unwrap();
         held::not_a_number(&spall, &options).unwrap();
         held::work(&spall, &Options { work_tolerance: 2e-2, ..options }).unwrap();
-        // Fully damaged concrete as rubble; concrete that a strain takes away.
+        // Fully damaged concrete as rubble, and concrete removed at a limit strain.
         held::fails(&concrete().with_failure(DamageLimit::new(1.0).unwrap()), &options).unwrap();
         let eroded = concrete().with_failure(Removed(PlasticStrainLimit::new(0.02).unwrap()));
         held::lanes(&eroded, &options).unwrap();

@@ -1,10 +1,11 @@
-//! The named materials: each runs, in both precisions, and is what its source says.
+//! Named materials: each runs in both precisions and agrees with its source.
 
 use approx::assert_relative_eq;
 use mpm_materials::eos::chapman_jouguet;
 use mpm_materials::{Constitutive, Eos, Jwl, Kinematics, Mat3, library};
 
-/// Squeezed and pulled by a percent: no breakdown, stress of the right sign, sound speed within `speeds`, m/s.
+/// Compress and stretch a law by one per cent: no breakdown, correct sign of stress, sound speed within `speeds`,
+/// m/s.
 fn runs<M: Constitutive<f64>, N: Constitutive<f32>>(
     law: M,
     single: N,
@@ -32,7 +33,7 @@ fn runs<M: Constitutive<f64>, N: Constitutive<f32>>(
         if part < 0.0 {
             assert!(double.mean() < rest, "{name}");
         }
-        // Precision of f32 against the wave modulus.
+        // Tolerance: single precision relative to the wave modulus.
         let tolerance = 2e-5 * density * speed * speed + 2e-3 * double.mean().abs();
         assert!((double.mean() - f64::from(rounded.mean())).abs() < tolerance, "{name}");
         assert!((double.0[5] - f64::from(rounded.0[5])).abs() < tolerance, "{name}");
@@ -42,7 +43,7 @@ fn runs<M: Constitutive<f64>, N: Constitutive<f32>>(
 #[test]
 fn every_material_runs() {
     use library::*;
-    // Longitudinal speeds of metals 2 to 7 km/s, soils far less.
+    // Longitudinal wave speeds: 2 to 7 km/s for metals, far less for soils.
     runs(aluminium_6061_t6(), aluminium_6061_t6(), 2700.0, 6000.0..6600.0);
     runs(aluminium_2024_t3(), aluminium_2024_t3(), 2785.0, 6400.0..6600.0);
     runs(copper_feng_2014(), copper_feng_2014(), 8940.0, 4400.0..5000.0);
@@ -73,7 +74,7 @@ fn every_material_runs() {
 fn charges_know_their_chapman_jouguet_state() {
     let tnt = library::tnt::<f64>();
     let state = chapman_jouguet(tnt.products()).unwrap();
-    // Stated for D, rounded to four digits for V.
+    // Tolerance: published for D, rounded to four digits for V.
     assert_relative_eq!(state.speed, tnt.detonation_speed(), max_relative = 1e-3);
     let still = Mat3([[state.volume_ratio - 1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
     let new = tnt.update(&Kinematics { increment: still, dt: 1e-9, length: 1e-3 }, &tnt.virgin());

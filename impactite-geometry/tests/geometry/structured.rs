@@ -1,11 +1,11 @@
-//! Structured meshes: sound elements for many parameters, closed surfaces, nodes on the shape, measures that converge.
+//! Structured meshes: valid elements for many parameters, closed surfaces, nodes on the shape, convergence of measures.
 
 use impactite_geometry::structured::*;
 use impactite_geometry::*;
 use proptest::prelude::*;
 
 fn volume_by_surface<const D: usize>(mesh: &ElementMesh<D>) -> (f64, [f64; D]) {
-    // Divergence theorem: the integral of x . n over the surface is D times the volume. A quadrilateral by its bilinear map, 2 x 2 points.
+    // Divergence theorem: the integral of x . n over the surface is D times the volume. Quadrilaterals: bilinear map, 2 x 2 points.
     let (mut flux, mut normals) = (0.0, [0.0; D]);
     for facet in mesh.surface().unwrap() {
         let x: Vec<[f64; D]> = facet.nodes().iter().map(|&n| mesh.nodes[n as usize]).collect();
@@ -37,7 +37,7 @@ fn volume_by_surface<const D: usize>(mesh: &ElementMesh<D>) -> (f64, [f64; D]) {
     (flux / D as f64, normals)
 }
 
-/// Cross product of two combinations of corners.
+/// Cross product of two linear combinations of corners.
 fn cross<const D: usize>(x: &[[f64; D]], a: [f64; 4], b: [f64; 4]) -> [f64; D] {
     let sum =
         |w: [f64; 4]| -> [f64; D] { std::array::from_fn(|d| x.iter().zip(w).map(|(x, w)| w * x[d]).sum()) };
@@ -45,7 +45,7 @@ fn cross<const D: usize>(x: &[[f64; D]], a: [f64; 4], b: [f64; 4]) -> [f64; D] {
     std::array::from_fn(|d| a[(d + 1) % D] * b[(d + 2) % D] - a[(d + 2) % D] * b[(d + 1) % D])
 }
 
-/// Sound, closed, and of the volume that its surface encloses.
+/// Check that a mesh is valid and closed, and return its volume, which must equal the enclosed volume.
 fn holds<const D: usize>(mesh: &ElementMesh<D>) -> f64 {
     mesh.check().unwrap();
     let volume = mesh.measure(Metric::Cartesian).unwrap();
@@ -57,13 +57,13 @@ fn holds<const D: usize>(mesh: &ElementMesh<D>) -> f64 {
     let used: std::collections::BTreeSet<u32> =
         mesh.blocks.iter().flat_map(|b| b.nodes.iter().copied()).collect();
     assert_eq!(used.len(), mesh.nodes.len(), "every node belongs to an element");
-    // Nothing that should be welded is left.
+    // No nodes remain to be welded.
     let shortest = mesh.edge_lengths().unwrap().min;
     assert_eq!(mesh.clone().welded(1e-4 * shortest).unwrap().nodes.len(), mesh.nodes.len());
     volume
 }
 
-/// Every edge of a surface in space belongs to two facets that run through it in opposite directions; in the plane every node to two edges.
+/// Check that every edge of a surface in space belongs to two facets of opposite direction, and in the plane every node to two edges.
 fn closed<const D: usize>(mesh: &ElementMesh<D>) {
     let mut sides = std::collections::HashMap::new();
     for facet in mesh.surface().unwrap() {
@@ -75,7 +75,7 @@ fn closed<const D: usize>(mesh: &ElementMesh<D>) {
             for (i, &a) in nodes.iter().enumerate() {
                 let b = nodes[(i + 1) % nodes.len()];
                 let side = sides.entry([a.min(b), a.max(b)]).or_insert(0);
-                // Two of the same direction would add to two, three to one or three.
+                // Opposite directions add to 1001, equal directions to 2 or 2000.
                 *side += if a < b { 1 } else { 1000 };
             }
         }
@@ -146,7 +146,7 @@ fn refusals_name_what_is_allowed() {
     assert!(wedge_mesh([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]], 2, ElementKind::Hexa8).is_err());
 }
 
-/// Errors of the measure at three resolutions, each twice as fine as the one before, must fall by four.
+/// Check second-order convergence: the error of the measure must fall by four at each of two refinements by two.
 fn converges(name: &str, exact: f64, measure: impl Fn(usize) -> f64) {
     let errors = [1, 2, 4].map(|fine| 1.0 - measure(fine) / exact);
     for pair in errors.windows(2) {

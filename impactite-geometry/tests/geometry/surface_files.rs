@@ -1,15 +1,14 @@
-//! Surfaces of STL, OBJ and PLY files as people and programs write them.
-#![cfg(feature = "mesh")]
+//! STL, OBJ and PLY readers: variants of the formats in practice.
 
 use impactite_geometry::*;
 use proptest::prelude::*;
 
-/// A box of 1 x 2 x 3, four of whose faces are quadrilaterals in the files below: volume and centroid are exact.
+/// Check the box of 1 x 2 x 3 of the files below, four of whose faces are quadrilaterals: volume and centroid are exact.
 fn assert_box(what: &str, mesh: Result<TriangleMesh, GeometryError>, triangles: usize) {
     let mesh = mesh.unwrap_or_else(|e| panic!("{what}: {e}"));
     assert_eq!((mesh.vertices().len(), mesh.triangles().len()), (8, triangles), "{what}");
     assert_eq!(mesh.bounds(), Bounds { min: [0.0; 3], max: [1.0, 2.0, 3.0] }, "{what}");
-    // Sum of twelve volumes of up to two.
+    // Rounding of a sum of twelve volumes of up to two.
     assert!((mesh.measure().unwrap() - 6.0).abs() < 1e-14, "{what}");
 }
 
@@ -24,7 +23,7 @@ const CORNERS: [[f64; 3]; 8] = [
     [0.0, 2.0, 3.0],
 ];
 
-/// Outwards; two faces are already triangles.
+/// Faces of the box, oriented outwards; two quadrilaterals are already split into triangles.
 const FACES: [&[usize]; 8] = [
     &[0, 3, 2, 1],
     &[4, 5, 6, 7],
@@ -70,7 +69,7 @@ fn dialects_of_obj_are_read_alike() {
     for (what, text) in dialects {
         assert_box(what, TriangleMesh::from_obj("box.obj", text.as_bytes(), 1.0), 12);
     }
-    // A prism on a hexagon: two polygons of six corners.
+    // Prism on a hexagon: two polygons of six corners.
     let mut prism = String::new();
     for z in [0, 1] {
         for [x, y] in [[2, 0], [4, 0], [6, 2], [4, 4], [2, 4], [0, 2]] {
@@ -125,14 +124,14 @@ fn bad_obj_files_are_refused_by_line() {
     assert_eq!(TriangleMesh::from_obj("none.obj", b"", 1.0).unwrap_err(), GeometryError::EmptyMesh);
 }
 
-/// Types of the numbers of a PLY file.
+/// Number types of a PLY file.
 struct Types {
     coordinate: &'static str,
     length: &'static str,
     corner: &'static str,
 }
 
-/// Appends a number of a type, in the order of bytes of the file.
+/// Append a number of a type, in the byte order of the file.
 fn put(out: &mut Vec<u8>, kind: &str, value: f64, big_endian: bool) {
     let mut bytes = match kind {
         "char" | "int8" => (value as i8).to_le_bytes().to_vec(),
@@ -151,7 +150,7 @@ fn put(out: &mut Vec<u8>, kind: &str, value: f64, big_endian: bool) {
     out.extend(bytes);
 }
 
-/// The box as a PLY file with other elements and properties beside it. `end`: of lines.
+/// Write the box as a PLY file with additional elements and properties; `end` is the line ending.
 fn ply(format: &str, types: &Types, end: &str) -> Vec<u8> {
     let Types { coordinate, length, corner } = types;
     let header = format!(
@@ -163,7 +162,7 @@ fn ply(format: &str, types: &Types, end: &str) -> Vec<u8> {
          element edge 2\nproperty int vertex1\nproperty int vertex2\nelement nothing 3\nend_header\n"
     );
     let mut out = header.replace('\n', end).into_bytes();
-    // Numbers of an element a row, with their types.
+    // Numbers with their types, one row per element.
     let mut rows: Vec<Vec<(&str, f64)>> =
         vec![vec![("float", f64::NAN), ("uchar", 2.0), ("double", 1.5), ("double", -1e99)]];
     for (n, [x, y, z]) in CORNERS.iter().enumerate() {
@@ -220,14 +219,14 @@ fn dialects_of_ply_are_read_alike() {
                     TriangleMesh::from_ply("box.ply", &[&bytes[..], &[0; 5]].concat(), 1.0),
                     12,
                 );
-                // Numbers of faces by the other name.
+                // Alternative name of the list of vertex indices.
                 let other = String::from_utf8_lossy(&bytes).find("vertex_indices").unwrap();
                 let renamed = [&bytes[..other], b"vertex_index", &bytes[other + 14..]].concat();
                 assert_box(&what, TriangleMesh::from_ply("box.ply", &renamed, 1.0), 12);
             }
         }
     }
-    // Text in double precision, whatever the header says.
+    // Text is read in double precision, whatever type the header declares.
     let text = String::from_utf8(ply("ascii", &FLOATS, "\n")).unwrap().replace("3 255 0 2 ", "3.1 255 0 2 ");
     let mesh = TriangleMesh::from_ply("box.ply", text.as_bytes(), 1.0).unwrap();
     assert!(mesh.vertices().contains(&[0.0, 2.0, 3.1]));
@@ -318,7 +317,7 @@ fn bad_ply_files_are_refused_by_line_or_byte() {
         let bytes = ply(format, &FLOATS, "\n");
         for length in 0..bytes.len() {
             let cut = TriangleMesh::from_ply("box.ply", &bytes[..length], 1.0);
-            // The last line of a text needs no end.
+            // The last line of a text file needs no line ending.
             assert!(cut.is_err() || (format == "ascii" && length + 1 >= bytes.len()), "{format}, {length}");
         }
     }
@@ -327,12 +326,12 @@ fn bad_ply_files_are_refused_by_line_or_byte() {
     assert!(said.contains("byte 600: the file ends where property"), "{said}");
 }
 
-/// The box as an STL file.
+/// Write the box as an STL file.
 fn stl(binary: bool) -> Vec<u8> {
     let triangles = FACES.iter().flat_map(|f| f.windows(2).skip(1).map(|edge| [f[0], edge[0], edge[1]]));
     let mut out = Vec::new();
     if binary {
-        // The word with which text begins.
+        // The binary header begins with the keyword of text files.
         out.extend(b"solid made by hand");
         out.resize(80, b' ');
         out.extend(12u32.to_le_bytes());

@@ -1,4 +1,4 @@
-//! Smoothed particles: errors within 2 % of what they were, and orders, limits and failures as theory has them.
+//! Smoothed particles: errors within 2 % of the stored ones, and orders, limits and failures as in theory.
 
 use verification::problems::smoothed::{By, Question, Trial, stored};
 use verification::smoothed::Smoothed;
@@ -16,7 +16,7 @@ fn cases(problem: Problem) -> Runs<Case<Smoothed>> {
     table::judged(fast::smoothed().into_iter().filter(|case| case.problem == problem))
 }
 
-/// A measure over the grids of the runs that are picked, coarse first, and its order.
+/// Measure over the grids of selected runs, coarse first, and its order.
 fn over_grids<R: Stored>(runs: &Runs<R>, quantity: &str, pick: impl Fn(&R) -> bool) -> (Vec<f64>, f64) {
     let list = series(runs, quantity, pick);
     let order = order(&list);
@@ -24,7 +24,8 @@ fn over_grids<R: Stored>(runs: &Runs<R>, quantity: &str, pick: impl Fn(&R) -> bo
     (list.iter().map(|s| s.1).collect(), order)
 }
 
-/// To rounding with corrected gradients, on a disordered set; as printed they see half of what they should at the faces.
+/// Patch test: exact to round-off with corrected gradients on a disordered set; the original formulation has half the
+/// strain at faces.
 #[test]
 fn linear_fields_are_strained_uniformly() {
     let runs = trials(Question::Patch);
@@ -35,8 +36,8 @@ fn linear_fields_are_strained_uniformly() {
     assert!(spread(By::Printed) > 0.3, "why are gradients corrected?");
 }
 
-/// Images beyond the axis leave what a kernel misses on a lattice, 1.4 % everywhere. Corrected gradients do without them, for the sake of energy: they
-/// are off by a quarter in the first two rows, and right to 3e-5 from the fourth on.
+/// Uniform stress at the axis: images beyond the axis leave the kernel's quadrature error on a lattice, 1.4 % everywhere. Corrected
+/// gradients use no images, for energy conservation: errors are a quarter in the first two rows, and 3e-5 from the fourth on.
 #[test]
 fn a_uniform_stress_at_the_axis() {
     let runs = trials(Question::Axis);
@@ -52,8 +53,8 @@ fn a_uniform_stress_at_the_axis() {
     assert!(of(By::Charted(TOTAL), "beyond") < 1e-4);
 }
 
-/// Second order, within 0.3 % with 40 particles on the radius, and the energy to 1e-3 in two periods. Balanced artificial stress takes
-/// 0.2 % of it.
+/// Breathing modes: second order, errors within 0.3 % with 40 particles on the radius, and energy conserved to 1e-3 in two periods.
+/// Balanced artificial stress dissipates 0.2 % of it.
 #[test]
 fn spheres_and_cylinders_breathe() {
     let total = |trial: &Trial| trial.by == By::Charted(TOTAL);
@@ -62,7 +63,7 @@ fn spheres_and_cylinders_breathe() {
         let (error, order) = over_grids(&runs, "frequency", total);
         assert!(over_grids(&runs, "energy", total).0.iter().all(|e| *e < 1e-3), "{question:?}");
         match question {
-            // Of ten on the radius at most.
+            // Grids of ten particles on the radius at most.
             Question::Eighth => assert!(error[2] < 0.04 && error[2] < error[0], "{error:?}"),
             Question::Sphere => assert!(error[2] < 3e-3 && order > 1.7, "{order} {error:?}"),
             _ => assert!(error.iter().all(|e| *e < 5e-4), "{question:?}: {error:?}"),
@@ -75,7 +76,8 @@ fn spheres_and_cylinders_breathe() {
     assert!(updated[2] < 2e-3 && updated[2] < updated[0], "artificial stress takes {updated:?}");
 }
 
-/// Lame: first order of the hoop stress at the bore, within 1.5 % with 40 particles through the wall; the bore opens right within 0.2 %.
+/// Lame's tube: first order of the hoop stress at the bore, within 1.5 % with 40 particles through the wall; bore displacement within
+/// 0.2 %.
 #[test]
 fn a_tube_under_pressure() {
     let total = |trial: &Trial| trial.by == By::Charted(TOTAL);
@@ -90,7 +92,7 @@ fn a_tube_under_pressure() {
     }
 }
 
-/// CSM3 within 3 % down and 6 % back with 12 particles through the beam, of second order.
+/// CSM3: displacements within 3 % down and 6 % back with 12 particles through the beam, of second order.
 #[test]
 fn a_beam_swings_as_far_as_turek_and_hron_say() {
     let runs = trials(Question::Beam);
@@ -100,8 +102,8 @@ fn a_beam_swings_as_far_as_turek_and_hron_say() {
     }
 }
 
-/// V1, V3, V5, V7, V13 and V14 in the reference configuration: second order where all is smooth, better than first at rims cut out of a
-/// lattice, first at a shock.
+/// V1, V3, V5, V7, V13 and V14 in the reference configuration: second order for smooth solutions, better than first order at rims cut
+/// out of a lattice, first order at a shock.
 #[test]
 fn orders_of_the_v_problems() {
     for (problem, quantity, least, finest) in [
@@ -121,16 +123,16 @@ fn orders_of_the_v_problems() {
     }
 }
 
-/// V4: the reference configuration bears shears of 7. The body force jumps at the rims of the annulus, which particles on a lattice see
-/// unevenly: no order.
+/// V4: the reference configuration tolerates shears of 7. The body force jumps at the rims of the annulus, which lattice particles
+/// sample unevenly: no order.
 #[test]
 fn v4_vortex() {
     let error = over_grids(&cases(Problem::Vortex), "u", |_| true).0;
     assert!(error[2] < 0.04 && error[2] < 0.5 * error[0], "{error:?}");
 }
 
-/// V2 and V6: energy of a bar that drifts to 1e-6, and the spin of a disc that turns to rounding; artificial stress takes most of the first and
-/// half a per cent of the second.
+/// V2 and V6: energy of a drifting bar conserved to 1e-6, and angular momentum of a rotating disc to round-off. Artificial stress
+/// dissipates most of the first and half a per cent of the second.
 #[test]
 fn what_is_kept() {
     let of = |runs: &Runs<Case<Smoothed>>, quantity: &str, scheme| {

@@ -1,14 +1,14 @@
-//! Errors of the stored cases within 2 % of what they were, and orders, limits and failures as theory has them.
+//! Material point cases: errors within 2 % of the stored ones, and orders, limits and failures as in theory.
 
 use verification::stored::{self, Runs, order, series};
 use verification::{Case, Kernel, Problem, Scheme, Velocity, fast};
 
-/// Run a problem's cases, print them and hold them to the table.
+/// Run a problem's cases, print them and compare them with the table.
 fn judged(problem: Problem) -> Runs {
     stored::judged(fast::cases().into_iter().filter(|case| case.problem == problem))
 }
 
-/// The order of a scheme over its (at least three) grids.
+/// Order of convergence of a scheme over its (at least three) grids.
 fn order_of(runs: &Runs, scheme: Scheme, quantity: &str, pick: impl Fn(&Case) -> bool) -> f64 {
     let list = series(runs, quantity, |case| case.scheme == scheme && pick(case));
     assert!(list.len() >= 3, "{}: {} grids", scheme.name(), list.len());
@@ -26,8 +26,8 @@ fn stops(runs: &Runs, scheme: Scheme) -> bool {
     runs.iter().any(|(case, outcome)| case.scheme == scheme && outcome.failure.is_some())
 }
 
-/// V1: period errors at 20 cells a half wave as predicted (book, "Properties of stress updates and transfers", finding 9), falling as the square of
-/// the cell.
+/// V1: period errors at 20 cells per half wave as predicted (book, "Properties of stress updates and transfers", finding 9), of second
+/// order in the cell size.
 #[test]
 fn v1_period_of_a_bar() {
     let runs = judged(Problem::Bar);
@@ -55,9 +55,9 @@ fn v1_period_of_a_bar() {
     }
 }
 
-/// V2: after ten periods of drifting through cells the energy is kept to 5 % (FMPM: 10 %), and within 1 % by what
-/// neither
-/// dissipates nor crosses. Linear shape functions with USL, whose step limit is none in almost empty cells, break.
+/// V2: after ten periods of drifting through cells the energy is conserved to 5 % (FMPM: 10 %), and to 0.1 % by a
+/// scheme without dissipation and cell crossing. Linear shape functions with USL, whose step limit vanishes in
+/// almost empty cells, fail.
 #[test]
 fn v2_energy_of_a_drifting_bar() {
     let runs = judged(Problem::Drift);
@@ -76,7 +76,7 @@ fn v2_energy_of_a_drifting_bar() {
     assert!(stops(&runs, Scheme::moving(Kernel::Linear, Velocity::Fmpm4Usl)));
 }
 
-/// V3: order 2 where domains tile, none where particles cross cells with two of them an axis; errors of linear shape functions grow.
+/// V3: order 2 for tiling domains, none for cell-crossing particles with two per axis; errors of linear shape functions grow.
 #[test]
 fn v3_axis_aligned_strain() {
     let runs = judged(Problem::Axes);
@@ -92,19 +92,19 @@ fn v3_axis_aligned_strain() {
             _ => {}
         }
     }
-    // Stress: first order of linear shape functions, second of splines.
+    // Stress: first order for linear shape functions, second for splines.
     for (kernel, least) in [(Kernel::Linear, 0.95), (Kernel::Quadratic, 1.9), (Kernel::Cubic, 1.9)] {
         let scheme = Scheme::total(kernel, Velocity::FlipMusl);
         let order = order_of(&runs, scheme, "stress", usual);
         assert!(order >= least, "{}: order {order}", scheme.name());
     }
-    // Without the error of the lumped mass a cubic spline is of fourth order in space.
+    // Without the lumped-mass error a cubic spline is of fourth order in space.
     let sharp = Scheme::total(Kernel::Cubic, Velocity::Fmpm4Usl);
     let order = order_of(&runs, sharp, "u", |case| !usual(case));
     assert!(order >= 2.5, "{}: order {order}", sharp.name());
 }
 
-/// V3 in space.
+/// V3 in three dimensions.
 #[test]
 fn v3_axis_aligned_strain_in_space() {
     let runs = judged(Problem::Axes3);
@@ -114,9 +114,9 @@ fn v3_axis_aligned_strain_in_space() {
     }
 }
 
-/// V4: in the reference configuration, where shears of 7 tear nothing apart, and by CPDI. There errors fall with an order of
-/// 1.5 or more, to 2 % on 64 cells with three particles an axis (four by CPDI), but for the cubic spline with APIC, which
-/// damps most.
+/// V4: runs complete in the reference configuration, where shears of 7 cause no fracture, and with CPDI. There the order is
+/// 1.5 or more, with errors of 2 % on 64 cells with three particles per axis (four with CPDI), except for the cubic spline
+/// with APIC, which dissipates most.
 #[test]
 fn v4_vortex() {
     let runs = judged(Problem::Vortex);
@@ -150,9 +150,8 @@ fn v4_vortex() {
     }
 }
 
-/// V5: better than first order in the reference configuration by the mean, and first, within 0.15, by the worst
-/// particle: the rims
-/// are cut out of a lattice.
+/// V5: better than first order in the mean in the reference configuration, and first order within 0.15 for the
+/// worst particle: the rims are cut out of a lattice.
 #[test]
 fn v5_expanding_ring() {
     let runs = judged(Problem::Ring);
@@ -170,7 +169,8 @@ fn v5_expanding_ring() {
     }
 }
 
-/// V6: flight at any speed makes no stress with what is safe in almost empty cells; linear shape functions with USL are not.
+/// V6: translation at any speed causes no stress with schemes that are stable in almost empty cells; linear shape functions
+/// with USL are not.
 #[test]
 fn v6_flight() {
     let runs = judged(Problem::Flight);
@@ -181,15 +181,15 @@ fn v6_flight() {
         if unsafe_in_empty_cells {
             assert!(stress.is_nan() || stress > 1e-13, "{}: {stress}", scheme.name());
         } else {
-            // 222 steps of round-off of velocities of 0.3 over cells of 1.
+            // Tolerance: 222 steps of round-off of velocities of 0.3 over cells of 1.
             assert!(stress <= 1e-13, "{}: {stress}", scheme.name());
         }
     }
 }
 
-/// V6: a turn. The particles' part of the angular momentum of APIC stays within 1e-3 (with that of the affine
-/// matrices it is exact:
-/// `tests/tests/step/conformance.rs`), in both configurations. FMPM(4) takes most of it from a disc of four cells.
+/// V6: rotation. The angular momentum of APIC particles is conserved to 1e-3 (with that of the affine matrices it
+/// is exact: `tests/tests/step/conformance.rs`), in both configurations. FMPM(4) dissipates most of it for a disc
+/// of four cells.
 #[test]
 fn v6_turn() {
     let runs = judged(Problem::Turn);
@@ -205,7 +205,7 @@ fn v6_turn() {
     }
 }
 
-/// V7: a pulse, second order.
+/// V7: velocity pulse, second order.
 #[test]
 fn v7_pulse() {
     let runs = judged(Problem::Pulse);
@@ -215,7 +215,7 @@ fn v7_pulse() {
     }
 }
 
-/// V13: Sod. A shock allows first order; with two particles an axis only the cubic spline gets there.
+/// V13: Sod. A shock permits first order; with two particles per axis only the cubic spline attains it.
 #[test]
 fn v13_shock_tube() {
     let runs = judged(Problem::Sod);
@@ -227,7 +227,7 @@ fn v13_shock_tube() {
     assert!(overshoot < 0.03, "overshoot {overshoot}");
 }
 
-/// V13 without bulk viscosity: the same plateau, but more overshoot.
+/// V13 without bulk viscosity: the same plateau with more overshoot.
 #[test]
 fn v13_shock_tube_without_viscosity() {
     let runs = judged(Problem::SodBare);
@@ -235,7 +235,7 @@ fn v13_shock_tube_without_viscosity() {
     assert!(overshoot > 0.1, "overshoot {overshoot}: what is bulk viscosity for?");
 }
 
-/// V14: order 0.9 over four grids where domains tile.
+/// V14: order 0.9 over four grids for tiling domains.
 #[test]
 fn v14_column() {
     let runs = judged(Problem::Column);
@@ -250,7 +250,7 @@ fn v14_column() {
     }
 }
 
-/// V22: vortices decay as viscosity has it, within 5 % on 32 cells.
+/// V22: vortices decay with viscosity as predicted, within 5 % on 32 cells.
 #[test]
 fn v22_taylor_green_vortices() {
     let runs = judged(Problem::TaylorGreen);

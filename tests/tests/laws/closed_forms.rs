@@ -1,4 +1,4 @@
-//! Laws against solutions in closed form.
+//! Constitutive laws against closed-form solutions.
 
 use approx::assert_relative_eq;
 use mpm_materials::driver::{Path, Step, run};
@@ -14,7 +14,7 @@ fn steps(duration: f64, steps: usize) -> Step<f64> {
     Step { dt: duration / steps as f64, steps }
 }
 
-/// Strain of a step that stretches by `1 + x`: x over the middle of the step, ln(1 + x) to third order.
+/// Strain increment of a step with stretch `1 + x`: x over the mid-step length, ln(1 + x) to third order.
 fn middle(x: f64) -> f64 {
     x / (1.0 + 0.5 * x)
 }
@@ -25,7 +25,7 @@ fn hooke_in_uniaxial_strain() {
     let strain = 10.0 * middle(1e-4);
     let law = LinearElastic::new(8930.0, m).unwrap();
     let end = run(&law, &Path::UniaxialStrain { rate: 10.0 }, steps(1e-4, 10)).unwrap();
-    // Of the Kirchhoff stress.
+    // Kirchhoff stress.
     let stress = end.rows[10].stress.0.map(|s| s * (1.0_f64 + 1e-4).powi(10));
     assert_relative_eq!(stress[0], m.p_wave() * strain, max_relative = 1e-12);
     assert_relative_eq!(stress[1], m.lambda() * strain, max_relative = 1e-12);
@@ -74,7 +74,7 @@ fn neo_hookean_in_uniaxial_stretch() {
 
 #[test]
 fn jaumann_rate_oscillates_in_simple_shear() {
-    // Exact for the Jaumann rate: tau = G sin gamma, sigma_xx = -sigma_yy = G (1 - cos gamma).
+    // Exact solution for the Jaumann rate: tau = G sin gamma, sigma_xx = -sigma_yy = G (1 - cos gamma).
     let m = copper_moduli();
     let law = LinearElastic::new(8930.0, m).unwrap();
     let shear = 2.0_f64;
@@ -90,12 +90,12 @@ fn jaumann_rate_oscillates_in_simple_shear() {
     let first_order = [500, 1000].map(|n| error(run(&law, &path, steps(1.0, n)).unwrap()));
     let rotation = [500, 1000].map(|n| error(run(&turning, &path, steps(1.0, n)).unwrap()));
     assert!(first_order[1] < 2e-3 && rotation[1] < 2e-3, "{first_order:?} {rotation:?}");
-    // Both converge at first order at least.
+    // Both objective rates converge with at least first order.
     assert!(first_order[1] < 0.55 * first_order[0] && rotation[1] < 0.55 * rotation[0]);
 }
 
-/// A strength alone, strained in proportion without volume change: `steps` steps of equivalent strain `strain`
-/// in all, at `rate`. Gives plastic strain, flow stress and the rest of the history.
+/// Strain a strength law proportionally without volume change, in `count` steps to the equivalent strain `strain`,
+/// at `rate`. Returns plastic strain, flow stress and the remaining state variables.
 fn proportional<S: Strength<f64>>(
     law: &S,
     strain: f64,
@@ -104,7 +104,7 @@ fn proportional<S: Strength<f64>>(
 ) -> (f64, f64, S::History<f64>) {
     let (mut deviator, mut history) = (Sym3([0.0; 6]), law.virgin());
     let part = strain / count as f64;
-    // Any direction with sqrt(2/3 e:e) = 1.
+    // Strain direction with sqrt(2/3 e:e) = 1.
     let direction = Sym3([0.5, 0.1, -0.6, 0.3, -0.2, 0.4]);
     let unit = direction * (1.5 / direction.dot(&direction)).sqrt();
     for _ in 0..count {
@@ -130,7 +130,8 @@ fn johnson_cook_flow_curve() {
         let plain = JohnsonCook::new(g, a, b, n).unwrap();
         let standard = plain.with_rate(Logarithmic::new(c, 1.0).unwrap());
         let smooth = plain.with_rate(SmoothLogarithmic::new(c, 1.0).unwrap());
-        // One step, coarse steps, fine steps: the curve is implicit, so all lie on it.
+        // Step sizes: one step, coarse steps, fine steps. The return mapping is implicit, so that all are on the
+        // curve.
         for (strain, count) in [(0.004, 1), (0.3, 1), (0.3, 10), (1.0, 5000)] {
             for rate in [0.1_f64, 1.0, 1e4] {
                 for (found, factor) in [
@@ -139,9 +140,9 @@ fn johnson_cook_flow_curve() {
                     (proportional(&smooth, strain, count, rate), 1.0 + c * (1.0 + rate).ln()),
                 ] {
                     let (plastic, flow, _) = found;
-                    // The start of the curve: A also where the power has infinite slope.
+                    // Flow curve: starts at A, even where the power has infinite slope.
                     assert_relative_eq!(flow, (a + b * plastic.powf(n)) * factor, max_relative = 1e-10);
-                    // Elastic and plastic strain add up to the strain: 3 G eps_e = sigma.
+                    // Strain decomposition, elastic plus plastic: 3 G eps_e = sigma.
                     assert_relative_eq!(plastic + flow / (3.0 * g), strain, max_relative = 1e-11);
                 }
             }
@@ -151,7 +152,8 @@ fn johnson_cook_flow_curve() {
 
 #[test]
 fn johnson_cook_heats_and_softens() {
-    // With m = 1 and C = 0: 1 - T* = exp(-k (A eps + B eps^(n+1)/(n+1))), k = chi / (rho c (T_melt - T_room)).
+    // Closed form for m = 1 and C = 0: 1 - T* = exp(-k (A eps + B eps^(n+1)/(n+1))), k = chi / (rho c (T_melt -
+    // T_room)).
     let (a, b, n) = (90e6, 292e6, 0.31);
     let heat = Heat { room: 294.0, melt: 1356.0, exponent: 1.0, heat_capacity: 383.0, taylor_quinney: 0.9 };
     let law = JohnsonCook::new(47.7e9, a, b, n).unwrap().with_heat(Adiabatic::new(heat).unwrap());
@@ -166,7 +168,7 @@ fn johnson_cook_heats_and_softens() {
     let (coarse, fine) = (error(1000), error(2000));
     assert!(fine < 0.1 && fine < 0.52 * coarse, "{coarse} {fine}");
 
-    // A curved softening, at one temperature.
+    // Nonlinear thermal softening at one temperature.
     let curved = Heat { exponent: 1.09, ..heat };
     let law = JohnsonCook::new(47.7e9, a, b, n).unwrap().with_heat(Adiabatic::new(curved).unwrap());
     let warm: f64 = 500.0;
@@ -186,7 +188,7 @@ fn johnson_cook_heats_and_softens() {
     assert_relative_eq!(new.plastic_work, work, max_relative = 1e-9);
     assert_relative_eq!(new.history.temperature - warm, 0.9 * work / (8930.0 * 383.0), max_relative = 1e-8);
 
-    // Molten: no strength.
+    // Molten state: no strength.
     let molten = strength::Hardened { plastic_strain: 0.2, temperature: 2000.0 };
     let new = law.return_map(&Sym3([0.0, 0.0, 0.0, 0.0, 0.0, 1e9]), &loading, &molten);
     assert!(!new.fault.any() && new.deviator.equivalent() < 1.0);
@@ -202,7 +204,7 @@ fn linear_hardening_flow_curve() {
 
 #[test]
 fn mie_gruneisen_returns_its_hugoniot() {
-    // U_s = c0 + s u_p, p = rho0 U_s u_p, eta = u_p/U_s, e = p eta/2: whatever gamma does.
+    // Hugoniot: U_s = c0 + s u_p, p = rho0 U_s u_p, eta = u_p/U_s, e = p eta/2, for any gamma.
     let (rho0, c0, s, gamma) = (8930.0, 3940.0, 1.49, 1.96);
     let plain = MieGruneisen::new(rho0, c0, s, gamma).unwrap();
     for law in [plain, plain.constant_gamma(), plain.with_correction(0.47).unwrap()] {
@@ -217,12 +219,12 @@ fn mie_gruneisen_returns_its_hugoniot() {
         }
     }
     assert_relative_eq!(plain.rest_speed(), c0, max_relative = 1e-14);
-    // rho gamma constant, and gamma constant.
+    // Gruneisen coefficient: constant rho gamma, and constant gamma.
     assert_relative_eq!(plain.terms(0.8).thermal, gamma, max_relative = 1e-14);
     assert_relative_eq!(plain.constant_gamma().terms(0.8).thermal, gamma / 0.8, max_relative = 1e-14);
-    // Tension.
+    // Pressure in tension.
     assert_relative_eq!(plain.pressure(1.01, 0.0), rho0 * c0 * c0 * (1.0 / 1.01 - 1.0), max_relative = 1e-12);
-    // From four fifths of the singular compression 1/s it goes on in a straight line in the density.
+    // Continuation beyond four fifths of the singular compression 1/s: linear in the density.
     let limit: f64 = 1.0 - 0.8 / s;
     assert_relative_eq!(plain.smallest_volume_ratio(), limit, max_relative = 1e-12);
     let known: [bool; 2] = [1.001, 0.999].map(|f| plain.in_range::<f64>(limit * f));
@@ -237,8 +239,8 @@ fn mie_gruneisen_returns_its_hugoniot() {
 
 #[test]
 fn aluminium_at_five_kilometres_per_second() {
-    // 58.8 GPa at u_p = 2.5 km/s with c0 5350 m/s, s 1.34, rho0 2703 (book, "Mie-Grueneisen"; the misprinted sign
-    // would give 33.9).
+    // Reference: 58.8 GPa at u_p = 2.5 km/s with c0 5350 m/s, s 1.34, rho0 2703 (book, "Mie-Grueneisen"; the
+    // misprinted sign would give 33.9).
     let law = MieGruneisen::new(2703.0, 5350.0, 1.34, 1.97).unwrap();
     let eta = 2500.0 / (5350.0 + 1.34 * 2500.0);
     let pressure = law.pressure(1.0 - eta, 0.5 * 58.8e9 * eta);
@@ -275,7 +277,7 @@ fn newtonian_shear_stress() {
         .with_shear_viscosity(Newtonian::new(2e-3).unwrap());
     let table = run(&law, &Path::SimpleShear { rate: 30.0 }, steps(1.0, 3)).unwrap();
     assert_relative_eq!(table.rows[3].stress.0[5], 2e-3 * 30.0, max_relative = 1e-12);
-    // Its volumetric rate leaves no trace in the viscous stress.
+    // The volumetric strain rate does not affect the trace of the viscous stress.
     let kinematics =
         Kinematics { increment: Mat3([[-1e-3, 0.0, 0.0], [0.0; 3], [0.0; 3]]), dt: 1e-3, length: 1.0 };
     let new = law.update(&kinematics, &law.virgin());
@@ -295,7 +297,7 @@ fn bulk_viscosity_of_a_closing_point() {
         - viscous.update(&closing, &viscous.virgin()).stress.0[0];
     let (density, rate) = (8930.0 / (1.0 - 1e-3), -1e4);
     let expected = density * 2e-3 * (1.5 * 2e-3 * rate * rate - 0.06 * 3940.0 * rate);
-    // The viscous work also heats the point: gamma q dJ/2 beside q.
+    // Tolerance: the viscous work also heats the point, gamma q dJ/2 beside q.
     assert_relative_eq!(q, expected, max_relative = 2e-3);
     let opening = moving(1e-3);
     assert_eq!(
@@ -306,7 +308,7 @@ fn bulk_viscosity_of_a_closing_point() {
 
 #[test]
 fn a_spalled_point_keeps_its_ledger() {
-    // Pulled apart beyond the spall strength, then pushed together: the energy equals the stress work.
+    // Tension beyond the spall strength, then compression: the energy equals the stress work.
     let law = Solid::new(JohnsonCook::copper_taylor(), MieGruneisen::copper())
         .with_failure(TensilePressure::new(1e9).unwrap());
     let (mut state, mut work) = (law.virgin(), 0.0);
@@ -372,7 +374,7 @@ fn the_driver_reports_the_step_that_broke() {
 
 #[test]
 fn one_elastic_step_stores_its_energy() {
-    // The work of a step is that of the mean stress: G e:e, however large the step.
+    // Work of a step by the mean stress: G e:e at any step size.
     let law = Solid::new(Elastic::new(30e9).unwrap(), MieGruneisen::copper());
     let e = 1e-3;
     let increment = Mat3([[0.0, e, 0.0], [e, 0.0, 0.0], [0.0; 3]]);

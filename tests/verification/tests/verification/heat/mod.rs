@@ -1,4 +1,5 @@
-//! V24, heat without conduction, which the framework does not have: plastic work heats, heat expands, and the books close.
+//! V24: adiabatic heating. Plastic work heats, heat expands, and the energy balance closes; the framework has no heat
+//! conduction.
 
 use std::sync::Arc;
 
@@ -29,7 +30,7 @@ fn wave() -> f64 {
     (SOUND * SOUND + 4.0 / 3.0 * SHEAR / DENSITY).sqrt()
 }
 
-/// A bar of 1 m, one cell high between planes of symmetry, its end at x = 0 held.
+/// Bar of 1 m, one cell high between symmetry planes, fixed at x = 0.
 fn bar<C: Constitutive<f64>>(
     method: impl IntoKernels<f64, 2>,
     law: impl IntoMaterial<f64, Law = C>,
@@ -48,7 +49,7 @@ fn bar<C: Constitutive<f64>>(
     mpm
 }
 
-/// A number of the state of all particles.
+/// State variable of all particles, by name.
 fn all(body: &dyn GridBody<f64, 2>, name: &str) -> Vec<f64> {
     let names = body.state_names();
     let at = names.iter().position(|n| n.ends_with(name)).unwrap_or_else(|| panic!("{name} of {names:?}"));
@@ -57,20 +58,20 @@ fn all(body: &dyn GridBody<f64, 2>, name: &str) -> Vec<f64> {
     list
 }
 
-/// A bar is squeezed uniformly by its end: every point keeps the speed -a X it starts with, so that nothing accelerates and the
-/// strain is exact. Ideally plastic in uniaxial strain: eps_p = 2/3 ln(J_y / J) from J_y = exp(-Y / 2 G) on, and with stress as
-/// true stress the plastic work a reference volume is 2/3 Y (J_y - J).
+/// Uniform compression by the bar end: every point keeps its initial velocity -a X, so that accelerations are zero and the
+/// strain is exact. Perfect plasticity in uniaxial strain: eps_p = 2/3 ln(J_y / J) from J_y = exp(-Y / 2 G) on; with Cauchy
+/// stress the plastic work per reference volume is 2/3 Y (J_y - J).
 #[test]
 fn v24_plastic_work_heats() {
     let (yielding, part) = (400.0e6, 0.9);
-    // Melting so far off that nothing softens.
+    // Melting temperature so high that there is no thermal softening.
     let heat =
         Heat { room: 294.0, melt: 1e7, exponent: 1.0, heat_capacity: HEAT_CAPACITY, taylor_quinney: part };
     let strength = JohnsonCook::new(SHEAR, yielding, 0.0, 1.0).expect("strength");
     let strength = strength.with_heat(Adiabatic::new(heat).expect("heat"));
     let law = Solid::new(strength, metal());
     let speed = 10.0;
-    // In the reference configuration, where no cell of the end is left half empty.
+    // Total Lagrangian: no cell of the end is partly empty.
     let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
     let mut mpm = bar(method, law.compiled(), law.virgin(), |x| -speed * x);
     let end = Cuboid::new([0.999, -1.0], [1.001, 1.0]).expect("end");
@@ -85,16 +86,16 @@ fn v24_plastic_work_heats() {
     let (low, high) = found.iter().fold((f64::INFINITY, 0.0f64), |s, t| (s.0.min(*t), s.1.max(*t)));
     let energy = ledger.worst_energy_error();
     println!("heating by {:.4} to {:.4} K, exact {exact:.4}; energy {energy:.1e}", low - 294.0, high - 294.0);
-    // Strain increments are of first order in the step, of which there are some thousand.
+    // Tolerance: strain increments are of first order in the step, of which there are some thousand.
     for t in [low, high] {
         assert!(((t - 294.0) / exact - 1.0).abs() < 2e-3, "{} K for {exact}", t - 294.0);
     }
-    // The work of the end is that of its momentum at half steps: first order in the step, too.
+    // Tolerance: the work of the end uses momentum at half steps, which is of first order in the step.
     assert!(energy.abs() < 1e-3, "energy {energy}");
 }
 
-/// A bar is hot all over: e = rho0 c dT, and Mie-Grueneisen has a pressure of gamma0 e, which is 3 K alpha dT. Held at both ends
-/// that pressure stays; let go at one it swings about the length at which it would rest, L (1 + gamma0 e / (K + 4 G / 3)).
+/// A uniformly heated bar: e = rho0 c dT, with Mie-Grueneisen pressure gamma0 e, which is 3 K alpha dT. Fixed at both ends the
+/// pressure persists; released at one end the bar oscillates about the length at rest, L (1 + gamma0 e / (K + 4 G / 3)).
 #[test]
 fn v24_heat_expands_a_bar() {
     let law = Solid::new(Elastic::new(SHEAR).expect("strength"), metal());
@@ -109,7 +110,7 @@ fn v24_heat_expands_a_bar() {
     held.bound(Boundary::Symmetry { axis: 0, at: 1.0, side: Side::Below }).expect("end");
     held.run_until(period).expect("run");
     held.bodies()[0].for_each(&mut |p| {
-        // Nothing moves, so that this is round-off.
+        // Tolerance: all points are at rest, so that the error is round-off.
         assert!((p.stress[0] / -pressure - 1.0).abs() < 1e-12, "{} Pa for {pressure}", -p.stress[0]);
     });
 
@@ -134,8 +135,9 @@ fn v24_heat_expands_a_bar() {
     let exact = pressure / (DENSITY * wave() * wave());
     let (found, energy) = (sum / count, ledger.worst_energy_error());
     println!("mean strain {found:.4e}, exact {exact:.4e}; energy {energy:.1e}");
-    // Second order in the cell, of 20, and in the strain.
+    // Tolerance: second order in the cell size, of 20 cells, and in the strain.
     assert!((found / exact - 1.0).abs() < 0.01, "{found} for {exact}");
-    // MUSL has energies of momentum and stress half a step apart: what swings is a part omega dt / 2 of the elastic energy.
+    // MUSL energies of momentum and stress are half a step apart: the oscillation is a fraction omega dt / 2 of the elastic
+    // energy.
     assert!(energy.abs() < 1e-6, "energy {energy}");
 }

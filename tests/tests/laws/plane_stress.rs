@@ -1,4 +1,4 @@
-//! Laws in plane stress against closed solutions.
+//! Plane stress laws against closed-form solutions.
 #![allow(missing_docs)]
 
 use mpm_materials::{
@@ -15,7 +15,7 @@ fn moduli() -> Moduli<f64> {
 
 type States<C> = <PlaneStress<C> as Constitutive<f64>>::State<f64>;
 
-/// Strain a virgin point along the plate, in steps.
+/// Strain a virgin point in the plane in `steps` steps.
 fn strained<C: Constitutive<f64>>(law: &PlaneStress<C>, strain: [[f64; 2]; 2], steps: usize) -> States<C> {
     let mut state = law.virgin();
     for _ in 0..steps {
@@ -50,7 +50,7 @@ fn a_plate_is_stretched_with_the_modulus_of_plates() {
         let stress = law.stress(&state).0;
         assert!((stress[0] / (YOUNG * e) - 1.0).abs() < 3e-6 && stress[1].abs() < 3e-6 * YOUNG * e);
     }
-    // Shear makes nothing across.
+    // Shear causes no thickness change.
     let state = strained(&law, [[0.0, e], [e, 0.0]], 3);
     assert!((state.thickness - 1.0).abs() < 1e-11, "{}", state.thickness);
     assert!((law.stress(&state).0[5] / (2.0 * moduli().shear * e) - 1.0).abs() < 1e-5);
@@ -61,16 +61,16 @@ fn a_plate_that_yields_bears_what_von_mises_says() {
     const YIELD: f64 = 400e6;
     let bulk = LogarithmicBulk::new(7850.0, moduli().bulk).unwrap();
     let law = PlaneStress::new(Solid::new(J2::linear(moduli().shear, YIELD, 0.0).unwrap(), bulk));
-    // Drawn the same way in both directions: sigma = Y each.
+    // Equal biaxial stretch: sigma = Y in both directions.
     let e = 0.02;
     let state = strained(&law, [[e, 0.0], [0.0, e]], 400);
     let stress = law.stress(&state).0;
     assert!((stress[0] / YIELD - 1.0).abs() < 2e-3 && (stress[1] / YIELD - 1.0).abs() < 2e-3, "{stress:?}");
-    // What is across is elastic and makes up for what is plastic along, at constant volume.
+    // Thickness strain: elastic part, plus the compensation of the isochoric plastic strain in the plane.
     let elastic = YIELD * (1.0 - POISSON) / YOUNG;
     let across = -2.0 * POISSON * YIELD / YOUNG - 2.0 * (e - elastic);
     assert!((state.thickness.ln() / across - 1.0).abs() < 2e-3, "{} {across}", state.thickness);
-    // Held along y: 2 Y / sqrt 3 and Y / sqrt 3.
+    // Fixed along y: 2 Y / sqrt 3 and Y / sqrt 3.
     let state = strained(&law, [[e, 0.0], [0.0, 0.0]], 400);
     let stress = law.stress(&state).0;
     let root = 3.0f64.sqrt();
@@ -86,7 +86,7 @@ fn any_law_does_in_plates() {
     let rubber = PlaneStress::new(
         mpm_materials::NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.49).unwrap()).unwrap(),
     );
-    // Nearly incompressible: thickness times area stays.
+    // Nearly incompressible: thickness times area is constant.
     let state = strained(&rubber, [[0.3, 0.0], [0.0, 0.0]], 30);
     let stretch = (1.0f64 + 0.01).powi(30);
     assert!((state.thickness * stretch - 1.0).abs() < 0.02, "{}", state.thickness);
@@ -121,7 +121,7 @@ fn a_point_that_finds_no_strain_across_breaks_down() {
     increment.0[0][0] = f64::NAN;
     let update = law.update(&Kinematics { increment, dt: 1e-6, length: 1e-3 }, &law.virgin());
     assert!(update.fault.cause(0).is_some());
-    // Turned inside out along the plate.
+    // Inverted in the plane.
     increment.0[0][0] = -1.5;
     let update = law.update(&Kinematics { increment, dt: 1e-6, length: 1e-3 }, &law.virgin());
     let cause = update.fault.cause(0).expect("it breaks");
