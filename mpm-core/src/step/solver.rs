@@ -1,4 +1,4 @@
-//! The solver: bodies on a grid, and the step.
+//! Solver: time step of bodies on a grid.
 
 use std::time::Instant;
 
@@ -6,7 +6,6 @@ use impactite_scene::boundary::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
-use super::between_steps::operations::StepEnd;
 use super::bodies::body::{BodyTrouble, GridBody, Steps, Which};
 use super::bodies::load::Loading;
 use super::contact::ContactPhase;
@@ -22,47 +21,48 @@ use crate::grid::OutsideGrid;
 use impactite_scene::boundary::Boundary;
 use impactite_simd::{Float, Team};
 
-/// How often the affine velocity field of particles is taken from the nodes at the start of a run: what is left of its error falls by
-/// more than half each time.
+/// Iterations for the affine velocity field of particles at the start of a run. Each gathers the field from the nodes
+/// and reduces the remaining error by more than half.
 const REFITS: usize = 8;
-/// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii), and where blocks were arranged with
-/// a look ahead.
+/// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii), and the same for blocks
+/// arranged with a look-ahead.
 const PRUNE_EVERY: u64 = 10;
 const PRUNE_AHEAD: u64 = 128;
-/// Blocks that are arranged anew after fewer steps than this, and hold fewer particles each on average, are arranged with a
-/// look ahead: that takes memory, and about as long as a step.
+/// Blocks are arranged with a look-ahead if the last arrangement is fewer steps than this ago, and they contain fewer
+/// particles each on average. A look-ahead costs memory, and about the time of a step.
 const OFTEN: u64 = 16;
 const FEW: usize = 32;
 
-/// Steps in which rigid bodies cross a cell, where there are no others.
+/// Steps in which rigid bodies cross a cell, in scenes of rigid bodies only.
 const STEPS_A_CELL: f64 = 20.0;
-/// A step over the time that is left, of rigid bodies at rest that nothing accelerates yet.
+/// Ratio of the step to the remaining time, for rigid bodies at rest without an acceleration.
 const LEAST_PART: f64 = 1e-3;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Make one step, and return its size in seconds.
+    /// Make one step, and return its size, s.
     ///
     /// # Errors
-    /// Names body, particle, place and cause of what stopped it. A run that was stopped stays so.
+    /// The error names body, particle, position and cause. A stopped run returns its error again.
     pub fn step(&mut self) -> Result<T, StepError> {
         self.step_at_most(f64::INFINITY)
     }
 
     /// Make one step, of at most `left` seconds if it can still be shortened.
     ///
-    /// A step that maps momentum and impulse together ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)) was planned by the step
-    /// before it, whose `left` it respects; only its successor follows the `left` given here.
+    /// A step that maps momentum and impulse together
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)) was planned in the preceding step, for the
+    /// `left` of that step; only the next step respects the present `left`.
     ///
-    /// The stages are those of \[Ma2010\] 1.4 (i - xii). The map of mass, momentum and force that opens a
-    /// step (iii, vi) was made by the last pass of the step before, while the particles were at hand.
+    /// The stages are those of \[Ma2010\] 1.4 (i - xii). The map of mass, momentum and force at the start of a step
+    /// (iii, vi) is part of the last pass of the preceding step, which visits the particles anyway.
     ///
     /// # Errors
-    /// As [`Mpm::step`]; a `left` that is not positive.
+    /// Errors of [`Mpm::step`]; a `left` that is not positive.
     pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
         self.work.step_at_most(self, left)
     }
 
-    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    // Never inlined, so that profilers (callgrind) separate the work of steps from that of observers.
     #[inline(never)]
     pub(super) fn step_at_most_here(&mut self, left: f64) -> Result<T, StepError> {
         if let Some(error) = &self.stopped_by {
@@ -85,7 +85,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.convert_clients()?;
         }
         self.reactivate_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
-        self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
+        self.map_particles(left)?; // iii, vi (only if nothing is mapped yet)
         let dt = self.time_step(left)?;
         if self.clock.time + dt.to_double() == self.clock.time {
             let allowed = "long enough to move the clock: let it start at an earlier time (`Mpm::set_time`)";
@@ -98,32 +98,22 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if before_forces {
             self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
             self.hold_at_walls(dt, true);
-            self.apply_contact(ContactPhase::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
+            self.apply_contact(ContactPhase::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm corrects the strain
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
             self.undo_contact_correction(dt);
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
-            self.move_rigid(dt)?;
-            self.meet_walls(dt);
-            self.meet_surfaces(dt)?;
-            self.damp(dt);
-            self.watch_motion();
-            self.invert_full_mass(dt)?; // FMPM
+            self.complete_trial(dt)?;
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
-            self.move_rigid(dt)?;
-            self.meet_walls(dt);
-            self.meet_surfaces(dt)?;
-            self.damp(dt);
-            self.watch_motion();
-            self.invert_full_mass(dt)?; // FMPM
+            self.complete_trial(dt)?;
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if remap {
                 self.stage(dt).remap_velocities(dt); // x: eq. 3 again
                 self.hold_remapped_at_walls(dt);
-                self.apply_contact(ContactPhase::Remapped, dt); // x, if the contact algorithm wants it
+                self.apply_contact(ContactPhase::Remapped, dt); // x, if the contact algorithm corrects the strain
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
         }
@@ -136,24 +126,23 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(dt)
     }
 
-    /// Filter, stop, merge particles, where it is time to.
-    fn apply_between_steps(&mut self) {
-        let anew = self.between_steps.apply(StepEnd {
-            bodies: &mut self.scene.bodies,
-            team: &self.team,
-            steps: self.clock.steps,
-            ledger: &mut self.ledger,
-        });
-        self.stepper.mapped &= !anew;
+    /// Complete the trial velocities: rigid bodies, walls, surfaces of other discretisations, damping, the full mass matrix.
+    fn complete_trial(&mut self, dt: T) -> Result<(), StepError> {
+        self.move_rigid(dt)?;
+        self.meet_walls(dt);
+        self.meet_surfaces(dt)?;
+        self.damp(dt);
+        self.watch_motion();
+        self.invert_full_mass(dt) // FMPM
     }
 
-    /// Refuse loads and prescribed velocities that are no numbers in this step.
+    /// Check that loads and prescribed velocities are finite in this step.
     fn check_conditions(&self, dt: f64) -> Result<(), SceneError> {
         let (time, conditions) = (self.clock.time, &self.scene.conditions);
         check_at(conditions.gravity.as_ref(), &conditions.boundaries, time, &[time, time + dt])
     }
 
-    /// Book the step, bring particles to their new bins, define the new grid (xii, ii).
+    /// Book the step, sort particles into their new bins and arrange the new grid (xii, ii).
     pub(super) fn close_step(&mut self, dt: T) -> Result<(), StepError> {
         for part in self.grid.books.iter().map(|books| &books.ledger).chain([&self.grid.scene_wide]) {
             self.ledger.add(part);
@@ -193,7 +182,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Let the bodies act on each other at the nodes they share.
+    /// Apply contact between bodies at shared nodes.
     fn apply_contact(&mut self, phase: ContactPhase, dt: T) {
         let contact = &*self.scene.contact;
         if contact.separates() && (phase == ContactPhase::Trial || contact.corrects_strain()) {
@@ -208,7 +197,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// Plan how bodies of prescribed motion move.
+    /// Plan the step of rigid bodies with prescribed motion.
     fn plan_rigid(&mut self, dt: T) -> Result<(), StepError> {
         for n in 0..self.scene.rigid.len() {
             let (body, hoop) = (self.scene.rigid[n], self.facts().hoop);
@@ -221,7 +210,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Move rigid bodies: free ones as what their nodes got in this step pushes them, and their nodes with them.
+    /// Move rigid bodies and their nodes; free bodies move by the impulses on their nodes in this step.
     fn move_rigid(&mut self, dt: T) -> Result<(), StepError> {
         if self.scene.rigid.is_empty() {
             return Ok(());
@@ -254,7 +243,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 self.grid.scene_wide.impulse[d] += held[d];
                 self.grid.scene_wide.work += held[d] * velocity[d];
             }
-            // The work of a body force was booked with velocities as if nothing held the body.
+            // The work of a body force was booked with the velocities of an unconstrained body.
             for d in 0..D {
                 self.grid.scene_wide.work += 0.5 * step * gravity[d] * held[d];
             }
@@ -268,14 +257,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.check_rigid_places().map_err(|error| self.stopped(Stopped::Scene(error)))
     }
 
-    /// Local damping of nodes, where asked for.
+    /// Apply local damping to the nodes, if enabled.
     fn damp(&mut self, dt: T) {
         if self.scene.conditions.damping.acts() {
             self.stage(dt).damp(dt);
         }
     }
 
-    /// Local damping of a free rigid body: impulse, N s, and moment about its centre, N m s, of the step that are left. What was taken is booked.
+    /// Apply local damping to a free rigid body: return the remaining impulse, N s, and moment about its centre, N m
+    /// s, of the step, and book the removed part.
     fn damped(
         &mut self,
         state: &RigidState<D>,
@@ -293,7 +283,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let more = left - impulse[d];
             self.grid.scene_wide.load[d] += more;
             self.grid.scene_wide.damping -= more * (velocity[d] + 0.5 * left / mass);
-            // The work of a body force was booked with the velocities before.
+            // The work of a body force was booked with the undamped velocities.
             self.grid.scene_wide.work += 0.5 * dt * gravity.get(d).map_or(0.0, |g| g * more);
             impulse[d] = left;
             if spin[d] != 0.0 {
@@ -305,7 +295,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         (impulse, moment)
     }
 
-    /// Refuse rigid bodies that went behind planes of symmetry, which do not stop those of prescribed motion.
+    /// Check that no rigid body is behind a plane of symmetry, which does not stop bodies of prescribed motion.
     fn check_rigid_places(&self) -> Result<(), SceneError> {
         let planes =
             self.scene.conditions.boundaries.iter().filter(|b| matches!(b, Boundary::Symmetry { .. }));
@@ -324,7 +314,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Take contact back from the momentum that the stress update of USF saw.
+    /// Remove contact from the momentum that the stress update of USF used.
     fn undo_contact_correction(&mut self, dt: T) {
         if self.scene.contact.separates() && self.scene.contact.corrects_strain() {
             let (mut stage, state) = self.grid.stage(&self.scene, &self.team, self.stage_of(dt));
@@ -332,7 +322,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// Surface loads of all bodies, as the last pass mapped them.
+    /// Sum the surface loads of all bodies that the last pass mapped.
     fn loading(&self) -> Loading {
         let mut sum = Loading::default();
         for body in &self.scene.bodies {
@@ -345,7 +335,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         sum
     }
 
-    /// Map the particles as they stand, where no pass did so.
+    /// Map the particles in their present state, unless a pass did.
     pub(super) fn map_particles(&mut self, left: f64) -> Result<(), StepError> {
         if !self.stepper.mapped {
             let spacing = self.grid.lattice().spacing();
@@ -353,9 +343,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stepper.rate = rates.fold(T::default(), |a, b| if b > a { b } else { a });
             let planned = self.plan(left)?;
             let refits = if self.facts().affine { REFITS } else { 0 };
-            // Particles bring no affine field to a run. Without one a body that turns would lose the angular momentum that its
-            // particles have about their own centres, 1 % at ten cells a radius. The impulse of the step to come, which
-            // may be mapped with the momentum, is no part of it.
+            // Particles have no affine field at the start of a run. Without it a rotating body would lose the angular
+            // momentum of its particles about their own centres, 1 % at a radius of ten cells. The impulse of the
+            // next step, which may be mapped with the momentum, is not part of the field.
             self.stepper.planned = if refits == 0 { planned } else { T::default() };
             self.particle_pass(Which::Map, T::default())?;
             for fit in 1..=refits {
@@ -369,7 +359,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// FMPM: add the terms of the series for the inverse of the full mass matrix to the velocity.
+    /// Add the terms of the series for the inverse of the full mass matrix to the velocity (FMPM).
     fn invert_full_mass(&mut self, dt: T) -> Result<(), StepError> {
         let order = self.facts().order;
         if order < 2 {
@@ -388,7 +378,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(super) fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
         let adapt = matches!(self.stepper.control, TimeControl::Courant { .. });
-        // Forces act in the step that follows the map; those of USF in this one.
+        // Forces act in the step after the map; those of USF in the present one.
         let usf = self.facts().before_forces && which == Which::First;
         let force_time = self.clock.time + if usf { 0.0 } else { dt.to_double() };
         let Conditions { gravity, boundaries, .. } = &self.scene.conditions;
@@ -409,7 +399,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 Ok(r) if r > rate => (rate, fastest) = (r, b),
                 Ok(_) => {}
                 Err(BodyTrouble { particle, position, cause }) => {
-                    // The run ends here, with all particles where they went.
+                    // End the run with all particles at their last positions.
                     for body in &mut self.scene.bodies {
                         body.locate(which, false, &self.team);
                     }
@@ -431,7 +421,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// The step to make now; where momentum and impulse are mapped together, plan the next one, too.
+    /// Return the present step; where momentum and impulse are mapped together, also plan the next one.
     fn time_step(&mut self, left: f64) -> Result<T, StepError> {
         if !self.facts().maps_together {
             return self.plan(left);
@@ -453,7 +443,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let mut longest = self.steps_of_clients().map(|(_, step)| step).fold(f64::INFINITY, f64::min);
         if self.scene.rigid.len() == self.scene.bodies.len() {
             rate = self.rigid_rate(rate);
-            // Of bodies that are still at rest it is not known how fast they will be.
+            // The future speed of bodies at rest is unknown.
             longest = longest.min(if rate > 0.0 { longest } else { LEAST_PART * left });
         }
         let dt = self.stepper.control.next(rate, self.clock.last).min(longest);
@@ -463,25 +453,25 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if self.scene.clients.is_empty() {
             return Ok(T::of(dt.min(left)));
         }
-        // As `Clock::step_within`: no last step of nothing, which clients with surfaces would mend depths in.
+        // Avoid, like `Clock::step_within`, a last step near zero, in which clients with surfaces would correct penetrations.
         Ok(T::of(if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) }))
     }
 
-    /// What stands for the rate of waves where no body has any, 1/s, from that at which bodies cross cells: a cell is crossed, by what moves or
-    /// starts to fall, in some tens of steps.
+    /// Substitute for the rate of waves in scenes without any, 1/s, from the rate at which bodies cross cells: a body
+    /// that moves or starts to fall crosses a cell in some tens of steps.
     fn rigid_rate(&self, crossing: f64) -> f64 {
         let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
         let weight = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
         STEPS_A_CELL * (crossing + (weight / self.grid.lattice().spacing()).sqrt())
     }
 
-    /// The bodies that make steps of their own, and the longest that each can make in one of the scene, s.
+    /// Iterate over the bodies with steps of their own: index, and longest step in one of the scene, s.
     fn steps_of_clients(&self) -> impl Iterator<Item = (usize, f64)> {
         let clients = self.scene.clients.iter();
         clients.filter_map(|&n| Some((n, self.scene.bodies[n].client()?.stable_step())))
     }
 
-    /// What limits the next step.
+    /// Cause that limits the next step.
     pub(super) fn step_limit(&self) -> StepLimit {
         let control = &self.stepper.control;
         let rate = match (control, self.stepper.gershgorin) {
@@ -496,7 +486,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// The size of the next step, s.
+    /// Size of the next step, s.
     pub(super) fn stable_step_here(&mut self) -> Result<f64, StepError> {
         self.map_particles(f64::INFINITY)?;
         if self.facts().maps_together {
@@ -506,7 +496,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// What a stage of a step of `dt`, s, is of.
+    /// Parameters of a stage in a step of `dt`, s.
     fn stage_of(&self, dt: T) -> StageOf<T> {
         let facts = self.facts();
         let (wide, takes, forces) = (facts.wide(), self.kernels.taken(dt), !facts.maps_together);
@@ -518,7 +508,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.grid.stage(&self.scene, &self.team, of).0
     }
 
-    /// Have the node blocks that the particles reach, and tell the bodies where they are.
+    /// Arrange the node blocks that the particles reach, and link the bodies to them.
     pub(super) fn arrange(&mut self) -> Result<(), OutsideGrid> {
         let planes = self.at_planes();
         self.grid.arrange(&mut self.scene, &self.team, self.clock.steps, planes)
@@ -529,19 +519,19 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.grid.arrange_planes(&self.scene.conditions.boundaries, &self.scene.rigid, planes);
     }
 
-    /// How planes see the nodes.
+    /// Stencil reach and nodal shares of surface loads at planes.
     fn at_planes(&self) -> AtPlanes {
         let reach = [self.facts().wide(), self.facts().boundary_modified];
         AtPlanes { reach, shares: self.surface_shares() }
     }
 
-    /// What a traction on a plane of nodes gives to the nodes in front of, on and behind it: the weights of a point there.
+    /// Shares of a traction on a plane of nodes for the nodes in front of, on and behind it: the weights of a point there.
     fn surface_shares(&self) -> [f64; 3] {
         let facts = self.facts();
         if !facts.wide() || facts.domain.convects() {
             return [0.0, 1.0, 0.0];
         }
-        // The domain of a particle is no part of the surface: of weights with one the limit without it, linear shape functions.
+        // The domain of a particle is not part of the surface: the limit of weights without a domain are linear shape functions.
         let (point, none) = (T::of(1e-3), 1e-2);
         let xi = T::of(if facts.nodes.is_multiple_of(2) { -0.5 } else { 0.0 });
         let [weights, _] = self.kernels.shape().weights(xi, point);
@@ -551,7 +541,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         shares.map(|share| share / sum)
     }
 
-    /// The particle nearest to a block of nodes that the grid has not: the one that asks for it.
+    /// Return the error for a block of nodes outside the grid. It names the nearest particle: the one that needs the block.
     pub(super) fn who_left(&self, outside: OutsideGrid) -> Stopped {
         let lattice = self.grid.lattice();
         let (origin, width) = (lattice.origin(), BLOCK as f64 * lattice.spacing());
@@ -579,7 +569,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 }
 
-/// `task` on every body, with what it finds: bodies beside each other where that keeps all threads busy, else one after the other, each on all threads.
+/// Run `task` on every body and its entry of `found`: bodies in parallel where that keeps all threads busy, else one
+/// after the other, each on all threads.
 fn each_body<T: Float, const D: usize, X: Send>(
     team: &Team,
     bodies: &mut [Box<dyn GridBody<T, D>>],

@@ -1,28 +1,28 @@
-//! What is done to particles between steps: a list of operations, each of which sees the bodies at the end of a step.
+//! Operations on particles between steps: a list, each applied to the bodies at the end of a step.
 
 use super::rest::KineticDamping;
 use crate::step::bodies::body::GridBody;
+use crate::step::mpm::Mpm;
 use impactite_scene::Exchange;
 use impactite_simd::{Float, Team};
 
-/// The bodies at the end of a step.
+/// Bodies at the end of a step.
 pub(in crate::step) struct StepEnd<'a, T: Float, const D: usize> {
     pub(in crate::step) bodies: &'a mut [Box<dyn GridBody<T, D>>],
     pub(in crate::step) team: &'a Team,
-    /// Steps made.
+    /// Number of steps made.
     pub(in crate::step) steps: u64,
-    /// Where what an operation takes or gives is booked.
+    /// Book of the momentum and energy that operations add or remove.
     pub(in crate::step) ledger: &'a mut Exchange,
 }
 
-/// Something done to particles between steps.
+/// Operation on particles between steps.
 pub(in crate::step) trait StepOperation<T: Float, const D: usize> {
-    /// Do it, if it is time to. Must the particles be mapped anew?
+    /// Apply the operation, if due. Return true if the particles must be mapped again.
     fn apply(&mut self, end: &mut StepEnd<'_, T, D>) -> bool;
 }
 
-/// The operations of a scene that were asked for. Splitting is none: it is done where particles are moved
-/// ([`super::splitting`]).
+/// Enabled operations of a scene. Splitting is not in the list: it is done where particles are moved ([`super::splitting`]).
 #[derive(Default)]
 pub(in crate::step) struct BetweenSteps {
     pub(in crate::step) filter: Option<NullSpaceFilter>,
@@ -30,7 +30,7 @@ pub(in crate::step) struct BetweenSteps {
 }
 
 impl BetweenSteps {
-    /// Do all that is due, in this order. Must the particles be mapped anew?
+    /// Apply all operations that are due, in this order. Return true if the particles must be mapped again.
     pub(in crate::step) fn apply<T: Float, const D: usize>(&mut self, mut end: StepEnd<'_, T, D>) -> bool {
         let list: [Option<&mut dyn StepOperation<T, D>>; 3] = [
             self.filter.as_mut().map(|filter| filter as _),
@@ -41,14 +41,14 @@ impl BetweenSteps {
     }
 }
 
-/// A null-space filter after every so many steps.
+/// Null-space filter after every `every` steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::step) struct NullSpaceFilter {
     pub(in crate::step) every: u64,
 }
 
 impl<T: Float, const D: usize> StepOperation<T, D> for NullSpaceFilter {
-    /// What nodes see stays as it is, and so does the map.
+    /// Apply the filter. Nodal values are unchanged, and so is the map.
     fn apply(&mut self, end: &mut StepEnd<'_, T, D>) -> bool {
         if end.steps.is_multiple_of(self.every) {
             let bodies = end.bodies.iter_mut();
@@ -59,8 +59,8 @@ impl<T: Float, const D: usize> StepOperation<T, D> for NullSpaceFilter {
     }
 }
 
-/// Part of its peak that the kinetic energy falls by when the peak is past: a step or two later. Without it rounding would
-/// stop what nodes hardly feel and pass on to the particles only in the course of time.
+/// Relative decrease of the kinetic energy at which its peak has passed: a step or two later. Without it rounding
+/// would cause stops of motion that nodes hardly resolve and transfer to the particles only slowly.
 const PAST: f64 = 1e-3;
 
 impl<T: Float, const D: usize> StepOperation<T, D> for KineticDamping {
@@ -82,7 +82,7 @@ impl<T: Float, const D: usize> StepOperation<T, D> for KineticDamping {
     }
 }
 
-/// Merging of the particles of bodies that ask for it.
+/// Merging of the particles of bodies that enable it.
 struct Merge;
 
 impl<T: Float, const D: usize> StepOperation<T, D> for Merge {
@@ -92,5 +92,18 @@ impl<T: Float, const D: usize> StepOperation<T, D> for Merge {
             any |= body.division_mut().is_some_and(|body| body.merge(end.steps, end.team));
         }
         any
+    }
+}
+
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// Apply filters, kinetic damping and merging where due.
+    pub(in crate::step) fn apply_between_steps(&mut self) {
+        let anew = self.between_steps.apply(StepEnd {
+            bodies: &mut self.scene.bodies,
+            team: &self.team,
+            steps: self.clock.steps,
+            ledger: &mut self.ledger,
+        });
+        self.stepper.mapped &= !anew;
     }
 }

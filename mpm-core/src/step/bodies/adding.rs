@@ -1,4 +1,4 @@
-//! Bodies come into a scene.
+//! Addition of bodies to a scene.
 
 use std::sync::Arc;
 
@@ -18,10 +18,10 @@ use impactite_scene::error::SceneError;
 use impactite_simd::Float;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Add a body of one law, its particles at `seeds` with an initial velocity (m/s) by position (m).
+    /// Add a body of one law with particles at `seeds` and an initial velocity (m/s) as a function of position (m).
     ///
     /// # Errors
-    /// No particles, particles larger than a cell, or outside the grid.
+    /// No particles; particles larger than a cell, or outside the grid.
     pub fn add(
         &mut self,
         name: &str,
@@ -32,19 +32,21 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.add_body(Deformable::new(name, law, seeds).moving(velocity))
     }
 
-    /// Add a body of which more is to be said.
+    /// Add a body with its initial state, loads and splitting ([`Deformable`]).
     ///
     /// # Errors
-    /// As [`Mpm::add`]. With an initial state also one with a number that is not finite, or whose volume ratio is not positive. With
-    /// splitting also particles that are not as long as they are wide, more of them than can be numbered, a law that does not keep the
-    /// stretch, and a method in the reference configuration; with [`Merging`](crate::step::Merging) also an affine transfer (APIC), domains
-    /// that are not boxes (CPDI), a law whose states have no mean ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), bodies in their reference configuration.
+    /// Errors of [`Mpm::add`]. With an initial state: a value that is not finite, or a volume ratio that is not
+    /// positive. With splitting: particles with unequal lengths along the axes, more particles than can be numbered,
+    /// a law that does not store the stretch, and a method in the reference configuration. With
+    /// [`Merging`](crate::step::Merging) also: an affine transfer (APIC), domains that are not boxes (CPDI), a law
+    /// without mean states ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), bodies in their reference
+    /// configuration.
     pub fn add_body<L: IntoMaterial<T>>(&mut self, body: Deformable<'_, D, L, T>) -> Result<(), SceneError> {
         self.insert(body.prepared())
     }
 
-    /// Add bodies by `add`, and find node blocks for all of them at once. The work is that of the bodies, where adding one by one finds those
-    /// of the bodies before anew with each.
+    /// Add bodies by `add`, and arrange node blocks once for all of them. The work is that of the bodies, whereas
+    /// each single addition also arranges the blocks of all earlier bodies.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
@@ -67,7 +69,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// ```
     ///
     /// # Errors
-    /// What `add` says; a body outside the grid. The scene is then not to be used.
+    /// Errors of `add`; a body outside the grid. The scene must not be used afterwards.
     pub fn add_together<X, E: From<SceneError>>(
         &mut self,
         add: impl FnOnce(&mut Self) -> Result<X, E>,
@@ -83,11 +85,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(added)
     }
 
-    /// Find the node blocks of all bodies, or name the first one that is outside the grid.
+    /// Arrange the node blocks of all bodies, or name the first one that is outside the grid.
     fn arrange_together(&mut self) -> Result<(), SceneError> {
         let Err(mut outside) = self.arrange() else { return Ok(()) };
         let mut bodies = std::mem::take(&mut self.scene.bodies);
-        // The first so many bodies are inside; with so many they are not.
+        // Bisection: the first `inside` bodies fit on the grid, the first `not` do not.
         let (mut inside, mut not) = (0, bodies.len());
         while not - inside > 1 {
             let middle = inside + (not - inside) / 2;
@@ -106,11 +108,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Err(SceneError::Outside(name, outside))
     }
 
-    /// Add a rigid body, its particles at `seeds`. It meets others through the contact algorithm, which must keep
-    /// bodies apart.
+    /// Add a rigid body with particles at `seeds`. It interacts with other bodies through the contact algorithm,
+    /// which must separate bodies.
     ///
     /// # Errors
-    /// As [`Mpm::add`]; a scene without contact; a motion that is not finite or that the coordinates do not have.
+    /// Errors of [`Mpm::add`]; a scene without contact; a motion that is not finite or not available in these coordinates.
     pub fn add_rigid(&mut self, name: &str, rigid: &Rigid<D>, seeds: &Seeds<D>) -> Result<(), SceneError> {
         self.work.add_rigid(self, name, rigid, seeds)
     }
@@ -130,7 +132,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(SceneError::RestOfFree(name.into()));
         }
         let body = RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), *self.grid.lattice(), seeds)?;
-        // Nodes beside planes are arranged as those of a rigid body.
+        // Registered as rigid first: the arrangement of nodes at planes depends on it.
         self.scene.rigid.push(self.scene.bodies.len());
         let entered = self.enter(name, Box::new(body));
         if entered.is_err() {
@@ -167,7 +169,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// What splitting asks of a body.
+    /// Check the requirements of splitting for a body, and return its parameters.
     fn check_splitting(
         &self,
         name: &str,
@@ -195,7 +197,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if count > most {
             return Err(SceneError::TooMany { body: body(), count, most });
         }
-        // Where particles merge, numbers are given as long as there are any.
+        // With merging, particles are cut as long as there are unused numbers.
         let generations = match splitting.merging() {
             Some(_) => (most / seeds.positions.len()).ilog2().min(Splitting::DEEPEST),
             None => splitting.generations(),
@@ -214,7 +216,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         })
     }
 
-    /// Refuse what a method in the reference configuration cannot do.
+    /// Refuse a feature that is not available in the reference configuration.
     pub(in crate::step) fn check_frame(&self, what: &str, why: &'static str) -> Result<(), SceneError> {
         if self.facts().total {
             let (what, method) = (what.into(), self.facts().description.clone());
@@ -239,7 +241,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             .transpose()?;
         let kernels = kernels.unwrap_or_else(|| self.kernels.clone());
         let (here, there) = (self.facts(), kernels.facts());
-        // A step so short that no time constant is: what is taken is then its share, and not all, whatever the constant.
+        // In a step shorter than any time constant the PIC fraction depends on that constant; in longer ones it may be 1 for all.
         let moment = T::of(1e-20);
         if here != there || kernels.taken(moment) != self.kernels.taken(moment) {
             let (there, here) = (there.description.clone(), here.description.clone());
@@ -272,13 +274,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.arrange().map_err(|outside| {
             self.scene.bodies.pop();
-            // As it was, which there is room for.
+            // Restore the former arrangement, for which the grid has space.
             let _ = self.arrange();
             SceneError::Outside(name.into(), outside)
         })
     }
 
-    /// Errors, tables and observers tell bodies apart by their names.
+    /// Check that the name is not empty and unique: errors, tables and observers identify bodies by name.
     pub(in crate::step) fn check_name(&self, name: &str) -> Result<(), SceneError> {
         let refuse = |allowed| Err(SceneError::Name { name: name.into(), allowed });
         if name.trim().is_empty() {
@@ -377,12 +379,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Add a body as it stands in another scene, of another method, grid or contact algorithm: with the positions,
-    /// velocities, masses, domains, states and numbers of its particles, and so with all its momentum and energy. `law` must be
-    /// the law that it has there. Its loads stay behind.
+    /// Add a body in its present state in another scene of another method, grid or contact algorithm: positions,
+    /// velocities, masses, domains, states and numbers of its particles are copied, and with them all its momentum
+    /// and energy. `law` must be its law in that scene. Loads are not copied.
     ///
-    /// So a body goes on in the current configuration ([`crate::UpdatedLagrangian`]) that was mapped in the reference one as
-    /// long as it neither broke nor met another:
+    /// A body that was mapped in the reference configuration can thus continue in the current one
+    /// ([`crate::UpdatedLagrangian`]) when it breaks or comes into contact with another:
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
@@ -413,13 +415,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # }
     /// ```
     ///
-    /// Domains along the axes (cpGIMP) begin as long as the edges of the one taken over, taken together; parallelograms (CPDI) are that;
-    /// corners (CPDI-2) those of the parallelogram, which those of neighbours meet only where both deformed alike. Splitting stays behind
-    /// as loads do, and velocities that vary within particles (APIC) begin anew.
+    /// Domains along the axes (cpGIMP) start with the root sum of squares of the copied edges along each axis;
+    /// parallelograms (CPDI) are copied; corners (CPDI-2) are those of the parallelogram, which coincide with those
+    /// of neighbours only where both deformed alike. Splitting and loads are not copied, and velocity variations
+    /// within particles (APIC) start from zero.
     ///
     /// # Errors
-    /// A method in the reference configuration, since that would be another one; another law; other coordinates (plane, of
-    /// revolution); particles that were larger at the start than a cell of this grid, that are outside it or behind the axis.
+    /// A method in the reference configuration, which would be a different one; another law; other coordinates
+    /// (plane, axisymmetric); particles that were larger at the start than a cell of this grid, or are outside it or
+    /// behind the axis.
     pub fn take_over(
         &mut self,
         law: impl IntoMaterial<T>,
@@ -465,10 +469,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.enter(name, Box::new(taken))
     }
 
-    /// Let the clock of a scene that made no step stand at `time`, s: when it takes over bodies of a run.
+    /// Set the clock of a scene without steps to `time`, s: for a scene that takes over bodies of a run.
     ///
     /// # Errors
-    /// A time that is not finite, or steps made.
+    /// A time that is not finite; a scene that made steps.
     pub fn set_time(&mut self, time: f64) -> Result<(), SceneError> {
         if !time.is_finite() || self.clock.steps > 0 {
             return Err(SceneError::Clock { time, steps: self.clock.steps });

@@ -1,4 +1,4 @@
-//! Bodies as the solver sees them: dynamic between bodies, static inside the loops.
+//! Interface of bodies to the solver: dynamic dispatch between bodies, static inside the loops.
 
 use mpm_contact::{NearPoint, SurfaceQuantity};
 
@@ -17,65 +17,66 @@ use impactite_scene::constants::Constant;
 use impactite_scene::error::Cause;
 use impactite_simd::{Float, Team};
 
-/// Which pass of a method to make.
+/// Kind of pass over the particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Which {
-    /// The map at the start of a run.
+    /// Map at the start of a run.
     Map,
-    /// The map anew with the affine field of the nodes.
+    /// Map at the start of a run, repeated with the affine field of the nodes.
     Refit,
-    /// The first of a step.
+    /// First pass of a step.
     First,
-    /// The second of a step.
+    /// Second pass of a step.
     Second,
-    /// A smoothing of FMPM.
+    /// Smoothing of FMPM.
     Smooth,
-    /// To where particles were placed.
+    /// Sorting into bins of particles that were placed elsewhere.
     Follow,
 }
 
-/// The time step, and the one after it, s.
+/// Sizes of the present and the next step, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Steps<T> {
-    /// This step.
+    /// Size of the present step, s.
     pub this: T,
-    /// The next.
+    /// Size of the next step, s.
     pub next: T,
-    /// Do later steps follow the wave speeds?
+    /// True if later steps follow the wave speeds.
     pub adapt: bool,
-    /// Time at which the forces act that a pass maps, s.
+    /// Time at which the forces of the pass act, s.
     pub force_time: f64,
-    /// Body force at the start of the run, m/s^2, along axes that have centres of bodies ([`impactite_scene::CentreLead`]).
+    /// Body force at the start of the run, m/s^2, along axes in which the scene contains the centres of bodies
+    /// ([`impactite_scene::CentreLead`]).
     pub force: [f64; 3],
 }
 
-/// What broke in a body.
+/// Failure of a particle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyTrouble {
     /// Number of the particle.
     pub particle: usize,
-    /// Its position, m.
+    /// Position of the particle, m.
     pub position: [f64; 3],
-    /// What happened.
+    /// Cause of the failure.
     pub cause: Cause,
 }
 
-/// How a body is present among the nodes of a scene: which blocks it takes, what it maps to them, what is near them.
+/// Footprint of a body on the grid: node blocks that it claims, contributions to them, particles near them.
 pub trait Presence<T: Float, const D: usize>: Send + Sync {
-    /// Append the node blocks that the particles reach or may come to, as claims of body `number`; to look `ahead`, those
-    /// that they reach from a cell beside as well.
+    /// Append the node blocks that the particles reach or may reach, as claims of body `number`; with `ahead` also
+    /// those that they reach from a neighbouring cell.
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>);
-    /// Did a particle come to where the body has no node?
+    /// True if a particle reached a position where the body has no node.
     fn reaches_further(&mut self, layout: &Layout) -> bool;
-    /// Does a particle reach this block of the body's own list?
+    /// True if a particle reaches this block of the body's own list.
     fn reaches(&self, block: usize) -> bool;
-    /// Note where the node blocks are now, and append their places: this is the body's own list of blocks.
+    /// Store the present indices of the node blocks, and append them to `places`: this is the body's own list of blocks.
     fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>);
-    /// Add what this body's particles map to the nodes of a block, by its place in the body's own list.
+    /// Add the contributions of the particles to the nodes of a block, given by its index in the body's own list.
     fn add_tiles(&self, block: usize, sums: NodeSums, nodes: &mut [Node<T>]);
-    /// What contact wants to know of the particles near some nodes of a block of the body's own list; `nodes`
-    /// has a bit for each. Adds to `out`, one entry a node ([`SurfaceQuantity::Reach`]: the larger one), for the unit
-    /// vectors in `normals`, one a node, where the quantity needs them.
+    /// Add a contact quantity of the particles near some nodes of a block of the body's own list to `out`, one entry
+    /// per node ([`SurfaceQuantity::Reach`]: the maximum). `nodes` has a bit per node; `normals` are unit vectors,
+    /// one per node, where the quantity needs them.
     fn surface_quantity(
         &self,
         block: usize,
@@ -84,20 +85,20 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
         normals: &[[T; 3]],
         out: &mut [[T; 3]],
     );
-    /// Call `visit` for every particle near some nodes of a block, a bit each, with those of them that it has in its
-    /// stencil; particles in order of place, those of a bin one behind the other.
+    /// Call `visit` for every particle near some nodes of a block, a bit each, with those of them in its stencil;
+    /// particles are in order of place, those of a bin consecutive.
     fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>));
-    /// Call `visit` for every block of particles with a bit for each bin that has some.
+    /// Call `visit` for every block of particles with the bit mask of its occupied bins.
     fn each_block(&self, visit: &mut dyn FnMut(&[i32; D], u64));
 }
 
-/// Takes particles in between steps.
+/// Body that receives particles between steps.
 pub trait Receives<T: Float, const D: usize> {
-    /// Take these in. Where the others have mapped what a step begins with, `map` says for which steps, and these map it too. Returns the
-    /// largest (c + |v|) / h of them, 1/s.
+    /// Receive particles. If the start of the step is already mapped, `map` contains its step sizes, and the new
+    /// particles are mapped as well. Return the largest (c + |v|) / h of the new particles, 1/s.
     ///
     /// # Errors
-    /// A particle that cannot go on.
+    /// A particle that failed.
     fn receive(
         &mut self,
         new: &NewParticles<T, D>,
@@ -106,90 +107,90 @@ pub trait Receives<T: Float, const D: usize> {
     ) -> Result<T, BodyTrouble>;
 }
 
-/// A body whose particles act through a grid.
+/// Body whose particles act through a grid.
 pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
-    /// What it is made of, in words; functions of time by what they give at these, s.
+    /// Describe the properties of the body in words; functions of time by their values at `times`, s.
     fn constants(&self, times: [f64; 2]) -> Vec<Constant>;
-    /// How its coordinates lie in space: the name of the embedding.
+    /// Name of the embedding, which defines the coordinates.
     fn embedding(&self) -> &'static str;
     /// Half sizes of the particles at the start, m.
     fn half_size(&self) -> [f64; D];
     /// Smallest particle mass, kg.
     fn lightest(&self) -> T;
-    /// Its presence among the nodes: that of its particles, or of what stands for them.
+    /// Footprint on the grid: that of the particles or of their proxies.
     fn presence(&self) -> &dyn Presence<T, D>;
-    /// The same, to be arranged anew.
+    /// Mutable footprint, for the arrangement of node blocks.
     fn presence_mut(&mut self) -> &mut dyn Presence<T, D>;
-    /// Place and motion, if the body is rigid.
+    /// Position and motion, if the body is rigid.
     fn rigid(&self) -> Option<&RigidState<D>> {
         None
     }
-    /// The same, to be moved.
+    /// Mutable position and motion, if the body is rigid.
     fn rigid_mut(&mut self) -> Option<&mut RigidState<D>> {
         None
     }
 
-    /// The parts of a step of its own, if the body is of another discretisation ([`GridClient`](crate::step::GridClient)).
+    /// Steps of a body of another discretisation ([`GridClient`](crate::step::GridClient)), if it is one.
     fn client(&self) -> Option<&dyn ClientSteps<T, D>> {
         None
     }
-    /// The same, to be made.
+    /// Mutable steps of a body of another discretisation, if it is one.
     fn client_mut(&mut self) -> Option<&mut dyn ClientSteps<T, D>> {
         None
     }
 
-    /// Itself, if particles may come into it between steps.
+    /// Receiver of particles between steps, if the body supports it.
     fn receiver(&mut self) -> Option<&mut dyn Receives<T, D>> {
         None
     }
 
-    /// Its particles near a surface, if they can meet one.
+    /// Particles near a surface, if the body supports contact with surfaces.
     fn meets_surfaces(&self) -> Option<&dyn MeetsSurfaces<D>> {
         None
     }
 
-    /// Leaving it out of the steps while nothing moves it, if it can be.
+    /// Deactivation of the body, if it supports it.
     fn deactivation(&self) -> Option<&dyn Deactivation<T, D>> {
         None
     }
-    /// The same, to be changed.
+    /// Mutable deactivation of the body, if it supports it.
     fn deactivation_mut(&mut self) -> Option<&mut dyn Deactivation<T, D>> {
         None
     }
-    /// Is it left out of the steps ([`Mpm::deactivate`](crate::step::Mpm::deactivate))?
+    /// True if the body is deactivated ([`Mpm::deactivate`](crate::step::Mpm::deactivate)).
     fn is_deactivated(&self) -> bool {
         self.deactivated_blocks().is_some()
     }
-    /// The node blocks that it would have, sorted, while it is left out and has none.
+    /// Node blocks that a deactivated body would claim, sorted; it has none.
     fn deactivated_blocks(&self) -> Option<&[[i32; D]]> {
         self.deactivation()?.blocks()
     }
-    /// Take it in again, if it is left out.
+    /// Reactivate the body, if it is deactivated.
     fn reactivate(&mut self, team: &Team) {
         if let Some(body) = self.deactivation_mut() {
             body.reactivate(team);
         }
     }
-    /// Splitting and merging of its particles, if they can be.
+    /// Splitting and merging of particles, if the body supports it.
     fn division(&self) -> Option<&dyn Division> {
         None
     }
-    /// The same, to be done.
+    /// Mutable splitting and merging of particles, if the body supports it.
     fn division_mut(&mut self) -> Option<&mut dyn Division> {
         None
     }
-    /// Velocities of its particles that may be set between steps, if nothing prescribes them.
+    /// Particle velocities that may be set between steps, unless they are prescribed.
     fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities<T>> {
         None
     }
 
-    /// Largest (c + |v|) / h of the particles as they stand, 1/s, for cells of `spacing`, m.
+    /// Largest (c + |v|) / h of the particles in their present state, 1/s, for cells of `spacing`, m.
     fn rate(&self, spacing: f64) -> T;
 
-    /// One pass over the particles. Returns the largest (c + |v|) / h seen, 1/s.
+    /// Make one pass over the particles. Return their largest (c + |v|) / h, 1/s.
     ///
     /// # Errors
-    /// The first particle that cannot go on.
+    /// The first particle that failed.
     fn pass(
         &mut self,
         which: Which,
@@ -197,29 +198,29 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble>;
-    /// Force of the load that was mapped last, and power of the one that acted in the step.
+    /// Force of the load mapped last, and power of the load that acted in the step.
     fn loading(&self) -> Loading;
-    /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
-    /// blocks that are empty. Returns whether the set of blocks changed.
+    /// Sort particles that left their bins into new ones, and create blocks where needed; `prune` removes empty
+    /// blocks. Return true if the set of blocks changed.
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
 
-    /// [`Body::totals`], found on these threads; `parts` is memory to work in.
+    /// Return [`Body::totals`], computed on these threads; `parts` is scratch memory.
     fn totals_on(&self, team: &Team, parts: &mut Vec<Totals>) -> Totals {
         let _ = (team, parts);
         self.totals()
     }
-    /// Does its law bear shear and tension, so that it is one piece of matter?
+    /// True if the law bears shear and tension, so that the body is one piece of matter.
     fn coheres(&self) -> bool {
         false
     }
-    /// Bytes that a particle carries.
+    /// Bytes per particle.
     fn particle_bytes(&self) -> usize;
-    /// Take all that changes in a run to a file, or from one.
+    /// Write all data that change in a run to a file, or read them.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
 
-    /// Show every particle as its nodes see it, loads as they are at `time`, s.
+    /// Call `visit` with the footprint of every particle on the nodes, with loads at `time`, s.
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>));
 }

@@ -1,4 +1,4 @@
-//! What only some bodies can do: asked for by [`GridBody`](crate::step::GridBody), never pretended.
+//! Optional capabilities of bodies, accessed through [`GridBody`](crate::step::GridBody).
 
 use impactite_scene::Exchange;
 use impactite_scene::boundary::Boundary;
@@ -14,64 +14,65 @@ use crate::step::nodes::footprint::NodeWeight;
 use crate::step::nodes::layout::Nodes;
 use impactite_simd::{Float, Team};
 
-/// Leaving a body out of the steps while nothing moves it.
+/// Deactivation of a body while nothing moves it.
 pub trait Deactivation<T: Float, const D: usize> {
-    /// Leave it out until it is [reactivated](Deactivation::reactivate), tried with a step of `longest` seconds; its node blocks are
-    /// arranged next.
+    /// Deactivate the body until it is [reactivated](Deactivation::reactivate), after a trial step of `longest`
+    /// seconds; node blocks must be arranged next.
     ///
     /// # Errors
-    /// A body that something moves.
+    /// A body that moves, is stressed, loaded or changes in the trial step.
     fn deactivate(&mut self, longest: T, team: &Team) -> Result<(), SceneError>;
-    /// Take it in again, with what the last pass would have mapped; node blocks are arranged next.
+    /// Reactivate the body with the map of its last pass; node blocks must be arranged next.
     fn reactivate(&mut self, team: &Team);
-    /// The node blocks that it would have, sorted, while it is left out and has none.
+    /// Node blocks that a deactivated body would claim, sorted.
     fn blocks(&self) -> Option<&[[i32; D]]>;
 }
 
 /// Splitting and merging of particles.
 pub trait Division {
-    /// How particles were split since the start.
+    /// Book of particle splits since the start.
     fn splits(&self) -> SplitBook;
-    /// How particles were merged since the start, if they are to be.
+    /// Book of particle merges since the start, if merging is enabled.
     fn merges(&self) -> Option<MergeBook>;
-    /// Merge particles, if it is time to after so many steps; were any?
+    /// Merge particles, if due after so many steps. Return true if any were merged.
     fn merge(&mut self, steps: u64, team: &Team) -> bool;
 }
 
 /// Steps of a body of another discretisation, whose own forces are not those of the grid.
 pub trait ClientSteps<T: Float, const D: usize> {
-    /// Move the body's points by its own forces over `dt`, s, and map their velocities to the scene's nodes.
+    /// Move the points of the body by its own forces over `dt`, s, and map their velocities to the nodes of the scene.
     ///
     /// # Errors
-    /// What stops the body.
+    /// A failure of the body.
     fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped>;
-    /// Take what the scene's nodes gave, deform and move. Returns the largest rate seen, 1/s, as
+    /// Apply the velocity changes of the nodes of the scene, deform and move. Return the largest rate, 1/s, as
     /// [`GridBody::pass`](crate::step::GridBody::pass) does.
     ///
     /// # Errors
-    /// As [`ClientSteps::open`].
+    /// Errors of [`ClientSteps::open`].
     fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped>;
-    /// The longest step that it can make, s.
+    /// Longest step that the body can make, s.
     fn stable_step(&self) -> f64;
-    /// Are there proxies on the grid?
+    /// True if the body has proxies on the grid.
     fn on_grid(&self) -> bool;
-    /// Is it a part of a body of particles, so that all forces on it are those of nodes?
+    /// True if it is embedded in a body of particles, so that all forces on it are nodal forces.
     fn is_within(&self) -> bool;
-    /// Its surface, if particles meet that.
+    /// Surface of the body, if particles interact with it.
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>>;
-    /// What boundaries and loads of its own gave to the body since the start.
+    /// Exchange of the body with its own boundaries and loads since the start.
     fn given(&self) -> Exchange;
-    /// As [`GridClient::each_box`](crate::step::GridClient::each_box).
+    /// Visit bounding boxes of the surface; see [`GridClient::each_box`](crate::step::GridClient::each_box).
     fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D]));
-    /// As [`GridClient::bound`](crate::step::GridClient::bound).
+    /// Apply a boundary condition of the scene; see [`GridClient::bound`](crate::step::GridClient::bound).
     ///
     /// # Errors
-    /// A condition that it cannot have.
+    /// A condition that the body does not support.
     fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError>;
-    /// As [`GridClient::convert`](crate::step::GridClient::convert), and make its points on the grid anew where they are others. Did anything change?
+    /// Convert matter to particles ([`GridClient::convert`](crate::step::GridClient::convert)), and rebuild the
+    /// proxies if the points on the grid changed. Return true if anything changed.
     ///
     /// # Errors
-    /// What stops the body.
+    /// A failure of the body.
     fn convert(
         &mut self,
         around: &Surroundings<D>,
@@ -80,10 +81,10 @@ pub trait ClientSteps<T: Float, const D: usize> {
     ) -> Result<bool, Stopped>;
 }
 
-/// Particles that meet surfaces one by one ([`SurfaceClient`]).
+/// Body whose particles interact individually with surfaces ([`SurfaceClient`]).
 pub trait MeetsSurfaces<const D: usize> {
-    /// Call `visit` with every particle and its weights of which `reaches` does not refuse the box (lower and upper corner, m) that it
-    /// sweeps in a step of `dt` seconds, in an order that depends on nothing but the scene.
+    /// Call `visit` with every particle and its weights, unless `reaches` refuses the box (lower and upper corner, m)
+    /// that it sweeps in a step of `dt` seconds. The order depends on the scene only.
     fn visit_near(
         &self,
         dt: f64,
@@ -92,14 +93,14 @@ pub trait MeetsSurfaces<const D: usize> {
     );
 }
 
-/// Velocities of particles that may be set between steps.
+/// Particle velocities that may be set between steps.
 pub trait FreeVelocities<T: Float> {
     /// Call `visit` with number and velocity, m/s, of every particle; it may change the velocity.
     fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3]));
-    /// Where the particles are, by number. `numbers` is memory to work in.
+    /// Store positions and domains of the particles, by number. `numbers` is scratch memory.
     fn place(&self, numbers: &mut Vec<T>, points: &mut [ClientPoint]);
-    /// Stop all particles: what they had (kinetic damping).
+    /// Stop all particles (kinetic damping), and return the momentum and energy removed.
     fn stop_motion(&mut self) -> TakenMotion;
-    /// Take out of the velocities what the nodes of a cell do not see (null-space filter); the kinetic energy of that, J.
+    /// Remove velocity components that the nodes of a cell do not resolve (null-space filter), and return their kinetic energy, J.
     fn filter(&mut self, team: &Team) -> f64;
 }

@@ -1,4 +1,4 @@
-//! A deformable body, as it is described to a scene.
+//! Description of a deformable body for a scene.
 
 use std::sync::Arc;
 
@@ -11,13 +11,13 @@ use crate::step::passes::kernels::MethodKernels;
 use impactite_geometry::Seeds;
 use impactite_simd::Float;
 
-/// A velocity by position, m and m/s.
+/// Velocity as a function of position, m/s and m.
 pub(in crate::step) type Velocity<'a, const D: usize> = dyn Fn([f64; D]) -> [f64; D] + 'a;
 
-/// The numbers of a law's state by position, m.
+/// State variables of a law as a function of position, m.
 pub(in crate::step) type InitialState<'a, T, const D: usize> = dyn Fn([f64; D]) -> Vec<T> + 'a;
 
-/// A deformable body for a scene: a law, particles, how they move, and what else is to be said of them. All of that combines.
+/// Deformable body for a scene: law, particles, velocity, and in any combination an initial state, loads and splitting.
 ///
 /// ```
 /// # use mpm_core::{BlockGrid, Deformable, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, Traction, geometry::*};
@@ -54,32 +54,32 @@ pub struct Deformable<'a, const D: usize, L, T: Float = f64> {
 }
 
 impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
-    /// A body of this law with particles at `seeds`, at rest.
+    /// Create a body of this law with particles at `seeds`, at rest.
     pub fn new(name: &str, law: L, seeds: &'a Seeds<D>) -> Self {
         let velocity = Box::new(|_| [0.0; D]);
         let (name, loads) = (name.to_string(), Loads::default());
         Deformable { name, law, seeds, velocity, state: None, loads, splitting: None, kernels: None }
     }
-    /// With a velocity by position, m/s by m.
+    /// Set the velocity as a function of position, m/s and m.
     #[must_use]
     pub fn moving(mut self, velocity: impl Fn([f64; D]) -> [f64; D] + 'a) -> Self {
         self.velocity = Box::new(velocity);
         self
     }
-    /// With a surface load, in addition to those before.
+    /// Add a surface load.
     #[must_use]
     pub fn with_traction(mut self, traction: Traction<D>) -> Self {
         self.loads.tractions.push(traction);
         self
     }
-    /// With a force on all particles.
+    /// Set a force on all particles.
     #[must_use]
     pub fn with_field_force(mut self, field: FieldForce<D>) -> Self {
         self.loads.field = Some(field);
         self
     }
-    /// With points in the law's `state` by position (m) instead of virgin: stressed by their own weight, or to be lit when a
-    /// detonation wave arrives. A seed's volume is that of the state.
+    /// Set the law's `state` as a function of position (m), instead of the virgin one: stressed by their own weight,
+    /// or to be ignited when a detonation wave arrives. The volume of a seed is that of the state.
     #[must_use]
     pub fn in_state<C>(mut self, state: impl Fn([f64; D]) -> C::State<T::Single> + 'a) -> Self
     where
@@ -90,13 +90,13 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
         self.state = Some(Box::new(numbers));
         self
     }
-    /// The same by the numbers of the state, in the order of [`Material::state_names`], of a law that is an object.
+    /// Set the initial state by its values, in the order of [`Material::state_names`], for a law that is an object.
     #[must_use]
     pub fn in_numbers(mut self, state: impl Fn([f64; D]) -> Vec<T> + 'a) -> Self {
         self.state = Some(Box::new(state));
         self
     }
-    /// With particles that are split where they are stretched too far.
+    /// Split particles that are stretched too far.
     ///
     /// ```compile_fail
     /// # use mpm_core::{Deformable, Splitting, geometry::Seeds};
@@ -114,7 +114,7 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
         self.splitting = Some(splitting);
         self
     }
-    /// The same, whatever the type of its law.
+    /// Convert the law to an object.
     pub(crate) fn prepared(self) -> Prepared<'a, T, D> {
         let Deformable { name, law, seeds, velocity, state, loads, splitting, kernels } = self;
         let material = law.into_material();
@@ -122,7 +122,7 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
     }
 }
 
-/// A [`Deformable`] of a law that is an object.
+/// Description of a [`Deformable`] whose law is an object.
 pub struct Prepared<'a, T: Float, const D: usize> {
     pub(in crate::step) name: String,
     pub(in crate::step) material: Arc<dyn Material<T>>,

@@ -6,4 +6,6 @@ pub(crate) mod capability;
 pub(crate) mod deformable;
 pub(crate) mod load;
 pub(crate) mod particle_body;
+mod particle_loads;
+mod particle_views;
 pub(crate) mod seeding;

@@ -1,4 +1,4 @@
-//! How a body gets its particles: from seeds, or from a body of another scene.
+//! Creation of the particles of a body: from seeds, or from a body of another scene.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use impactite_scene::CentreLead;
 use impactite_simd::Float;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// A body of particles of these half sizes, m, without them.
+    /// Create a body without particles, for particles of these half sizes, m.
     pub(in crate::step) fn empty(
         name: &str,
         material: Arc<dyn Material<T>>,
@@ -40,7 +40,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         for d in 0..D {
             half[d] = T::of(half_size[d] / lattice.spacing());
         }
-        // What a lane without a particle holds.
+        // Values in a lane without a particle.
         let mut dummy = vec![T::default(); Columns::state(D)];
         dummy.extend_from_slice(&material.virgin());
         let domain = facts.domain.of_box::<T::Single, D>(half.map(T::Single::from));
@@ -90,7 +90,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         }
     }
 
-    /// Make particles at `seeds`, with a velocity (m/s) and, if not virgin, a state by position (m).
+    /// Create particles at `seeds`, with velocity (m/s) and, if not virgin, state as functions of position (m).
     pub(in crate::step) fn seed(
         &mut self,
         seeds: &Seeds<D>,
@@ -136,7 +136,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.settle();
     }
 
-    /// Where particles yet to come all have the same mass, let none carry it.
+    /// Store the mass once, if all particles to be created have the same.
     fn share_mass(&mut self, mut masses: impl Iterator<Item = T>) {
         let Some(first) = masses.next() else { return };
         if masses.all(|mass| mass == first) {
@@ -148,15 +148,15 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         }
     }
 
-    /// Keep the numbers of particles yet to come, none above `bound`, in 32 bits if that is enough: splitting makes
-    /// larger ones.
+    /// Store the numbers of particles to be created, none above `bound`, in 32 bits if that is enough: splitting
+    /// creates larger ones.
     fn shorten_numbers(&mut self, bound: usize) {
         if self.splitting.is_none() && u32::try_from(bound).is_ok() {
             self.columns = self.columns.clone().with_short_number();
         }
     }
 
-    /// Put a particle with these numbers at `x`, m.
+    /// Add a particle with these values at `x`, m.
     pub(in crate::step) fn put(
         &mut self,
         index: &mut BTreeMap<[i32; D], usize>,
@@ -182,7 +182,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.slots[slot].block.push(bin, numbers);
     }
 
-    /// All particles are there.
+    /// Pack, sort and link the slots once all particles are added.
     pub(in crate::step) fn settle(&mut self) {
         for slot in &mut self.slots {
             slot.block.pack();
@@ -191,7 +191,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.link_slots();
     }
 
-    /// Half edges of the domain of a particle with these numbers, m.
+    /// Half edges of the domain of a particle with these values, m.
     pub(in crate::step) fn half_edges(&self, numbers: &[T]) -> [[f64; 3]; 3] {
         let h = self.lattice.spacing();
         let mut edges = [[0.0; 3]; 3];
@@ -219,7 +219,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         edges
     }
 
-    /// Take the particles of a body of this law over.
+    /// Copy the particles of a body of this law from another scene.
     pub(in crate::step) fn adopt(&mut self, body: &dyn GridBody<T, D>) {
         let h = self.lattice.spacing();
         let (mut masses, mut last) = (Vec::with_capacity(body.len()), 0);
@@ -248,7 +248,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let kind = self.facts().domain;
             let mut carried = kind.of_edges::<f64, D>(&p.half_edges.map(|e| e.map(|x| x / h)));
             if kind == Domain::Axes {
-                // Within what the shape function bears.
+                // Limit the size to the range of the shape function.
                 for x in &mut carried[..D] {
                     *x = self.kernels.shape().stretch(T::of(*x), T::default()).to_double();
                 }
@@ -264,7 +264,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 }
 
-/// Does a virgin point of the law resist being drawn out along one axis by a small strain, with shear and with tension?
+/// True if a virgin point of the law resists a small uniaxial extension, with shear and with tension.
 fn bears_shear_and_tension<T: Float>(law: &dyn Material<T>) -> bool {
     let row = |x: T| {
         let mut row = T::Row::default();

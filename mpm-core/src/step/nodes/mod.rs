@@ -4,6 +4,7 @@ pub(crate) mod add_tiles;
 pub(crate) mod at_wall;
 pub(crate) mod background;
 pub(crate) mod block_place;
+pub(crate) mod constraints;
 pub(crate) mod fields;
 pub(crate) mod footprint;
 pub(crate) mod frequency;

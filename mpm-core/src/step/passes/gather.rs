@@ -1,24 +1,24 @@
-//! From the nodes of a stencil to the lanes of a group, by sum factorisation: along x, then y, then z.
+//! Gather from the nodes of a stencil to the lanes of a group, by sum factorisation: along x, then y, then z.
 
 use mpm_materials::Lane;
 
 use crate::dim::{Array, Stencil};
 use crate::shape::domain::{MOST_NUMBERS, Table, table};
 use crate::shape::{Basis, ShapeFunction};
-use impactite_simd::{Float, Quad};
+use impactite_simd::{Arch, Float, Quad, apart};
 
-/// One component of a nodal vector at the particles.
+/// Component of a nodal vector interpolated to the particles.
 #[derive(Clone, Copy)]
 pub struct Gathered<P> {
-    /// sum_i N_i v_i.
+    /// Value, sum_i N_i v_i.
     pub value: P,
-    /// sum_i v_i dN_i/dxi_d.
+    /// Gradient, sum_i v_i dN_i/dxi_d.
     pub slope: [P; 3],
     /// Slope of the affine fit, sum_i N_i v_i (i - xi)_d / sum_i N_i (i - xi)_d^2 (APIC).
     pub fit: [P; 3],
 }
 
-/// Sums along one axis: of values, slopes and fits.
+/// Sums along one axis: values, slopes and fits.
 #[derive(Clone, Copy)]
 struct Line<P> {
     value: P,
@@ -26,30 +26,31 @@ struct Line<P> {
     fit: P,
 }
 
-/// What a gather is asked for beside the values. Constants at every call: the rest is not computed.
+/// Optional outputs of a gather, in addition to the values. They are constants at every call, so that the rest is not
+/// computed.
 #[derive(Clone, Copy)]
 pub struct Wanted {
-    /// Slopes.
+    /// Slopes (gradient).
     pub slope: bool,
-    /// Fits.
+    /// Affine fits (APIC).
     pub fit: bool,
 }
 
-/// Where the particles of a group are, as a gather sees it: functions along each axis, or weights on all nodes where those
-/// are no products.
+/// Shape functions at the particles of a group, for a gather: functions along each axis, or weights on all nodes if those
+/// are not tensor products.
 pub(in crate::step) struct Sampler<P: Lane, E: Stencil> {
     basis: [Basis<P, E>; 3],
     table: Table<P, E>,
 }
 
 impl<P: Lane, E: Stencil> Sampler<P, E> {
-    /// To be made where something is gathered.
+    /// Return an empty sampler, to be set before a gather.
     #[inline(always)]
     pub(in crate::step) fn zero() -> Self {
         Sampler { basis: [Basis::zero(); 3], table: Table::zero() }
     }
 
-    /// Of particles at `xi` with these domains; with what affine fits need?
+    /// Evaluate the shape functions at particles at `xi` with these domains; `fit` includes the terms of affine fits.
     #[inline(always)]
     pub(in crate::step) fn of<T, S, const D: usize>(
         shape: &S,
@@ -73,7 +74,7 @@ impl<P: Lane, E: Stencil> Sampler<P, E> {
         sampler
     }
 
-    /// Component `c` of a nodal vector, of records as [`gather`] has them.
+    /// Interpolate component `c` of a nodal vector, from records in the format of [`gather`].
     #[inline(always)]
     pub(in crate::step) fn gather<T, S, const D: usize>(
         &self,
@@ -102,8 +103,8 @@ impl<P: Lane, E: Stencil> Sampler<P, E> {
     }
 }
 
-/// Sums of `numbers` along an axis. In polynomial form the first two basis functions are 1 and xi, with slopes
-/// and fits 0 and 1.
+/// Sum `numbers` along an axis. In polynomial form the first two basis functions are 1 and xi, with slopes and fits 0 and
+/// 1.
 #[inline(always)]
 fn line<P: Lane, E: Stencil>(
     numbers: &E::Axis<P>,
@@ -138,8 +139,8 @@ fn line<P: Lane, E: Stencil>(
     sum
 }
 
-/// Component `c` of a nodal vector (of records `[scalar, x, y, z]`, turned into coefficients where the shape
-/// function has a polynomial form).
+/// Interpolate component `c` of a nodal vector (records `[scalar, x, y, z]`, as coefficients if the shape function has a
+/// polynomial form).
 #[inline(always)]
 pub fn gather<T: Float, const D: usize, P: Lane<Real = T>, S: ShapeFunction<T, D>>(
     nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
@@ -200,7 +201,7 @@ pub fn gather<T: Float, const D: usize, P: Lane<Real = T>, S: ShapeFunction<T, D
     sum
 }
 
-/// Turn nodal records into coefficients, axis by axis.
+/// Convert nodal records to polynomial coefficients, axis by axis.
 #[inline(always)]
 pub fn to_coefficients<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
     nodes: &mut <S::Extent as Stencil>::Nodes<Q>,
@@ -208,7 +209,7 @@ pub fn to_coefficients<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T,
     let n = <S::Extent as Stencil>::NODES;
     let layers = <S::Extent as Stencil>::LAYERS;
     if n == 2 {
-        // By hand: loops that the compiler does not unroll keep their numbers in memory.
+        // Unrolled by hand: loops that the compiler does not unroll keep their numbers in memory.
         along::<T, D, Q, S>(nodes, 0, 1);
         along::<T, D, Q, S>(nodes, 2, 1);
         if D == 3 {
@@ -258,4 +259,29 @@ fn along<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
     for i in 0..<S::Extent as Stencil>::NODES {
         nodes[first + i * stride] = coefficients[i];
     }
+}
+
+/// Call [`Sampler::of`].
+#[inline(always)]
+pub(in crate::step) fn sampler_of<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
+    shape: &S,
+    xi: &[A::Batch; 3],
+    domain: &[A::Batch; MOST_NUMBERS],
+    fit: bool,
+) -> Sampler<A::Batch, S::Extent> {
+    if A::APART { apart(|| Sampler::of(shape, xi, domain, fit)) } else { Sampler::of(shape, xi, domain, fit) }
+}
+
+/// Call [`Sampler::gather`].
+#[inline(always)]
+pub(in crate::step) fn gather_on<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
+    sampler: &Sampler<A::Batch, S::Extent>,
+    nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
+    c: usize,
+    wanted: Wanted,
+) -> Gathered<A::Batch> {
+    if A::APART {
+        return apart(|| sampler.gather::<T, S, D>(nodes, c, wanted));
+    }
+    sampler.gather::<T, S, D>(nodes, c, wanted)
 }

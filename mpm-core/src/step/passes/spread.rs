@@ -1,15 +1,16 @@
-//! What particles bring to the nodes of their stencil: records, and the weights that spread them ([`super::scatter`]).
+//! Contributions of particles to the nodes of their stencil: records, and the weights that distribute them
+//! ([`super::scatter`]).
 
 use std::ops::{Index, IndexMut};
 
-use mpm_materials::Lane;
+use mpm_materials::{Lane, Mat3};
 
 use crate::dim::{Array, Stencil};
 use crate::shape::domain::{Corners, MOST_NUMBERS, Table};
 use crate::shape::{ShapeFunction, Weights};
 use impactite_simd::{Arch, Band, Float, Pack, Quad};
 
-/// The records of the particles of a group. `R` and `H` come first, then `A_d`, then `G_d`.
+/// Number of records per particle: `R`, `H`, then `A_d`, then `G_d`.
 pub const RECORDS: usize = 8;
 /// Index of R.
 pub const MOMENTUM: usize = 0;
@@ -20,21 +21,22 @@ pub const AFFINE: usize = 2;
 /// Index of G_0.
 pub const FORCE: usize = 5;
 
-/// Most lanes a group has.
+/// Maximum number of lanes of a group.
 pub const MAX_LANES: usize = 8;
 
-/// Records of a group: `[kind][lane]`. Aligned, and with it the stack of a pass: no vector on it straddles two cache lines.
+/// Records of a group: `[kind][lane]`. The alignment also aligns the stack of a pass: no vector on it straddles two cache
+/// lines.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub struct Records<T>([[[T; 4]; MAX_LANES]; RECORDS]);
 
 impl<T: Float> Records<T> {
-    /// Zeros.
+    /// Return zero records.
     #[inline(always)]
     pub fn zero() -> Self {
         Records([[[T::default(); 4]; MAX_LANES]; RECORDS])
     }
-    /// Those of the particle in a lane and, where that is not the last one of `LANES`, of the next one.
+    /// Load the records of the particle in a lane and, unless it is the last one of `LANES`, of the next one.
     #[inline(always)]
     pub(in crate::step) fn band<A: Arch<T>, const LANES: usize>(&self, kind: usize, lane: usize) -> A::Band {
         if lane + 1 == LANES {
@@ -60,7 +62,7 @@ impl<T> IndexMut<usize> for Records<T> {
     }
 }
 
-/// What a pass maps to the grid.
+/// Quantities that a pass maps to the grid.
 #[derive(Clone, Copy)]
 pub struct Maps {
     /// Mass and momentum.
@@ -69,18 +71,18 @@ pub struct Maps {
     pub affine: bool,
     /// Forces.
     pub force: bool,
-    /// Forces that act as such, without gradients of weights: of the hoop stress.
+    /// Forces mapped with weights instead of weight gradients: hoop stress.
     pub direct: bool,
-    /// Forces go to the first record, as impulses.
+    /// Forces are added to the first record, as impulses.
     pub together: bool,
-    /// Forces have the affine form and need no slopes.
+    /// Forces in affine form, without slopes.
     pub least_squares: bool,
-    /// Weights are no products along the axes.
+    /// Weights are not tensor products.
     pub convected: bool,
 }
 
 impl Maps {
-    /// Nothing.
+    /// No quantity.
     pub(in crate::step) const NOTHING: Maps = Maps {
         momentum: false,
         affine: false,
@@ -90,27 +92,27 @@ impl Maps {
         least_squares: false,
         convected: false,
     };
-    /// Are slopes of the weights needed?
+    /// Return true if slopes of the weights are needed.
     #[inline(always)]
     pub const fn slopes(self) -> bool {
         self.force && !self.least_squares
     }
-    /// Does anything go to the second record?
+    /// Return true if anything is added to the second record.
     #[inline(always)]
     pub fn second(self) -> bool {
         self.slopes() && !self.together
     }
-    /// Is there an affine part in the first record?
+    /// Return true if the first record has an affine part.
     #[inline(always)]
     pub fn has_affine(self) -> bool {
         self.affine || (self.force && self.least_squares)
     }
-    /// Do forces go by way of the moments of a cell?
+    /// Return true if forces are summed by the moments of a cell.
     #[inline(always)]
     pub(in crate::step) const fn moments<E: Stencil>(self) -> bool {
         E::NODES == 2 && self.slopes() && !self.convected
     }
-    /// Are records of this kind mapped in `D` dimensions?
+    /// Return true if records of this kind are mapped in `D` dimensions.
     #[inline(always)]
     pub fn uses<const D: usize>(self, kind: usize) -> bool {
         match kind {
@@ -122,8 +124,8 @@ impl Maps {
     }
 }
 
-/// Products of the weights along y and z, and those along x, where single lanes can be read. Of weights that are no
-/// products, and of stencils of two nodes an axis: those on all nodes.
+/// Weights of a batch in memory, where single lanes can be read: products along y and z, and those along x. For weights
+/// that are not products, and for stencils of two nodes per axis: weights on all nodes.
 #[derive(Clone, Copy)]
 pub struct Spread<N: Copy + Send, E: Stencil> {
     pub(in crate::step) x: E::Axis<N>,
@@ -134,23 +136,23 @@ pub struct Spread<N: Copy + Send, E: Stencil> {
     table: [E::Nodes<N>; 2],
 }
 
-/// The numbers of a batch of particles.
+/// Stored numbers of a batch of particles.
 pub(in crate::step) type NumbersOf<T, A> = <<A as Arch<T>>::Batch as Pack<T>>::Numbers;
 /// Weights of a batch of particles.
 pub(in crate::step) type SpreadOf<T, A, E> = Spread<NumbersOf<T, A>, E>;
-/// Where the records of a batch and its weights go, one batch after the other.
+/// Buffers for the records of a batch and its weights, reused by each batch.
 pub(in crate::step) type Room<'a, T, A, E> = (&'a mut Records<T>, &'a mut SpreadOf<T, A, E>);
 
 impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
-    /// To be filled in.
+    /// Return zero weights.
     #[inline(always)]
     pub fn zero() -> Self {
         let (axis, nodes) = (Array::filled(N::default()), Array::filled(N::default()));
         Spread { x: axis, dx: axis, yz: nodes, dy: nodes, dz: nodes, table: [nodes; 2] }
     }
 
-    /// What particles at `xi` with these domains weigh, with slopes for forces. Returns the signed volume of domains that
-    /// convect, which is positive unless they are inside out.
+    /// Evaluate the weights of particles at `xi` with these domains, with slopes if `force`. Returns the signed volume of
+    /// convected domains, which is positive unless they are inverted.
     #[inline(always)]
     pub fn place<T, P, S, const D: usize>(
         &mut self,
@@ -187,7 +189,7 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
         corners.volume
     }
 
-    /// The products for particles with these weights.
+    /// Store the products of these axis weights.
     #[inline(always)]
     fn fill<T: Float, P: Pack<T, Numbers = N>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
         let [x, y, z] = at;
@@ -216,7 +218,7 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
         }
     }
 
-    /// Weights on all nodes, for particles with these weights along the axes of a cell.
+    /// Store the weights on all nodes of a cell, from these axis weights.
     #[inline(always)]
     fn fill_cell<T: Float, P: Pack<T, Numbers = N>>(&mut self, at: &[Weights<P, E>; 3]) {
         let weights = on_cell::<P, E>(at);
@@ -225,13 +227,13 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
         }
     }
 
-    /// Weights on a node, where those on all nodes are kept.
+    /// Return the weights on a node, if those on all nodes are stored.
     #[inline(always)]
     pub(in crate::step) fn on_node(&self, node: usize) -> &N {
         &self.table[0][node]
     }
 
-    /// Add what the particles of a band give to the nodes of row `jk`, by their weights on all nodes.
+    /// Add the contributions of the particles of a band to the nodes of row `jk`, with weights on all nodes.
     #[inline(always)]
     pub(in crate::step) fn add_table<T: Float, A: Arch<T>, const LANES: usize>(
         &self,
@@ -266,7 +268,7 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
         }
     }
 
-    /// What the forces along y and z, `g`, give to the nodes (j, k), before the weight along x.
+    /// Return the contribution of the forces along y and z, `g`, to the nodes (j, k), before the weight along x.
     #[inline(always)]
     pub(in crate::step) fn across<T: Float, A: Arch<T>>(
         &self,
@@ -282,7 +284,7 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
     }
 }
 
-/// Weights along each axis of particles at `xi` with these domains.
+/// Evaluate the weights along each axis of particles at `xi` with these domains.
 #[inline(always)]
 pub(in crate::step) fn along_axes<T, P, S, const D: usize>(
     shape: &S,
@@ -301,7 +303,7 @@ where
     at
 }
 
-/// Weights on all nodes of a cell, of those along the axes.
+/// Multiply axis weights to the weights on all nodes of a cell.
 #[inline(always)]
 pub(in crate::step) fn on_cell<P: Lane, E: Stencil>([x, y, z]: &[Weights<P, E>; 3]) -> E::Nodes<P> {
     let mut weights = E::Nodes::<P>::filled(P::zero());
@@ -316,7 +318,7 @@ pub(in crate::step) fn on_cell<P: Lane, E: Stencil>([x, y, z]: &[Weights<P, E>; 
     weights
 }
 
-/// `a * offset + b` for an offset known when compiling.
+/// Return `a * offset + b` for an offset known at compile time.
 #[inline(always)]
 pub(in crate::step) fn times_offset<Q: Lane>(a: Q, offset: f64, b: Q) -> Q {
     if offset == 0.0 {
@@ -327,5 +329,43 @@ pub(in crate::step) fn times_offset<Q: Lane>(a: Q, offset: f64, b: Q) -> Q {
         b - a
     } else {
         a.mul_add(Q::of(offset), b)
+    }
+}
+
+/// Fill the records of a group except those of forces; see [`super::scatter`].
+#[inline(always)]
+pub(in crate::step) fn fill_records<T: Float, A: Arch<T>, const D: usize>(
+    records: &mut Records<T>,
+    mass: A::Batch,
+    mut p: [A::Batch; 3],
+    affine: &[[A::Batch; 3]; 3],
+    xi: &[A::Batch; 3],
+    maps: Maps,
+) {
+    let zero = A::Batch::zero();
+    if maps.momentum {
+        if maps.has_affine() {
+            for d in 0..D {
+                for c in 0..D {
+                    p[c] = (-affine[c][d]).mul_add(xi[d], p[c]);
+                }
+                let a = [affine[0][d], affine[1][d], affine[2][d]];
+                A::Batch::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
+            }
+        }
+        A::Batch::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
+    }
+}
+
+/// Fill the records of the forces of a group.
+#[inline(always)]
+pub(in crate::step) fn force_records<T: Float, A: Arch<T>, const D: usize>(
+    records: &mut Records<T>,
+    force: &Mat3<A::Batch>,
+) {
+    let zero = A::Batch::zero();
+    for d in 0..D {
+        let third = if D == 3 { force.0[2][d] } else { zero };
+        A::Batch::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
     }
 }

@@ -1,5 +1,5 @@
-//! The stages that a group of lanes goes through in a pass: from the grid to its particles; strain; motion, and from the
-//! particles to the grid. Between strain and motion comes the law ([`super::sweep`]).
+//! Stages of a pass for a group of lanes: gather from the grid, strain, motion, and scatter to the grid. The law is called
+//! between strain and motion ([`super::sweep`]).
 
 use std::marker::PhantomData;
 
@@ -7,13 +7,15 @@ use mpm_materials::{Lane, Mask, Mat3, Sym3};
 
 use super::cell::{Moments, from_cell};
 use super::convect::Moved;
-use super::gather::{Gathered, Sampler, Wanted};
+use super::gather::{Sampler, Wanted, gather_on, sampler_of};
 use super::rows::RowsMut;
 use super::scatter::scatter;
 use super::slot::Common;
 use super::spec::{ExtentOf, Spec};
 use super::spread::on_cell;
-use super::spread::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, Records, Room, SpreadOf, along_axes};
+use super::spread::{
+    DIRECT, MAX_LANES, Maps, Records, Room, SpreadOf, along_axes, fill_records, force_records,
+};
 use super::tile::{Reads, Stencilled};
 use super::total;
 use crate::dim::{Array, BLOCK, Stencil};
@@ -25,28 +27,28 @@ use crate::transfer::Transfer;
 use impactite_scene::Cause;
 use impactite_simd::{Arch, Float, Pack, apart, lane_numbers};
 
-/// What stages of a pass hand on of a group.
+/// Particle data of a group, passed between the stages of a pass.
 #[derive(Clone, Copy)]
 pub(in crate::step) struct Stage<P: Lane> {
-    /// Position.
+    /// Position, in cells from the bin's centre.
     pub(in crate::step) xi: [P; 3],
-    /// Velocity.
+    /// Velocity, m/s.
     pub(in crate::step) v: [P; 3],
     pub(in crate::step) mass: P,
-    /// First nodal vector.
+    /// First nodal vector at the particles.
     pub(in crate::step) nodal: [P; 3],
-    /// Second nodal vector.
+    /// Second nodal vector at the particles.
     increment: [P; 3],
-    /// Gradient that strains.
+    /// Velocity gradient of the strain increment.
     gradient: Mat3<P>,
     /// Affine fit of the first nodal vector.
     pub(in crate::step) affine: [[P; 3]; 3],
-    /// Radial velocity that strains around the axis of revolution.
+    /// Radial velocity of the hoop strain increment.
     hoop_velocity: P,
     stress: Sym3<P>,
     /// Volume of the particles, m^3.
     volume: P,
-    /// Inverse of the deformation gradient, where the method maps in the reference configuration.
+    /// Inverse of the deformation gradient, for mapping in the reference configuration.
     inverse: Mat3<P>,
     /// G_d of [`super::scatter`], column by column.
     force: Mat3<P>,
@@ -79,24 +81,24 @@ impl<P: Lane> Stage<P> {
     }
 }
 
-/// The bin that the groups belong to.
+/// Bin of the groups.
 pub(in crate::step) struct Bin<'a, T: Float, E: Stencil, P> {
-    /// Its stencil.
+    /// Nodal records of the stencil, for a gather.
     pub(in crate::step) stencil: &'a Stencilled<T, E>,
-    /// The records of its nodes themselves, first and second, in tile order.
+    /// Nodal records without conversion to coefficients, first and second, in tile order.
     pub(in crate::step) nodes: [&'a [[T; 4]]; 2],
-    /// x of its centre, m, for the distance to the axis of revolution.
+    /// x of the bin's centre, m, for the distance to the axis of revolution.
     pub(in crate::step) x: P,
 }
 
-/// What the groups of a block sum up beside their nodes.
+/// Sums and maxima over the groups of a block, other than nodal sums.
 #[derive(Clone, Copy)]
 pub(in crate::step) struct Found<P> {
-    /// Largest speed of signals, m/s.
+    /// Largest signal speed, m/s.
     pub(in crate::step) rate: P,
     /// Mass, kg, and momentum, kg m/s, of particles that moved.
     pub(in crate::step) moments: [P; 4],
-    /// The first particle of the groups at work that cannot go on, by its lane.
+    /// Lane and cause of the first error in the current groups.
     pub(in crate::step) broken: Option<(usize, Cause)>,
 }
 
@@ -107,7 +109,7 @@ impl<P: Lane> Found<P> {
     }
 }
 
-/// The stages of the pass `P`, with what all groups of a block share.
+/// Stages of the pass `P`, with the parameters that all groups of a block share.
 pub(in crate::step) struct Stages<'a, T: Float, const D: usize, P: Spec<T, D>, A: Arch<T>> {
     shape: &'a P::Shape,
     transfer: &'a P::Transfer,
@@ -116,7 +118,7 @@ pub(in crate::step) struct Stages<'a, T: Float, const D: usize, P: Spec<T, D>, A
     spacing: A::Batch,
     per_spacing: A::Batch,
     per_density: A::Batch,
-    /// 0, 1, 2 ...
+    /// Lane indices 0, 1, 2 ...
     lane_index: A::Batch,
     pass: PhantomData<P>,
 }
@@ -131,19 +133,19 @@ where
     const MAPS: Maps = P::MAPS;
     const STRAIN_FIRST: bool = matches!(P::DOES.strain, Some(Nodal::First));
     const STRAIN_SECOND: bool = matches!(P::DOES.strain, Some(Nodal::Second));
-    /// Do domains follow the motion?
+    /// True if domains follow the motion.
     const STRETCHES: bool = P::Shape::DOMAIN.carried() && P::DOES.moves;
-    /// May particles be split that are stretched too far, where nothing else asks for the gradient of the velocity?
+    /// True if the velocity gradient is needed only to split particles that are stretched too far.
     const MAY_SPLIT: bool = P::DOES.moves && P::DOES.velocity && P::DOES.strain.is_none() && !P::TOTAL;
     const SLOPES_FIRST: bool =
         Self::STRAIN_FIRST || Self::MAY_SPLIT || (Self::STRETCHES && P::DOES.strain.is_none());
-    /// What it reads of a node.
+    /// Nodal vectors that the pass reads.
     pub(in crate::step) const READS: Reads = Reads {
         first: (P::DOES.velocity && P::Transfer::READS_VELOCITY) || P::DOES.moves || Self::STRAIN_FIRST,
         second: (P::DOES.velocity && P::Transfer::READS_INCREMENT) || Self::STRAIN_SECOND || P::DOES.smooth,
     };
-    /// Of these it makes coefficients for its particles. Where a bin's particles are a vector or two, nodal sums take fewer
-    /// operations, if nothing but values is wanted.
+    /// Nodal vectors that are converted to coefficients. With one or two vectors of particles per bin, nodal sums take
+    /// fewer operations if only values are needed.
     pub(in crate::step) const BY_COEFFICIENTS: Reads = Reads {
         first: Self::READS.first && !(Self::SUMS_NODES && !Self::SLOPES_FIRST && !P::Transfer::AFFINE),
         second: Self::READS.second && !(Self::SUMS_NODES && !Self::STRAIN_SECOND),
@@ -171,30 +173,30 @@ where
         }
     }
 
-    /// The time step and the cells' size, for laws.
+    /// Time step and cell size, for laws.
     #[inline(always)]
     pub(in crate::step) fn step(&self) -> [A::Batch; 2] {
         [self.dt, self.spacing]
     }
 
-    /// Are these the lanes with a particle?
+    /// Return the mask of lanes with a particle.
     #[inline(always)]
     fn alive(&self, here: usize) -> <A::Batch as Lane>::Mask {
         self.lane_index.lt(A::Batch::of(here as f64))
     }
 
-    /// The domains of the particles of a group.
+    /// Load the domains of the particles of a group.
     #[inline(always)]
     fn domain(&self, rows: &RowsMut<'_, T>) -> [A::Batch; MOST_NUMBERS] {
         let domains = &self.common.domains;
         domains.of::<A::Batch, P::Shape, D>(|n: usize| rows.load(domains.column + n))
     }
 
-    /// Do laws see the affine fit of the velocity, over the time step, as it is?
+    /// True if the affine fit of the velocity, times the time step, is the strain increment of laws.
     pub(in crate::step) const SHARES: bool =
         P::DOES.strain.is_some() && P::MAPS.affine && P::Transfer::LEAST_SQUARES && !P::HOOP && !P::TOTAL;
 
-    /// Rows that stages of a pass have in common.
+    /// Load the rows that all stages of a pass need.
     #[inline(always)]
     pub(in crate::step) fn load(&self, (rows, here): (&RowsMut<'_, T>, usize), stage: &mut Stage<A::Batch>) {
         for d in 0..D {
@@ -205,7 +207,7 @@ where
         stage.mass = self.common.masses.of_group(stage.alive, |row| rows.load(row));
     }
 
-    /// Grid to particles.
+    /// Gather from the grid to the particles.
     #[inline(always)]
     pub(in crate::step) fn gather(
         &self,
@@ -226,8 +228,8 @@ where
         if by_coefficients.first || by_coefficients.second {
             sampler = sampler_of::<T, D, A, P::Shape>(self.shape, xi, &self.domain(rows), maps.affine);
         }
-        // First nodal vector (velocity) with what is wanted of it. In the moving-least-squares form the gradient is the
-        // affine fit.
+        // First nodal vector (velocity), with gradient and fit as needed. In the moving-least-squares form the gradient is
+        // the affine fit.
         if reads.first && !by_coefficients.first {
             for c in 0..D {
                 nodal[c] = from_cell::<T, A::Batch, ExtentOf<P, T, D>>(&weights, bin.nodes[0], c);
@@ -237,7 +239,7 @@ where
             let slope = Self::SLOPES_FIRST && !P::Transfer::LEAST_SQUARES;
             let wanted = Wanted { slope, fit: maps.affine };
             for c in 0..D {
-                let found = gather::<T, D, A, P::Shape>(&sampler, &bin.stencil.first, c, wanted);
+                let found = gather_on::<T, D, A, P::Shape>(&sampler, &bin.stencil.first, c, wanted);
                 nodal[c] = found.value;
                 affine[c] = found.fit;
                 if Self::SLOPES_FIRST {
@@ -254,7 +256,7 @@ where
         } else if reads.second {
             let wanted = Wanted { slope: Self::STRAIN_SECOND, fit: false };
             for c in 0..D {
-                let found = gather::<T, D, A, P::Shape>(&sampler, &bin.stencil.second, c, wanted);
+                let found = gather_on::<T, D, A, P::Shape>(&sampler, &bin.stencil.second, c, wanted);
                 increment[c] = found.value;
                 if Self::STRAIN_SECOND {
                     gradient.0[c] = found.slope;
@@ -272,8 +274,8 @@ where
         }
     }
 
-    /// How particles deform at their old positions: a gradient and what makes the increment dt grad v of it that the law sees. Lanes
-    /// without a particle do not deform.
+    /// Compute the strain of particles at their old positions: the velocity gradient, and the factor that makes it the
+    /// increment dt grad v for the law. Lanes without a particle do not deform.
     #[inline(always)]
     pub(in crate::step) fn strain(
         &self,
@@ -296,14 +298,14 @@ where
         (gradient, step)
     }
 
-    /// Time step over the cells' size, s/m; zero in lanes without a particle.
+    /// Return time step over cell size, s/m; zero in lanes without a particle.
     #[inline(always)]
     fn cells(&self, stage: &Stage<A::Batch>) -> A::Batch {
         A::Batch::select(stage.alive, self.dt * self.per_spacing, A::Batch::zero())
     }
 
-    /// Domains follow the motion. They keep their sizes until the particles move, so that all passes of a step use the same
-    /// weights.
+    /// Update domains with the motion. They keep their sizes until the particles move, so that all passes of a step use the
+    /// same weights.
     #[inline(always)]
     pub(in crate::step) fn stretch(
         &self,
@@ -324,7 +326,7 @@ where
         }
     }
 
-    /// Take what the law says: stress, volume ratio and, if asked for, wave speed.
+    /// Store the response of the law: stress, volume ratio and, if requested, wave speed.
     #[inline(always)]
     pub(in crate::step) fn respond(
         &self,
@@ -340,14 +342,14 @@ where
             stage.inverse = total::inverse::<A::Batch, D>(&f);
         }
         if self.common.speeds {
-            // Speed of signals over the cells: past a particle, or through the reference configuration.
+            // Signal speed over the cells: past a particle, or through the reference configuration.
             let signal =
                 if P::TOTAL { speed * total::stretch(&stage.inverse) } else { speed + length(&stage.v) };
             found.rate = found.rate.max(A::Batch::select(stage.alive, signal, A::Batch::zero()));
         }
     }
 
-    /// Motion. Lanes without a particle do not move.
+    /// Update positions. Lanes without a particle do not move.
     #[inline(always)]
     pub(in crate::step) fn drift(&self, rows: &mut RowsMut<'_, T>, stage: &mut Stage<A::Batch>) {
         if !Self::DOES.moves {
@@ -366,7 +368,7 @@ where
         }
     }
 
-    /// What the particles give to the nodes from where they are now. Which lanes have left the bin?
+    /// Compute records and weights of the particles at their new positions. Returns the lanes that left the bin.
     #[inline(always)]
     pub(in crate::step) fn advance(
         &self,
@@ -403,17 +405,17 @@ where
             found.rate = found.rate.max(A::Batch::select(alive, length(v), zero));
         }
 
-        // Particles to grid, at the new position.
+        // Scatter to the grid, from the new position.
         let momentum = if does.smooth { *increment } else { *v };
         let mut force_scale = *volume * self.per_spacing;
         if maps.together {
             force_scale = force_scale * A::Batch::splat(self.common.next_dt);
         }
-        // In the reference configuration not symmetric.
+        // Not symmetric in the reference configuration.
         let carried = if P::TOTAL { total::nominal::<A::Batch, D>(stress, inverse) } else { stress.to_mat() };
         let mut force = carried * -force_scale;
         if !maps.moments::<ExtentOf<P, T, D>>() {
-            // Lanes without a particle have no volume; but zero times their stress need not be zero.
+            // Lanes without a particle have no volume, but zero times their stress may be NaN.
             for c in 0..D {
                 for d in 0..D {
                     force.0[c][d] = A::Batch::select(alive, force.0[c][d], zero);
@@ -463,7 +465,7 @@ where
         if does.moves && !P::TOTAL { !stays & ((1 << here) - 1) } else { 0 }
     }
 
-    /// The velocity gradient of the particles of a group, 1/s, D x D numbers each, for those that are cut in two.
+    /// Store the velocity gradient of the particles of a group, 1/s, D x D numbers each, for those to be split.
     #[inline(always)]
     pub(in crate::step) fn spread_of(&self, stage: &Stage<A::Batch>, spread: &mut [[T; MAX_LANES]; 9]) {
         for i in 0..D * D {
@@ -474,8 +476,8 @@ where
         }
     }
 
-    /// Put the records of forces, which go by way of moments, beside the others, for particles that leave; of those, `long`
-    /// are cut in two.
+    /// Store the records of forces, which are summed by moments, for particles that leave; those in the lanes `long` are
+    /// split and excluded from the moments.
     #[inline(always)]
     pub(in crate::step) fn part(stage: &mut Stage<A::Batch>, long: u32, records: &mut Records<T>) {
         if Self::MAPS.moments::<ExtentOf<P, T, D>>() {
@@ -484,7 +486,7 @@ where
         }
     }
 
-    /// Particles to grid.
+    /// Scatter from the particles to the grid.
     #[inline(always)]
     pub(in crate::step) fn give(
         here: usize,
@@ -519,39 +521,14 @@ where
     }
 }
 
-/// x of the centre of a bin of the block with the first coordinate `block`, m.
+/// Return x of the centre of a bin, m, in the block with the first coordinate `block`.
 #[inline(always)]
 pub(in crate::step) fn centre_x<T: Float>(common: &Common<T>, block: i32, bin: usize, centre: f64) -> T {
     let cells = f64::from(block) * BLOCK as f64 + (bin % BLOCK) as f64 + centre;
     common.origin + common.spacing * T::of(cells)
 }
 
-/// [`Sampler::of`].
-#[inline(always)]
-fn sampler_of<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
-    shape: &S,
-    xi: &[A::Batch; 3],
-    domain: &[A::Batch; MOST_NUMBERS],
-    fit: bool,
-) -> Sampler<A::Batch, S::Extent> {
-    if A::APART { apart(|| Sampler::of(shape, xi, domain, fit)) } else { Sampler::of(shape, xi, domain, fit) }
-}
-
-/// [`Sampler::gather`].
-#[inline(always)]
-fn gather<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
-    sampler: &Sampler<A::Batch, S::Extent>,
-    nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
-    c: usize,
-    wanted: Wanted,
-) -> Gathered<A::Batch> {
-    if A::APART {
-        return apart(|| sampler.gather::<T, S, D>(nodes, c, wanted));
-    }
-    sampler.gather::<T, S, D>(nodes, c, wanted)
-}
-
-/// [`super::spread::Spread::place`].
+/// Call [`super::spread::Spread::place`].
 #[inline(always)]
 fn place<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     spread: &mut SpreadOf<T, A, S::Extent>,
@@ -566,7 +543,7 @@ fn place<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     spread.place(shape, xi, domain, force)
 }
 
-/// [`Moments::add_group`].
+/// Call [`Moments::add_group`].
 #[inline(always)]
 fn add_group<T: Float, A: Arch<T>, E: Stencil>(
     moments: &mut Moments<A::Quad, E>,
@@ -579,7 +556,7 @@ fn add_group<T: Float, A: Arch<T>, E: Stencil>(
     moments.add_group::<T, A>(xi, force);
 }
 
-/// [`Moments::give`].
+/// Call [`Moments::give`].
 #[inline(always)]
 pub(in crate::step) fn give_moments<T: Float, A: Arch<T>, E: Stencil>(
     moments: &Moments<A::Quad, E>,
@@ -592,48 +569,13 @@ pub(in crate::step) fn give_moments<T: Float, A: Arch<T>, E: Stencil>(
     moments.give::<T>(nodes, corner);
 }
 
-/// Length of a vector.
+/// Return the length of a vector.
 #[inline(always)]
 fn length<P: Lane>(v: &[P; 3]) -> P {
     v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2])).sqrt()
 }
 
-/// The records of a group but those of forces; see [`super::scatter`].
-#[inline(always)]
-fn fill_records<T: Float, A: Arch<T>, const D: usize>(
-    records: &mut Records<T>,
-    mass: A::Batch,
-    mut p: [A::Batch; 3],
-    affine: &[[A::Batch; 3]; 3],
-    xi: &[A::Batch; 3],
-    maps: Maps,
-) {
-    let zero = A::Batch::zero();
-    if maps.momentum {
-        if maps.has_affine() {
-            for d in 0..D {
-                for c in 0..D {
-                    p[c] = (-affine[c][d]).mul_add(xi[d], p[c]);
-                }
-                let a = [affine[0][d], affine[1][d], affine[2][d]];
-                A::Batch::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
-            }
-        }
-        A::Batch::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
-    }
-}
-
-/// The records of the forces of a group.
-#[inline(always)]
-fn force_records<T: Float, A: Arch<T>, const D: usize>(records: &mut Records<T>, force: &Mat3<A::Batch>) {
-    let zero = A::Batch::zero();
-    for d in 0..D {
-        let third = if D == 3 { force.0[2][d] } else { zero };
-        A::Batch::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
-    }
-}
-
-/// The lanes of set bits.
+/// Return the mask of the lanes of set bits.
 #[inline(always)]
 fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Batch as Lane>::Mask {
     let mut set = A::Batch::zero();
@@ -643,7 +585,7 @@ fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Batch as Lane>::Mask {
     A::Batch::zero().lt(set)
 }
 
-/// The first of the particles whose domain is turned inside out.
+/// Return the first of the particles whose domain is inverted.
 #[cold]
 fn first_inside_out(here: usize, sound: u32) -> Option<(usize, Cause)> {
     (0..here).find(|lane| sound >> lane & 1 == 0).map(|lane| (lane, Cause::InsideOut))

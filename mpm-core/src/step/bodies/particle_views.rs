@@ -1,0 +1,177 @@
+//! Particles of a body as observers see them, and their totals.
+
+use std::sync::{Mutex, PoisonError};
+
+use super::particle_body::ParticleBody;
+use crate::particles::{Block, Columns, Outbox, Place, Sent};
+use crate::step::between_steps::deactivated::Deactivated;
+use crate::step::passes::slot::{Outline, Scratch, Slot};
+use impactite_scene::{Body, Parts, PointView, Totals};
+use impactite_simd::Float;
+
+impl<T: Float, const D: usize> ParticleBody<T, D> {
+    pub(in crate::step) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> PointView {
+        let mut p = PointView::default();
+        self.read_particle((block, bin, at), Parts::ALL, &self.lead.way(), &mut Vec::new(), &mut p);
+        p
+    }
+
+    /// Read some parts of a particle into existing memory.
+    fn read_particle(
+        &self,
+        (block, bin, at): (&Block<T, D>, usize, Place),
+        parts: Parts,
+        way: &[f64; 3],
+        numbers: &mut Vec<T>,
+        p: &mut PointView,
+    ) {
+        numbers.clear();
+        block.read(at, numbers);
+        let numbers = &*numbers;
+        let centre = self.bin_centre();
+        let coordinates = block.bin_coordinates(bin);
+        p.number = numbers[self.columns.number()].to_double() as usize;
+        p.mass = self.masses.of(numbers).to_double();
+        if parts.size {
+            p.half_edges = self.half_edges(numbers);
+        }
+        (p.position, p.velocity) = ([0.0; 3], [0.0; 3]);
+        let total = self.facts().total;
+        for d in 0..D {
+            let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
+            if total {
+                cells += numbers[self.columns.frame() + d].to_double();
+            }
+            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - way[d];
+            p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
+        }
+        let state = self.state_of(numbers);
+        let unstrained = || p.mass / self.material.density().to_double();
+        if !parts.law {
+            if let Some(ratio) = self.material.volume_ratio_of(state).filter(|_| parts.size) {
+                p.volume = unstrained() * ratio.to_double();
+            }
+            return;
+        }
+        p.state.clear();
+        p.state.extend(state.iter().map(|x| x.to_double()));
+        if let Some(said) = self.material.describe_point(state) {
+            p.stress = said.stress.map(|x| x.to_double());
+            p.in_range = said.in_range;
+            p.failed = said.failed;
+            p.volume = unstrained() * said.volume_ratio.to_double();
+        }
+    }
+
+    /// State variables of the law among the values of a particle.
+    pub(in crate::step) fn state_of<'a>(&self, numbers: &'a [T]) -> &'a [T] {
+        &numbers[Columns::state(D)..self.columns.domain()]
+    }
+
+    /// Mass of a particle, kg.
+    pub(in crate::step) fn mass_at(&self, block: &Block<T, D>, at: Place) -> T {
+        self.masses.read(|row| block.get(at, row))
+    }
+
+    /// All values of a particle.
+    pub(in crate::step) fn numbers(&self, block: &Block<T, D>, at: Place) -> Vec<T> {
+        let mut numbers = Vec::with_capacity(self.columns.count());
+        block.read(at, &mut numbers);
+        numbers
+    }
+
+    pub(super) fn totals_of(&self, slot: &Slot<T, D>) -> Totals {
+        let mut part = Totals::default();
+        let mut numbers = Vec::with_capacity(self.columns.count());
+        let (centre, spacing, way) = (self.bin_centre(), self.lattice.spacing(), self.lead.way());
+        let (total, density) = (self.facts().total, self.material.density());
+        for (bin, at) in slot.block.places() {
+            numbers.clear();
+            slot.block.read(at, &mut numbers);
+            let coordinates = slot.block.bin_coordinates(bin);
+            let (mut x, mut v) = ([0.0; 3], [0.0; 3]);
+            for d in 0..D {
+                let mut cells =
+                    f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
+                if total {
+                    cells += numbers[self.columns.frame() + d].to_double();
+                }
+                x[d] = self.lattice.origin()[d] + spacing * cells - way[d];
+                v[d] = numbers[Columns::velocity(D) + d].to_double();
+            }
+            let mass = self.masses.of(&numbers);
+            let energy = self.material.energy_of(self.state_of(&numbers)).unwrap_or_default();
+            part.internal += (energy * (mass / density)).to_double();
+            let heat = self.material.viscous_heat_of(self.state_of(&numbers));
+            part.viscous_heat += (heat * (mass / density)).to_double();
+            let mass = mass.to_double();
+            part.particles += 1;
+            part.mass += mass;
+            let moment = [x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2], x[0] * v[1] - x[1] * v[0]];
+            for d in 0..3 {
+                part.momentum[d] += mass * v[d];
+                part.angular_momentum[d] += mass * moment[d];
+            }
+            let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            part.momentum_scale += mass * square.sqrt();
+            part.kinetic += 0.5 * mass * square;
+        }
+        part
+    }
+}
+
+impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.material.name()
+    }
+    fn is_plane_stress(&self) -> bool {
+        self.material.is_plane_stress()
+    }
+    fn len(&self) -> usize {
+        self.slots.iter().map(|s| s.block.len()).sum()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.columns.state_names().to_vec()
+    }
+    fn totals(&self) -> Totals {
+        let parts = self.in_place().map(|slot| self.totals_of(slot));
+        parts.fold(Totals::default(), |sum, part| sum.plus(&part))
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.for_each_with(Parts::ALL, visit);
+    }
+    fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
+        let (mut numbers, mut p, way) = (Vec::new(), PointView::default(), self.lead.way());
+        for slot in self.in_place() {
+            for (bin, at) in slot.block.places() {
+                self.read_particle((&slot.block, bin, at), parts, &way, &mut numbers, &mut p);
+                visit(&p);
+            }
+        }
+    }
+    fn bytes(&self) -> usize {
+        let slot = |s: &Slot<T, D>| {
+            s.block.bytes()
+                + s.tile.bytes()
+                + s.slots_around.len() * size_of::<u32>()
+                + size_of::<Slot<T, D>>()
+        };
+        let own = |s: &Mutex<Scratch<T>>| s.lock().unwrap_or_else(PoisonError::into_inner).bytes();
+        self.slots.iter().chain(&self.spare).map(slot).sum::<usize>()
+            + self.index.capacity() * size_of::<([i32; D], u32)>()
+            + self.wanted.capacity() * size_of::<[i32; D]>()
+            + self.links.capacity() * size_of::<(u32, u32, u8)>()
+            + self.sent.capacity() * size_of::<Sent>()
+            + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
+            + self.scratch.iter().map(own).sum::<usize>()
+            + self.outlines.capacity() * size_of::<Outline>()
+            + self.starts.capacity() * size_of::<[f64; D]>()
+            + self.powers.capacity() * size_of::<T>()
+            + self.forces.capacity() * size_of::<[f64; 3]>()
+            + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
+            + self.resting.as_ref().map_or(0, Deactivated::bytes)
+    }
+}

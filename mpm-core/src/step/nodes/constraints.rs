@@ -1,0 +1,266 @@
+//! Boundary conditions of the nodes of a block.
+
+use super::block_place::BlockPlace;
+use super::fields::Fields;
+use super::layout::{Layout, NodeSums, Piece};
+use super::node_sets::NodeSets;
+use super::node_update::{Around, NodeUpdate, Trial};
+use super::planes::Planes;
+use super::stages::{BlockBooks, Conditions};
+use crate::grid::Node;
+use crate::step::bodies::body::GridBody;
+use crate::step::rigid::nodes::{self, rigid_of};
+use impactite_geometry::Lattice;
+use impactite_scene::boundary::Boundary;
+use impactite_scene::{Condition, Exchange, Place};
+use impactite_simd::Float;
+
+/// Add a share of the exchange of a node.
+fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
+    for d in 0..3 {
+        sum.impulse[d] += share * o.impulse[d];
+        sum.load[d] += share * o.load[d];
+        sum.dropped[d] += share * o.dropped[d];
+    }
+    sum.work += share * o.work;
+    sum.friction += share * o.friction;
+    sum.damping += share * o.damping;
+}
+
+/// Set the nodes of a rigid body's block to the rigid velocity. Returns true if they are final.
+pub(super) fn carry<T: Float, const D: usize>(
+    bodies: &[Box<dyn GridBody<T, D>>],
+    fields: &Fields<D>,
+    constraints: &Constraints<'_, T, D>,
+    block: usize,
+    sums: NodeSums,
+    nodes: &mut Piece<'_, Node<T>>,
+) -> bool {
+    let Some(body) = rigid_of(bodies, fields, block) else { return false };
+    let place = BlockPlace::new(&constraints.lattice, &constraints.blocks[block]);
+    nodes::carry(body, sums, &place, nodes)
+}
+
+/// Boundary conditions of node blocks.
+pub(super) struct Constraints<'a, T: Float, const D: usize> {
+    pub(super) boundaries: &'a [Boundary<D>],
+    /// Planes next to which nodes include their images; their exchange is recorded by the share of their own mass.
+    pub(super) planes: &'a Planes<T>,
+    pub(super) layout: &'a Layout,
+    pub(super) bodies: &'a [Box<dyn GridBody<T, D>>],
+    pub(super) fields: &'a Fields<D>,
+    pub(super) lattice: Lattice<D>,
+    pub(super) blocks: &'a [[i32; D]],
+    /// Time at the start of the step, s.
+    pub(super) time: f64,
+    /// Largest distance of copies behind a symmetry plane, m.
+    pub(super) copies: f64,
+}
+
+impl<T: Float, const D: usize> Constraints<'_, T, D> {
+    /// Apply `update` to the nodes of a block.
+    pub(super) fn apply<U: NodeUpdate<T>>(
+        &self,
+        update: &U,
+        block: usize,
+        nodes: &mut Piece<'_, Node<T>>,
+        books: &mut BlockBooks,
+    ) {
+        let BlockBooks { ledger, held } = books;
+        let spacing = self.lattice.spacing();
+        let reach = 2.0 * spacing;
+        let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
+        let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
+        if !self.boundaries.iter().any(|b| reaches(&b)) {
+            if U::HOLDS {
+                *held = NodeSets::default();
+            }
+            update.update_free(nodes.items, ledger);
+            return;
+        }
+        let body = self.bodies.get(self.fields.owner(block) as usize);
+        let rigid = body.is_some_and(|b| b.rigid().is_some());
+        // Wall contact acts on single particles; material without stress on these nodes is stopped by the wall's impulse on
+        // them.
+        let apart = body.is_none_or(|b| b.meets_surfaces().is_some());
+        let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall()) && !(rigid && stops_rigid(b));
+        let reacting = self.boundaries.iter().filter(reaches).any(|b| reacts(&b));
+        let held_before = *held;
+        if U::HOLDS {
+            *held = NodeSets::default();
+        }
+        let mirrors = self.planes.copied();
+        let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
+        let across = if rigid { [false; 3] } else { self.planes.mirrored_axes() };
+        for (i, (n, node)) in nodes.numbered().enumerate() {
+            let x = place.node(n);
+            let share = own.share(i, node);
+            let copy = share.is_none() && place.is_copy(n, mirrors);
+            let held_now = std::array::from_fn(|d| held_before.has(d, n));
+            let mut around = AtNode {
+                of: self,
+                place: &place,
+                x,
+                at: self.layout.start(block) + i,
+                apart,
+                rigid,
+                reacting,
+                weighed: if share.is_some() { across } else { [false; 3] },
+                image: if reacting { place.image(n, mirrors) } else { [false; 3] },
+                held: if U::HOLDS { [false; 3] } else { held_now },
+            };
+            if let Some(share) = share {
+                let mut all = Exchange::default();
+                update.update(node, &mut around, &mut all);
+                add_share(ledger, share, &all);
+            } else if copy {
+                update.update(node, &mut around, &mut Exchange::default());
+            } else {
+                update.update(node, &mut around, ledger);
+            }
+            if U::HOLDS {
+                (0..D).filter(|d| around.held[*d]).for_each(|d| held.set(d, n, true));
+            }
+        }
+    }
+}
+
+/// Boundary conditions of a node.
+struct AtNode<'a, T: Float, const D: usize> {
+    of: &'a Constraints<'a, T, D>,
+    place: &'a BlockPlace<D>,
+    /// Position of the node, m.
+    x: [f64; D],
+    /// Index of the node among all.
+    at: usize,
+    /// True if wall contact acts on particles, and not on these nodes.
+    apart: bool,
+    /// True for a node of a rigid body, which planes stop as a whole.
+    rigid: bool,
+    /// Directions in which the forces of the node include its weight.
+    weighed: [bool; 3],
+    /// True if any condition reacts in this block.
+    reacting: bool,
+    /// Axes along which the node is the mirror image of one in front of a symmetry plane.
+    image: [bool; 3],
+    /// Directions in which reacting conditions constrain the node.
+    held: [bool; 3],
+}
+
+impl<T: Float, const D: usize> AtNode<'_, T, D> {
+    /// Iterate over the boundaries that reach the block, with their indices.
+    fn near(&self) -> impl Iterator<Item = (usize, &Boundary<D>)> {
+        let (low, high) = (&self.place.low, &self.place.high);
+        let (time, reach) = (self.of.time, 2.0 * self.of.lattice.spacing());
+        let all = self.of.boundaries.iter().enumerate();
+        let elsewhere = |b: &Boundary<D>| (self.apart && b.is_wall()) || (self.rigid && stops_rigid(b));
+        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !elsewhere(b))
+    }
+    /// Return the position of the node, or of its original if it is an image, and the signs of its vectors there.
+    fn place(&self) -> ([f64; D], [f64; D]) {
+        let (mut x, mut sign) = (self.x, [1.0; D]);
+        for m in self.of.planes.copied().iter().filter(|m| self.image[m.axis]) {
+            let (origin, h) = (self.of.lattice.origin()[m.axis], self.of.lattice.spacing());
+            let plane = origin + f64::from(m.node) * h;
+            if (x[m.axis] - plane) * f64::from(m.sign) < 0.0 {
+                x[m.axis] = 2.0 * plane - x[m.axis];
+                sign[m.axis] = -1.0;
+            }
+        }
+        (x, sign)
+    }
+}
+
+impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
+    #[inline]
+    fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool {
+        let before = *v;
+        let tolerance = 1e-6 * self.of.lattice.spacing();
+        for (_, b) in self.near() {
+            b.constrain(&self.x, v, time, tolerance, self.of.copies);
+        }
+        *v != before
+    }
+
+    fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool {
+        if !self.reacting {
+            return false;
+        }
+        let (position, sign) = self.place();
+        let spacing = self.of.lattice.spacing();
+        let (mut any, mut held) = (false, self.held);
+        for (n, b) in self.near().filter(|(_, b)| b.reacts()) {
+            let (mut depth, mut tolerance) = (0.5 * spacing, 1e-6 * spacing);
+            if b.surface().is_some() {
+                let Some(share) = self.of.planes.depth(self.at, n) else { continue };
+                (depth, tolerance) = (share, 1.5 * spacing);
+            }
+            let reaction = b.react(&Place {
+                position,
+                mass: trial.mass,
+                depth,
+                tolerance,
+                start: trial.start.map(|start| std::array::from_fn(|d| sign[d] * start[d])),
+                trial: std::array::from_fn(|d| sign[d] * v[d]),
+                time: self.of.time,
+                dt: trial.dt,
+            });
+            if reaction.is_none() {
+                continue;
+            }
+            any = true;
+            ledger.friction += if trial.only_held { 0.0 } else { reaction.heat };
+            for d in (0..D).filter(|d| !trial.only_held || reaction.held[*d]) {
+                let impulse = sign[d] * reaction.impulse[d];
+                ledger.impulse[d] += takes * impulse;
+                ledger.work += takes * reaction.impulse[d] * reaction.velocity[d];
+                held[d] |= reaction.held[d];
+                // Bitwise exact, so that a constrained position stays.
+                v[d] = if reaction.held[d] {
+                    sign[d] * reaction.velocity[d]
+                } else {
+                    v[d] + impulse / trial.mass
+                };
+            }
+        }
+        self.held = held;
+        any
+    }
+
+    fn held(&self) -> [bool; 3] {
+        self.held
+    }
+
+    fn weighed(&self) -> [bool; 3] {
+        self.weighed
+    }
+}
+
+/// Return true if the boundary stops free rigid bodies as a whole, at their surfaces ([`crate::step::rigid::planes`]), and
+/// not their nodes.
+pub(in crate::step) fn stops_rigid<const D: usize>(boundary: &Boundary<D>) -> bool {
+    boundary.is_wall() || matches!(boundary, Boundary::Symmetry { .. } | Boundary::Fixed { .. })
+}
+
+/// Return the directions in which no boundary constrains the node, unilateral walls and reacting conditions aside.
+pub(in crate::step) fn free_directions<const D: usize>(
+    conditions: &Conditions<D>,
+    x: &[f64; D],
+    time: f64,
+    spacing: f64,
+    copies: f64,
+) -> [bool; 3] {
+    let mut free = [true; 3];
+    // A boundary that changes neither of two opposite probes in a direction leaves it free.
+    for probe in [1e30, -1e30] {
+        let before = [probe; 3];
+        let mut v = before;
+        for b in conditions.boundaries.iter().filter(|b| !b.is_wall()) {
+            b.constrain(x, &mut v, time, 1e-6 * spacing, copies);
+        }
+        for d in 0..3 {
+            free[d] &= v[d] == before[d];
+        }
+    }
+    free
+}
