@@ -1,17 +1,17 @@
-//! Expressions of place and time.
+//! Formulas of position and time.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
+use crate::expression::Expression;
 use crate::quantity::{Measure, Quantity, bounded, with_parameters};
 use crate::table::Table;
 
-/// A quantity that may depend on place and time: a number, a text with a unit, or a formula in SI units that begins with `=`:
-/// `"= -190 * (1 - z / 0.0254)"`. Variables are `x`, `y`, `z`, around an axis `r` and `z` (m), and `t` (s); the file's parameters are numbers in SI units, and
-/// the names of its tables stand for their values at the time.
+/// Quantity that may depend on position and time: a number, a text with a unit, or a formula in SI units that begins with `=`: `"= -190 *
+/// (1 - z / 0.0254)"`. Variables are `x`, `y`, `z`, in axisymmetric scenes `r` and `z` (m), and `t` (s); parameters of the file are numbers
+/// in SI units, and names of its tables have their values at time `t`.
 #[derive(Clone, Debug)]
 pub struct Formula<U> {
     what: What,
@@ -27,37 +27,9 @@ enum What {
 #[derive(Debug)]
 struct Varies {
     text: String,
-    formula: Parsed,
-    /// What each of its variables is, in its order.
+    formula: Expression,
+    /// Meanings of the variables, in their order.
     variables: Vec<Variable>,
-}
-
-type Parsed = FlatEx<f64, FloatOpsFactory<f64>, Numbers>;
-
-/// Numbers as in files: also `3.2e6`, which the evaluator does not know by itself.
-#[derive(Clone, Debug)]
-struct Numbers;
-
-impl MatchLiteral for Numbers {
-    fn is_literal(text: &str) -> Option<&str> {
-        let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
-        let whole = digits(0);
-        let mut end = whole;
-        if text[end..].starts_with('.') {
-            end += 1 + digits(end + 1);
-        }
-        // A dot alone is no number.
-        if whole == 0 && end < 2 {
-            return None;
-        }
-        if text[end..].starts_with(['e', 'E']) {
-            let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
-            let exponent = digits(end + 1 + sign);
-            // `2e` is two times Euler's number in no file: without digits the letter is left for a name.
-            end += if exponent > 0 { 1 + sign + exponent } else { 0 };
-        }
-        Some(&text[..end])
-    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -65,33 +37,33 @@ enum Variable {
     X,
     Y,
     Z,
-    /// The distance from the axis: the first coordinate.
+    /// Distance from the axis of revolution: the first coordinate.
     R,
     T,
     Number(f64),
-    /// A table over time.
+    /// Table over time.
     Table(Arc<Table>),
 }
 
-/// Which coordinates there are.
+/// Coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coordinates {
-    /// x, y, z.
+    /// Three dimensions: x, y, z.
     Space,
-    /// x, y.
+    /// Plane: x, y.
     Plane,
-    /// r, z.
+    /// Axisymmetric: r, z.
     Revolved,
 }
 
 impl<U: Measure> Formula<U> {
-    /// The same everywhere and always.
+    /// Create a constant.
     #[must_use]
     pub fn constant(value: f64) -> Self {
         Formula { what: What::Constant(value), measure: PhantomData }
     }
 
-    /// The value, if it is the same everywhere and always.
+    /// Return the value if it is constant.
     #[must_use]
     pub fn as_constant(&self) -> Option<f64> {
         match self.what {
@@ -100,13 +72,13 @@ impl<U: Measure> Formula<U> {
         }
     }
 
-    /// Refuse coordinates that there are not, places where only time is known (`place` false), and time where only place is (`time` false).
+    /// Check the variables: refuse unknown coordinates, position unless `place`, and time unless `time`.
     ///
     /// # Errors
-    /// Such a variable, by name.
+    /// Invalid variable, by name.
     pub fn check(&self, coordinates: Coordinates, place: bool, time: bool) -> Result<(), String> {
         let What::Varies(varies) = &self.what else { return Ok(()) };
-        for (variable, name) in varies.variables.iter().zip(varies.formula.var_names()) {
+        for (variable, name) in varies.variables.iter().zip(varies.formula.names()) {
             let here = match variable {
                 Variable::Number(_) => true,
                 Variable::T | Variable::Table(_) => time,
@@ -134,7 +106,7 @@ impl<U: Measure> Formula<U> {
         Ok(())
     }
 
-    /// The value at a place (m) and time (s). Not a number where the formula has none.
+    /// Evaluate at a position (m) and time (s). NaN where the formula is undefined.
     #[must_use]
     pub fn at<const D: usize>(&self, x: &[f64; D], revolved: bool, time: f64) -> f64 {
         let varies = match &self.what {
@@ -155,14 +127,14 @@ impl<U: Measure> Formula<U> {
                 Variable::Table(table) => table.at(time),
             })
             .collect();
-        varies.formula.eval(&values).unwrap_or(f64::NAN)
+        varies.formula.value(&values)
     }
 
     fn of(text: &str) -> Result<Self, String> {
         bounded(text)?;
-        let formula = Parsed::parse(text)
+        let formula = Expression::parse(text)
             .map_err(|why| format!("{why} (formulas are in SI units and take no units: `= 200 * x`)"))?;
-        let variables = formula.var_names().iter().map(|name| {
+        let variables = formula.names().iter().map(|name| {
             Ok(match name.as_str() {
                 "x" => Variable::X,
                 "y" => Variable::Y,

@@ -1,8 +1,9 @@
-//! What scene files of Impactite hold: [`model`], of [`quantity`] and [`formula`].
+//! Types of Impactite scene files: [`model`], built from [`quantity`] and [`formula`].
 //!
-//! The crate `impactite-input` makes solvers of it. This one knows none, and is compiled for size of code rather than for speed: reading a
-//! scene is no work beside running it.
+//! The crate `impactite-input` builds solvers from them. This crate does not depend on solvers, and is compiled for code size rather than
+//! speed: parsing a scene is negligible beside running it.
 
+pub mod expression;
 pub mod formula;
 pub mod model;
 pub mod quantity;
@@ -11,19 +12,19 @@ pub mod table;
 
 pub use model::SceneFile;
 
-/// The JSON Schema of scene files: editors that know TOML check and complete by it.
+/// Return the JSON Schema of scene files: editors check and complete TOML with it.
 #[must_use]
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(SceneFile)
 }
 
-/// A scene that cannot be read: the key, and the error of the deserializer, which knows the place.
+/// Error of reading a scene: the key, and the error of the deserializer with its position.
 pub type ReadError = serde_path_to_error::Error<toml_edit::de::Error>;
 
-/// The scene of a document, with its parameters.
+/// Parse the scene of a document, with its parameters.
 ///
 /// # Errors
-/// Keys that there are not, values of other kinds, quantities of other measures.
+/// Unknown keys, values of wrong types, quantities of wrong dimensions.
 pub fn read(
     document: toml_edit::Document<&str>,
     parameters: &quantity::Parameters,

@@ -1,4 +1,4 @@
-//! Numbers with units, and what they may be written with.
+//! Quantities: numbers with units, parameters and arithmetic.
 
 use std::cell::RefCell;
 use std::marker::PhantomData;
@@ -11,11 +11,11 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 use crate::table::Table;
 
-/// What a quantity measures.
+/// Physical dimension of a quantity.
 pub trait Measure: Copy + Default + 'static {
-    /// What it is called.
+    /// Name of the dimension.
     const NAME: &'static str;
-    /// The SI unit as it is written in files; empty of plain numbers.
+    /// SI unit as written in files; empty for plain numbers.
     const UNIT: &'static str;
 }
 
@@ -29,65 +29,65 @@ macro_rules! measures {
             const UNIT: &'static str = $unit;
         }
     )*
-        /// Every measure: name and SI unit.
+        /// All dimensions: name and SI unit.
         pub const MEASURES: &[(&str, &str)] = &[$(($words, $unit)),*];
     };
 }
 
 measures! {
-    /// A plain number.
+    /// Plain number.
     Plain: "number", "";
-    /// m.
+    /// Length, m.
     Length: "length", "m";
-    /// m^2.
+    /// Area, m^2.
     Area: "area", "m^2";
-    /// s.
+    /// Time, s.
     Time: "time", "s";
-    /// m/s.
+    /// Speed, m/s.
     Speed: "speed", "m/s";
-    /// m/s^2.
+    /// Acceleration, m/s^2.
     Acceleration: "acceleration", "m/s^2";
-    /// rad/s.
+    /// Angular velocity, rad/s.
     Spin: "angular velocity", "rad/s";
-    /// rad.
+    /// Angle, rad.
     Angle: "angle", "rad";
-    /// kg.
+    /// Mass, kg.
     Mass: "mass", "kg";
-    /// kg/m^3.
+    /// Density, kg/m^3.
     Density: "density", "kg/m^3";
-    /// Pa.
+    /// Pressure or stress, Pa.
     Pressure: "pressure", "Pa";
-    /// Pa s.
+    /// Dynamic viscosity, Pa s.
     Viscosity: "viscosity", "Pa s";
-    /// 1/s.
+    /// Rate, 1/s.
     Rate: "rate", "1/s";
-    /// K.
+    /// Temperature, K.
     Temperature: "temperature", "K";
-    /// J/(kg K).
+    /// Specific heat capacity, J/(kg K).
     HeatCapacity: "heat capacity", "J/(kg K)";
-    /// J/m^2.
+    /// Energy per area, J/m^2.
     SurfaceEnergy: "energy of an area", "J/m^2";
-    /// J/m^3.
+    /// Energy per volume, J/m^3.
     EnergyDensity: "energy of a volume", "J/m^3";
-    /// J.
+    /// Energy, J.
     Energy: "energy", "J";
-    /// N.
+    /// Force, N.
     Force: "force", "N";
-    /// kg m/s.
+    /// Momentum, kg m/s.
     Momentum: "momentum", "kg m/s";
 }
 
-/// A number in SI units. In files it is a number, which is then in SI units, or a text with a unit: `"7.6 mm"`, `"190 m/s"`, `"48 MPa"`,
-/// or arithmetic with units and the file's parameters: `"2 * radius / 10"`.
+/// Number in SI units. In files it is a number in SI units, or a text with a unit: `"7.6 mm"`, `"190 m/s"`, `"48 MPa"`, or arithmetic with
+/// units and the file's parameters: `"2 * radius / 10"`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Quantity<U> {
-    /// In SI units.
+    /// Value in SI units.
     pub value: f64,
     measure: PhantomData<U>,
 }
 
 impl<U: Measure> Quantity<U> {
-    /// So many SI units.
+    /// Create a quantity from a value in SI units.
     #[must_use]
     pub fn new(value: f64) -> Self {
         Quantity { value, measure: PhantomData }
@@ -95,21 +95,21 @@ impl<U: Measure> Quantity<U> {
 }
 
 thread_local! {
-    /// The parameters of the file that is being read.
+    /// Parameters of the file under reading.
     static PARAMETERS: RefCell<Parameters> = RefCell::new(Parameters::default());
 }
 
-/// Named values of a file, with which its quantities may be written.
+/// Named values of a file, for use in its quantities.
 #[derive(Clone)]
 pub struct Parameters {
-    /// Values with their units, by name. Shared by clones: [`define`](Self::define) copies it where another owner is left, and
-    /// evaluation of a quantity changes none of its names.
+    /// Values with their units, by name. Clones share them: [`define`](Self::define) copies them if another clone exists, and evaluation of
+    /// a quantity changes no name.
     context: Arc<Mutex<Context>>,
     /// Values in SI units, by name.
     numbers: IndexMap<String, f64>,
-    /// Their SI units, in the same order; empty of plain numbers.
+    /// SI units of `numbers`, in the same order; empty for plain numbers.
     units: Vec<&'static str>,
-    /// Values over time, by name.
+    /// Tables over time, by name.
     tables: IndexMap<String, Arc<Table>>,
 }
 
@@ -120,14 +120,14 @@ impl Default for Parameters {
     }
 }
 
-/// Exponential function by that of the hyperbolic tangent, ((1 + t) / (1 - t))^256 with t = tanh(x / 512), within 1e-13 for |x| up to
-/// 700: the library's own takes roots of rational numbers, which fails for most arguments.
+/// Exponential function by the hyperbolic tangent, ((1 + t) / (1 - t))^256 with t = tanh(x / 512), within 1e-13 for |x| up to 700: the
+/// library's own takes roots of rational numbers, which fails for most arguments.
 const EXP: &str = "exp = x: ((1 + tanh(x / 512)) / (1 - tanh(x / 512)))^256";
 
-/// A context without parameters.
+/// Create a context without parameters.
 fn context() -> Context {
     let mut context = Context::new();
-    // A failure would leave the library's own function.
+    // On failure the library's own function stays.
     let _ = evaluate(EXP, &mut context);
     context
 }
@@ -139,10 +139,10 @@ impl std::fmt::Debug for Parameters {
 }
 
 impl Parameters {
-    /// Add one: its name, and a number or a text with a unit, which may be written with those before it.
+    /// Define a parameter: its name, and a number or a text with a unit, which may contain earlier parameters.
     ///
     /// # Errors
-    /// A name that is none or that stands for a unit or a variable of formulas; a text that is no quantity.
+    /// Invalid name, or name of a unit or of a variable of formulas; invalid quantity.
     pub fn define(&mut self, name: &str, value: &str) -> Result<(), String> {
         named(name)?;
         let mut context = self.unshared();
@@ -155,10 +155,10 @@ impl Parameters {
         Ok(())
     }
 
-    /// Add a table, for formulas.
+    /// Define a table, for formulas.
     ///
     /// # Errors
-    /// A name that is none, or that stands for something else.
+    /// Invalid name, or name with another meaning.
     pub fn define_table(&mut self, name: &str, table: Table) -> Result<(), String> {
         named(name)?;
         if self.numbers.contains_key(name) {
@@ -168,22 +168,22 @@ impl Parameters {
         Ok(())
     }
 
-    /// Values over time, by name.
+    /// Return the tables over time, by name.
     #[must_use]
     pub fn tables(&self) -> &IndexMap<String, Arc<Table>> {
         &self.tables
     }
 
-    /// A quantity of any known measure, in SI units.
+    /// Evaluate a quantity of any known dimension, in SI units.
     ///
     /// # Errors
-    /// A text that is none.
+    /// Invalid quantity.
     pub fn of_any_measure(&self, text: &str) -> Result<f64, String> {
         let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
         in_any_unit(text, &mut context).map(|(_, _, value)| value)
     }
 
-    /// The context of these parameters alone.
+    /// Return the context, copied first if it is shared.
     fn unshared(&mut self) -> std::sync::MutexGuard<'_, Context> {
         if Arc::get_mut(&mut self.context).is_none() {
             let copy = self.context.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -192,38 +192,38 @@ impl Parameters {
         self.context.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// As numbers in SI units, by name.
+    /// Return the values in SI units, by name.
     #[must_use]
     pub fn numbers(&self) -> &IndexMap<String, f64> {
         &self.numbers
     }
 
-    /// The SI unit of the number of a name; empty of a plain number, and of no name of these.
+    /// Return the SI unit of a parameter; empty for plain numbers and unknown names.
     #[must_use]
     pub fn unit(&self, name: &str) -> &'static str {
         let place = self.numbers.get_index_of(name);
         place.and_then(|place| self.units.get(place)).copied().unwrap_or_default()
     }
 
-    /// A quantity in the SI unit `unit` (none: a plain number).
+    /// Evaluate a quantity in the SI unit `unit` (empty: a plain number).
     ///
     /// # Errors
-    /// A text that is no quantity; another measure.
+    /// Invalid quantity; other dimension.
     pub fn quantity(&self, text: &str, unit: &str) -> Result<f64, String> {
         let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
         convert(text, unit, &mut context)
     }
 
-    /// Name and SI unit of what a text measures.
+    /// Return name and SI unit of the dimension of a text.
     ///
     /// # Errors
-    /// A text that is no quantity of any known measure.
+    /// Text that is no quantity of any known dimension.
     pub fn measure(&self, text: &str) -> Result<(&'static str, &'static str), String> {
         let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
         in_any_unit(text, &mut context).map(|(name, unit, _)| (name, unit))
     }
 
-    /// Read with these parameters: quantities and formulas that `read` makes of a file on this thread are written with them.
+    /// Call `read` with these parameters: quantities and formulas deserialized on this thread may contain them.
     pub fn during<R>(&self, read: impl FnOnce() -> R) -> R {
         let before = PARAMETERS.replace(self.clone());
         let made = read();
@@ -232,7 +232,7 @@ impl Parameters {
     }
 }
 
-/// A quantity in the SI unit `unit` (none: a plain number).
+/// Evaluate a quantity in the SI unit `unit` (empty: a plain number).
 fn convert(text: &str, unit: &str, context: &mut Context) -> Result<f64, String> {
     let checked = checked(text)?;
     let asked = if unit.is_empty() { checked } else { format!("({checked}) to ({unit})") };
@@ -249,7 +249,7 @@ fn convert(text: &str, unit: &str, context: &mut Context) -> Result<f64, String>
     }
 }
 
-/// Name and SI unit of what a text measures, and its value in that unit.
+/// Return name and SI unit of the dimension of a text, and its value in that unit.
 fn in_any_unit(text: &str, context: &mut Context) -> Result<(&'static str, &'static str, f64), String> {
     let mut first = None;
     for &(name, unit) in MEASURES {
@@ -258,27 +258,27 @@ fn in_any_unit(text: &str, context: &mut Context) -> Result<(&'static str, &'sta
             Err(why) => first = first.or(Some(why)),
         }
     }
-    // A value of no known measure is described as a plain number.
+    // The error for a value of unknown dimension is that of a plain number.
     Err(first.unwrap_or_default())
 }
 
-/// Longest text of a quantity or formula, characters.
+/// Maximum length of a quantity or formula, characters.
 const LONGEST: usize = 1000;
-/// Most levels of nested parentheses: the work of the evaluator's parser grows up to fourfold with each.
+/// Maximum depth of nested parentheses: the work of the evaluator's parser grows up to fourfold with each.
 const GROUPS: usize = 8;
-/// Most levels of nested signs, powers and functions, which its stack bears in a thread of 1 MiB.
+/// Maximum depth of nested signs, powers and functions, for the stack of a thread of 1 MiB.
 const DEEPEST: usize = 40;
 
-/// A text that the evaluator takes in bounded memory and time, with `in` as inches.
+/// Check that the evaluator needs bounded memory and time for a text; replace `in` by inches.
 ///
 /// # Errors
-/// A text that is too long or too deeply nested; an assignment; the name of the last result.
+/// Text that is too long or too deeply nested; assignment; name of the last result.
 fn checked(text: &str) -> Result<String, String> {
     bounded(text)?;
     if let Some(sign) = text.chars().find(|c| "=:;@#!\\\n".contains(*c)) {
         return Err(format!("`{}` is not allowed in an expression", sign.escape_debug()));
     }
-    // A comma would stand between thousands: `3,8 m` would be 38 m.
+    // The evaluator skips commas as separators of thousands: `3,8 m` would be 38 m.
     if text.contains(',') {
         return Err(format!("`,` is not allowed in an expression; write `{}`", text.replace(',', ".")));
     }
@@ -286,17 +286,20 @@ fn checked(text: &str) -> Result<String, String> {
     if let Some(word) = words.into_iter().find(|w| ["ans", "_"].contains(w)) {
         return Err(format!("`{word}` stands for no value"));
     }
+    if text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == "log") {
+        return Err("`log` has two meanings; write `ln` or `log10`".into());
+    }
     Ok(inches(text))
 }
 
-/// Bounds on the length and the nesting of a text, so that no parser overflows its stack.
+/// Check length and nesting of a text, so that no parser overflows its stack.
 pub(crate) fn bounded(text: &str) -> Result<(), String> {
     let length = text.chars().count();
     if length > LONGEST {
         return Err(format!("has {length} characters; at most {LONGEST} are allowed"));
     }
-    // An upper bound of the depth of recursion: a level for each group, sign, power and application that is open. Binary operators end
-    // all levels of their group but its own.
+    // Upper bound of the recursion depth: one level for each open group, sign, power and application. A binary operator closes all levels
+    // of its group but its own.
     let (mut groups, mut level, mut depth, mut operand) = (Vec::new(), 0, 0, false);
     let mut letters = text.chars().peekable();
     while let Some(letter) = letters.next() {
@@ -334,7 +337,7 @@ pub(crate) fn bounded(text: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// With `in` as inches: the library takes the word for a conversion, of which quantities have no need.
+/// Replace `in` by inches: the library parses `in` as a conversion, which quantities do not need.
 fn inches(text: &str) -> String {
     let within = |c: char| c.is_alphanumeric() || c == '_';
     let mut out = String::with_capacity(text.len() + 4);
@@ -343,7 +346,7 @@ fn inches(text: &str) -> String {
         let (before, after) = (&rest[..at], &rest[at + 2..]);
         out += before;
         let alone = !out.ends_with(within) && !after.starts_with(within);
-        // A number may stand right before it: `3in`.
+        // A number may precede it without a blank: `3in`.
         let number = out.ends_with(|c: char| c.is_ascii_digit()) && !after.starts_with(within) && {
             let word = out.rsplit(|c: char| !within(c)).next().unwrap_or_default();
             word.starts_with(|c: char| c.is_ascii_digit())
@@ -354,7 +357,7 @@ fn inches(text: &str) -> String {
     out + rest
 }
 
-/// Names of three letters and more that stand for what they usually do.
+/// Names of three letters and more that keep their usual meaning.
 const USUAL: &[&str] = &[
     "rad", "deg", "rpm", "min", "day", "Hz", "kHz", "MHz", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "atm",
     "inch", "lbf", "mile", "mph", "ton", "tonne", "cal", "kcal", "percent", "sqrt", "cbrt", "abs", "exp",
@@ -362,10 +365,10 @@ const USUAL: &[&str] = &[
     "ceil", "round", "mod", "per", "and",
 ];
 
-/// Words of the language of quantities.
+/// Reserved words of quantities.
 const WORDS: &[&str] = &["in", "to", "of", "per", "and", "or", "mod", "xor", "not"];
 
-/// Refuse what is no name of a value of the file.
+/// Check that a name can name a value of the file.
 fn named(name: &str) -> Result<(), String> {
     let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -374,12 +377,12 @@ fn named(name: &str) -> Result<(), String> {
     taken(name).map_or(Ok(()), Err)
 }
 
-/// What a name stands for already.
+/// Return an error if the name has a meaning already.
 fn taken(name: &str) -> Option<String> {
     if WORDS.contains(&name) {
         return Some(format!("`{name}` is a word of quantities and cannot name a parameter"));
     }
-    // Of longer names only those that scenes are written with: nobody who calls a parameter `section` means the square mile.
+    // Longer names are reserved only if scenes commonly use them: a parameter `section` never means the square mile.
     if name.len() > 2 && !USUAL.contains(&name) {
         return None;
     }
@@ -388,22 +391,22 @@ fn taken(name: &str) -> Option<String> {
         return Some(format!("`{name}` is a variable of formulas and cannot name a parameter; {other}"));
     }
     let known = evaluate(name, &mut Context::new()).ok()?;
-    // A unit has its own name in its value, `1 meter`; a constant and a function have a number or themselves.
+    // The value of a unit contains its name, `1 meter`; a constant or function has a number or itself.
     let unit = known.strip_prefix("1 ").map_or(String::new(), |unit| format!(" ({unit})"));
     Some(format!("`{name}` is a unit or a constant{unit} and cannot name a parameter; {other}"))
 }
 
-/// Most interruption points of the evaluator that a text may pass: a quantity passes about 50, `3.7^1.2345` 38 000.
+/// Maximum number of interruption points of the evaluator: a quantity passes about 50, `3.7^1.2345` 38 000.
 const WORK: u64 = 100_000;
 
-/// The answer to a text that is too costly.
+/// Error message for a text that is too costly.
 const TOO_MUCH: &str =
     "takes too many operations to evaluate, as powers of many digits do; write `exp(b * ln(a))` for `a^b`";
 
-/// The value of a text, which must take a bounded number of operations. The bound counts operations and not time, so that the
-/// same text gives the same answer on a busy machine.
+/// Evaluate a text within a bounded number of operations. The bound counts operations and not time, so that the result does not depend on
+/// the load of the machine.
 fn evaluate(text: &str, context: &mut Context) -> Result<String, String> {
-    /// Stops an evaluation that would not end: `"10^10^10"`.
+    /// Interrupt for evaluations that would not end: `"10^10^10"`.
     #[derive(Default)]
     struct Budget(AtomicU64);
     impl Interrupt for Budget {
@@ -418,7 +421,7 @@ fn evaluate(text: &str, context: &mut Context) -> Result<String, String> {
     }
 }
 
-/// What the parameters of the file being read make of a text.
+/// Call `read` with the parameters of the file under reading.
 pub(crate) fn with_parameters<R>(read: impl FnOnce(&Parameters) -> R) -> R {
     PARAMETERS.with_borrow(read)
 }
@@ -461,7 +464,7 @@ impl<'de, U: Measure> Deserialize<'de> for Quantity<U> {
     }
 }
 
-/// Number in SI units: the schema has defaults by it.
+/// Serialise as a number in SI units, for defaults in the schema.
 impl<U> serde::Serialize for Quantity<U> {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_f64(self.value)

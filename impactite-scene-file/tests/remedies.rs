@@ -1,11 +1,11 @@
-//! Messages of the libraries as a user of scene files sees them: no call of Rust, and no key that the schema does not have.
+//! Library messages as displayed to authors of scene files: no Rust call, and no key that the schema does not have.
 
 use std::path::{Path, PathBuf};
 
 use impactite_scene_file::remedy::{REMEDIES, in_scene_files};
 use serde_json::Value;
 
-/// The crates whose messages the program shows.
+/// Crates whose messages the program displays.
 const CRATES: &[&str] = &[
     "coupling",
     "fem",
@@ -25,7 +25,7 @@ const CRATES: &[&str] = &[
     "sph",
 ];
 
-/// Texts with names like those of Rust that no message has: file formats, doc comments in macros, text for debugging.
+/// Literals with names similar to Rust that are no messages: file formats, doc comments in macros, debug text.
 const OTHERS: &[&str] = &[
     "VTKFile",
     "NumberOf",
@@ -57,7 +57,7 @@ fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// String literals of a source, without those of comments, of messages of the compiler, and of tests.
+/// Return the string literals of a source, without those of comments, compiler messages and tests.
 fn literals(text: &str) -> Vec<String> {
     let text = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
     let bytes = text.as_bytes();
@@ -81,7 +81,7 @@ fn literals(text: &str) -> Vec<String> {
             while end < rest.len() && rest.as_bytes()[end] != b'"' {
                 end += if rest.as_bytes()[end] == b'\\' { 2 } else { 1 };
             }
-            // Lines that a backslash ends are joined without the blanks that follow.
+            // A trailing backslash joins lines without the leading blanks of the next one.
             let mut joined = String::new();
             for (k, line) in rest[1..end.min(rest.len())].split("\\\n").enumerate() {
                 joined += if k == 0 { line } else { line.trim_start() };
@@ -98,18 +98,18 @@ fn literals(text: &str) -> Vec<String> {
     found
 }
 
-/// A path of Rust, or a name of a type, that a message has; none in plain words.
+/// Return a Rust path or type name in a message; `None` for plain words.
 fn rust_of(message: &str) -> Option<String> {
     let word = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let is_rust = |w: &str| {
         let path = w.split("::").filter(|part| !part.is_empty()).count() > 1;
         let letters: Vec<char> = w.chars().collect();
-        // `CamelCase`, and not `FLIP` or `AVX2`.
+        // `CamelCase`, but not `FLIP` or `AVX2`.
         let hump = |n: usize| letters[n].is_uppercase() && n > 0 && letters[n - 1].is_lowercase();
         path || letters.first().is_some_and(|c| c.is_uppercase()) && (1..letters.len()).any(hump)
     };
     let found = message.split(|c| !word(c)).find(|w| is_rust(w)).map(String::from);
-    // One word of a type in backquotes, as `Linear`.
+    // A single-word type in backquotes, as `Linear`.
     let quoted = || {
         let mut inside = message.split('`').skip(1).step_by(2);
         inside
@@ -124,7 +124,7 @@ fn messages() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     CRATES.iter().for_each(|name| sources(&root.join(name).join("src"), &mut files));
     files.retain(|f| {
-        // The table, and the page of keys, are not messages.
+        // The table itself and the page of keys are no messages.
         let apart = ["impactite-scene-file/src/remedy.rs", "impactite-input/src/keys/page.rs"];
         !apart.iter().any(|name| f.ends_with(name)) && !f.iter().any(|part| part == "conformance")
     });
@@ -139,7 +139,7 @@ fn messages() -> Vec<(PathBuf, String)> {
 fn no_message_names_rust_to_users_of_scene_files() {
     let all = messages();
     assert!(all.len() > 2000, "{} literals are not all there are", all.len());
-    // A message has words.
+    // A message contains several words.
     let shown = all.iter().filter(|(_, m)| m.trim().contains(' ') && !OTHERS.iter().any(|o| m.contains(o)));
     let named: Vec<String> = shown
         .filter_map(|(file, m)| {
@@ -161,7 +161,7 @@ fn every_remedy_is_of_a_message() {
     }
 }
 
-/// The schemas of a key of an object, by way of references and alternatives.
+/// Return the schemas of a key of an object, through references and alternatives.
 fn down<'a>(schema: &'a Value, of: &'a Value, key: &str) -> Vec<&'a Value> {
     let mut found = Vec::new();
     if let Some(target) = of["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
@@ -180,7 +180,7 @@ fn down<'a>(schema: &'a Value, of: &'a Value, key: &str) -> Vec<&'a Value> {
     found
 }
 
-/// Is this word a value of the schema?
+/// True if the word is a value of the schema.
 fn takes(schema: &Value, of: &Value, word: &str) -> bool {
     let target = of["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/"));
     target.is_some_and(|name| takes(schema, &schema["$defs"][name], word))
@@ -215,12 +215,12 @@ struct Remedied {
     value: Option<String>,
 }
 
-/// Keys in backquotes, with their values where these are texts.
+/// Return the keys in backquotes, with their text values.
 fn keys_of(text: &'static str) -> impl Iterator<Item = Remedied> {
     text.split('`').skip(1).step_by(2).filter(|quoted| !quoted.starts_with('"')).map(move |quoted| {
         let (key, value) = quoted.split_once(" = ").map_or((quoted, None), |(key, value)| (key, Some(value)));
         let value = value.and_then(|v| v.strip_prefix('"')?.strip_suffix('"')).map(String::from);
-        // Keys of a table already named.
+        // Keys of a table that was named before.
         let key =
             if key.starts_with("integration.") { format!("bodies.NAME.{key}") } else { key.to_string() };
         Remedied { text, key, value }
