@@ -1,4 +1,4 @@
-//! The solver: bodies of elements in a scene, and their steps.
+//! Explicit finite element solver: bodies of elements in a scene, and their time steps.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
@@ -25,19 +25,18 @@ use crate::motion::Part;
 use crate::surface::surface_of;
 use crate::sweep::Scratch;
 
-/// The default safety factor of the time step: of two over the bound of the highest frequency.
+/// Default Courant factor: time step over two divided by the bound of the highest frequency.
 const COURANT: f64 = 0.9;
-/// Elements of a body below which one thread is faster than waking more, and is used.
+/// Number of elements below which a body runs on one thread, because waking more would take longer.
 const SMALL: usize = 500;
-/// Hourglass energy over the largest energy of the body that is warned of.
+/// Hourglass energy, over the largest energy of the body, at which a run warns.
 const HOURGLASS: f64 = 0.05;
-/// Internal energy over all energy below which that is not looked at.
+/// Largest energy of a body, over the energy scale of the scene, below which its hourglass energy is not checked.
 const HARDLY: f64 = 1e-6;
 
 /// Explicit finite elements in `D` dimensions.
 ///
-/// Bodies pass through each other unless told to touch ([`Fem::touch`]). What is no body of elements meets them by impulses that a
-/// coupling gives in a [`Trial`].
+/// Bodies pass through each other unless contact is defined ([`Fem::touch`]). Couplings with other methods add impulses in a [`Trial`].
 pub struct Fem<const D: usize> {
     hoop: bool,
     space: &'static str,
@@ -46,22 +45,22 @@ pub struct Fem<const D: usize> {
     body_force: Option<BodyForce<D>>,
     damping: LocalDamping,
     pub(crate) team: Team,
-    /// Boxed, for most scenes have none.
+    /// Contact of bodies; boxed, because most scenes have none.
     contact: Option<Box<Contacts<D>>>,
     control: TimeControl,
-    /// Most steps of the scene in one of a body.
+    /// Maximum number of steps of the scene in one step of a body.
     subcycles: u32,
     clock: Clock,
-    /// The step that was begun, s.
+    /// Size of the open step, s.
     open: Option<f64>,
     watcher: Watcher,
-    /// Memory of each thread.
+    /// Scratch memory of each thread.
     pub(crate) memory: Arc<Vec<Mutex<Scratch>>>,
 }
 
 impl<const D: usize> Fem<D> {
-    /// A scene without bodies: `FullSpace`, `PlaneStrain`, `Axisymmetric` or, of bars alone, `Line`. On the caller's thread, with 0.9 of
-    /// the stable step.
+    /// Create a scene without bodies, in `FullSpace`, `PlaneStrain`, `Axisymmetric` or, for bars alone, `Line`. It runs on the caller's
+    /// thread with a Courant factor of 0.9.
     pub fn new<E: Embedding<D>>(_: E) -> Self {
         Fem {
             hoop: E::HOOP,
@@ -84,7 +83,7 @@ impl<const D: usize> Fem<D> {
     /// Add a body. Returns its number.
     ///
     /// # Errors
-    /// A mesh, law or technology that cannot be; a name that another body has.
+    /// Invalid mesh, law or technology; empty name, or that of another body.
     pub fn add(&mut self, body: MeshBody<D>) -> Result<usize, SceneError> {
         let mut body = body.build(self.hoop)?;
         let taken = self.bodies.iter().any(|b| b.name == body.name);
@@ -101,27 +100,26 @@ impl<const D: usize> Fem<D> {
         Ok(self.bodies.len() - 1)
     }
 
-    /// Add a condition on all nodes: [`Boundary::hold`] says what it does to them. Conditions act in the order they were added.
+    /// Add a boundary condition on all nodes ([`Boundary::hold`]). Their order is that of [`Boundary::add_to`].
     ///
     /// # Errors
-    /// Numbers that a condition refuses; periodic planes.
+    /// Invalid parameters of the condition; periodic planes.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary
             .check_moving("with finite elements; take planes of symmetry, or the material point method")?;
-        self.boundaries.push(boundary);
+        boundary.add_to(&mut self.boundaries);
         if let Some(contact) = &mut self.contact {
             contact.forget();
         }
         Ok(())
     }
 
-    /// Let all bodies touch each other, those that are added later too, by a law or the laws of [`Pairs`]: nodes of each meet facets of the
-    /// others ([`mpm_contact::mesh`]; the [crate](crate#contact) says how). Bodies touch themselves only where asked
-    /// ([`Fem::touch_itself`]). Bars meet facets with their nodes, half their thickness away, and no other bars. Facets on planes of symmetry
-    /// meet nobody.
+    /// Define contact between all bodies, including bodies added later, by one law or the laws of [`Pairs`]: nodes against the facets of
+    /// other bodies ([`mpm_contact::mesh`]; details: [crate](crate#contact)). Self-contact needs [`Fem::touch_itself`]. Nodes of bars are
+    /// in contact with facets at half the bar thickness, and never with other bars. Facets on planes of symmetry have no contact.
     ///
     /// # Errors
-    /// Laws that remember; a scene on a line; contact that there is.
+    /// Laws with memory; a scene on a line; contact that is already defined.
     pub fn touch(&mut self, laws: impl Into<Pairs<f64>>) -> Result<(), SceneError> {
         let laws = laws.into();
         let refuse = |what: &str, method: &str, why| {
@@ -149,10 +147,10 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Let a body touch itself too, by the law of its pair with itself ([`Pairs::with`]).
+    /// Enable self-contact of a body, by the law of its pair with itself ([`Pairs::with`]).
     ///
     /// # Errors
-    /// No contact ([`Fem::touch`]); a body that is not there, or without facets.
+    /// No contact defined ([`Fem::touch`]); a body that does not exist, or without facets.
     pub fn touch_itself(&mut self, body: usize) -> Result<(), SceneError> {
         let Some(this) = self.bodies.get(body) else {
             let allowed = "the number of a body of the scene";
@@ -174,16 +172,16 @@ impl<const D: usize> Fem<D> {
         }
     }
 
-    /// What contact did in the last step, as it was found: positions are those at its start. None without contact.
+    /// Contact results of the last step: positions are those at its start. None without contact.
     pub fn last_contact(&self) -> Option<&MeshStep> {
         self.contact.as_ref().map(|contact| contact.last())
     }
 
-    /// Prescribe the velocity of a named set of nodes of a body, m/s over time, taken at the middle of each step; it acts after the
-    /// boundaries.
+    /// Prescribe the velocity of a named node set of a body, m/s over time, evaluated at the middle of each step; it acts after the
+    /// boundary conditions.
     ///
     /// # Errors
-    /// A body or set that is not there.
+    /// A body or node set that does not exist.
     pub fn prescribe(&mut self, body: usize, set: &str, velocity: VelocityHistory) -> Result<(), SceneError> {
         let count = self.bodies.len();
         let number = body as f64;
@@ -206,11 +204,11 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Load facets of the surface of a body, as it is at the start, by a traction over time; several loads add up. Returns how many facets
-    /// it is on. `facets` says which they are, for checkpoints to compare.
+    /// Apply a traction over time to facets of the initial surface of a body; several loads add up. Returns the number of loaded facets.
+    /// `facets` is their description, which checkpoints compare.
     ///
     /// # Errors
-    /// No facet is picked.
+    /// No facet satisfies `picked`.
     ///
     /// # Panics
     /// There is no such body.
@@ -251,13 +249,14 @@ impl<const D: usize> Fem<D> {
         Ok(count)
     }
 
-    /// An acceleration of all nodes, m/s^2, over time.
+    /// Set the body force: acceleration of all nodes, m/s^2, over time.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);
     }
 
-    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every node, contact and conditions included, is taken away while it
-    /// speeds the node up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    /// Set local damping ([`LocalDamping`]): a part of the unbalanced force of every node, contact and loads included, is removed while it
+    /// accelerates the node, and added while it decelerates it; directions held by conditions are not damped. Equilibrium states are
+    /// unchanged. The removed energy is booked as damping.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1).
@@ -266,71 +265,71 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Choose the time step otherwise. The Courant rate is half the bound of the highest frequency of any element, bulk viscosity
-    /// and hourglass springs included: a factor of 1 is the limit of stability.
+    /// Set the time step control. The Courant rate is half the bound of the highest frequency of any element, bulk viscosity and hourglass
+    /// stiffness included: a factor of 1 is the stability limit.
     ///
     /// # Errors
-    /// A control that no run can use.
+    /// Invalid time step control.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
         control.check_without_grid()?;
         self.control = control;
         Ok(())
     }
 
-    /// Let bodies whose stable step is longer make one step for 2, 4 .. at most `most` steps of the scene: their elements are strained
-    /// once in those. Mass and momentum are kept to rounding. 1, the default, switches that off. Bodies meet in every step of the scene:
-    /// where one that makes a longer step is touched, its nodes get impulses within that.
+    /// Set subcycling: a body with a longer stable step makes one step for 2, 4 .. at most `most` steps of the scene, and strains its
+    /// elements once in these. Mass and momentum are conserved to rounding. 1, the default, disables subcycling. Contact is enforced in
+    /// every step of the scene: nodes of a subcycled body receive contact impulses within its step.
     ///
     /// # Errors
-    /// Zero.
+    /// `most` is zero.
     pub fn set_subcycling(&mut self, most: u32) -> Result<(), SceneError> {
         parameter(most > 0, "subcycling", "most steps", f64::from(most), "at least 1")?;
         self.subcycles = most;
         Ok(())
     }
 
-    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    /// Set the run monitoring ([`Watch`]). A run that it stopped may continue after this.
     pub fn set_watch(&mut self, watch: Watch) {
         self.watcher.set(watch);
     }
 
-    /// Run on these threads. Results are the same bits for any number. Bodies of a few hundred elements run on one.
+    /// Set the thread pool. Results are bitwise equal for any number of threads. Bodies of a few hundred elements run on one thread.
     pub fn set_team(&mut self, team: Team) {
         self.memory = Arc::new((0..team.threads()).map(|_| Mutex::default()).collect());
         self.team = team;
     }
 
-    /// The bodies.
+    /// Bodies of the scene.
     pub fn element_bodies(&self) -> &[ElementBody<D>] {
         &self.bodies
     }
-    /// A body.
+    /// Body by number.
     ///
     /// # Panics
     /// There is no such body.
     pub fn body(&self, number: usize) -> &ElementBody<D> {
         &self.bodies[number]
     }
-    /// The size of the next step by the time control, s.
+    /// Size of the next time step by the time step control, s.
     pub fn next_time_step(&self) -> f64 {
         let rate = self.bodies.iter().map(|b| b.rate).fold(0.0, f64::max);
         self.control.next(rate, self.clock.last)
     }
 
-    /// Begin a step of `dt` seconds: velocities as if bodies met nothing. A coupling gives impulses to the nodes and then ends the step
+    /// Begin a step of `dt` seconds: compute trial velocities without contact. A coupling adds impulses to the nodes and then ends the step
     /// ([`Trial::finish`]).
     ///
     /// # Errors
-    /// No bodies; a step that is not positive; loads and velocities that are no numbers; a run that was stopped.
+    /// No bodies; a step that is not positive; loads and velocities that are not finite; a stopped run.
     pub fn trial(&mut self, dt: f64) -> Result<Trial<'_, D>, StepError> {
         self.begin(dt)?;
         Ok(Trial { fem: self })
     }
 
-    /// As [`Fem::trial`], for a coupling that ends the step with [`Fem::finish`] in another call.
+    /// Begin a step like [`Fem::trial`], for a coupling that ends the step with [`Fem::finish`] in another call.
     ///
     /// # Errors
-    /// As [`Fem::trial`]; a step that was begun and not ended.
+    /// Errors of [`Fem::trial`]; a step that is already open.
     pub fn begin(&mut self, dt: f64) -> Result<(), StepError> {
         self.watcher.may_go_on()?;
         if let Some(open) = self.open {
@@ -353,10 +352,11 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// End the step that was begun: contact of the bodies with the velocities that others left, conditions, positions, stresses, forces and books.
+    /// End the open step: contact on the velocities left by couplings, boundary conditions, positions, stresses, internal forces and energy
+    /// balance.
     ///
     /// # Errors
-    /// Names body, element or node, position and cause of what stopped it; no step that was begun.
+    /// Failure, with body, element or node, position and cause; no open step.
     pub fn finish(&mut self) -> Result<(), StepError> {
         let Some(dt) = self.open.take() else {
             return Err(self.clock.refused("step begun", 0.0, "there (`Fem::begin`)"));
@@ -364,18 +364,18 @@ impl<const D: usize> Fem<D> {
         let ended = self.end_step(dt);
         self.watcher.note(ended)
     }
-    /// A body, to be given impulses in a step that was begun ([`ElementBody::add_impulse`]).
+    /// Body by number, to add impulses in an open step ([`ElementBody::add_impulse`]).
     ///
     /// # Panics
     /// There is no such body.
     pub fn body_mut(&mut self, number: usize) -> &mut ElementBody<D> {
         &mut self.bodies[number]
     }
-    /// The surfaces of all bodies in a step that was begun, for a coupling that has others meet them: where they are, and how they will move
-    /// if nobody does. The list is filled anew but for what stays from step to step: keep it for this scene alone.
+    /// Update the contact surfaces of all bodies in an open step, for a coupling: positions, and velocities without contact. The list keeps
+    /// data from step to step: use it for this scene only.
     ///
     /// # Errors
-    /// A node whose velocity is no number; no step that was begun.
+    /// A node whose velocity is not finite; no open step.
     pub fn surfaces(&self, list: &mut Vec<ContactSurface<D>>) -> Result<(), StepError> {
         let Some(dt) = self.open else {
             return Err(self.clock.refused("step begun", 0.0, "there (`Fem::begin`)"));
@@ -383,24 +383,24 @@ impl<const D: usize> Fem<D> {
         list.resize_with(self.bodies.len(), ContactSurface::default);
         look(list, &self.bodies, &self.boundaries, (&self.clock, dt), &self.team)
     }
-    /// Is there a body force?
+    /// True if a body force is set.
     pub fn has_body_force(&self) -> bool {
         self.body_force.is_some()
     }
-    /// Has a body nodes with prescribed velocities?
+    /// True if any body has nodes with prescribed velocities.
     pub fn prescribes(&self) -> bool {
         self.bodies.iter().any(|body| !body.prescribed.is_empty())
     }
-    /// The conditions on all nodes.
+    /// Boundary conditions on all nodes.
     pub fn boundaries(&self) -> &[Boundary<D>] {
         &self.boundaries
     }
-    /// How the coordinates lie in space: the name of the embedding.
+    /// Name of the embedding of the coordinates in space.
     pub fn embedding(&self) -> &'static str {
         self.space
     }
 
-    /// Steps of the scene in one of each body.
+    /// Subcycling ratio of each body: steps of the scene in one step of the body.
     fn ratios(&self) -> Vec<u32> {
         let fastest = self.bodies.iter().map(|b| b.rate).fold(0.0, f64::max);
         let ratio = |body: &ElementBody<D>| {
@@ -410,7 +410,7 @@ impl<const D: usize> Fem<D> {
         self.bodies.iter().map(ratio).collect()
     }
 
-    /// Before a step: may it be made? The balance is opened.
+    /// Check that a step may begin, and open the energy balance if due.
     fn begin_step(&mut self, dt: f64) -> Result<(), StepError> {
         if self.bodies.is_empty() {
             return Err(self.clock.stopped(Stopped::Scene(SceneError::NoBodies)));
@@ -441,7 +441,7 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Contact, positions, strains, forces and books.
+    /// Enforce contact, update positions, strains and internal forces, and check the energy balance if due.
     fn end_step(&mut self, dt: f64) -> Result<(), StepError> {
         if let Some(contact) = &mut self.contact {
             contact.meet(&mut self.bodies, &self.boundaries, (&self.clock, dt), &self.team)?;
@@ -463,7 +463,7 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// A step without others that would give impulses in the [`Trial`].
+    /// Make a step without impulses of couplings.
     fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
         let dt = self.clock.step_within(self.next_time_step(), left)?;
         self.trial(dt)?.finish()?;
@@ -502,7 +502,7 @@ impl<const D: usize> Fem<D> {
         looked
     }
 
-    /// What is said of an energy gain: it is most likely where the fastest node is.
+    /// Finding for an energy gain, at the fastest node, where it is most likely.
     fn gain(&self) -> impl FnOnce(f64, f64) -> Finding + use<D> {
         let (mut fastest, mut position, mut body) = (-1.0, [0.0; 3], String::new());
         for one in &self.bodies {
@@ -521,8 +521,8 @@ impl<const D: usize> Fem<D> {
     }
 }
 
-/// A step that was begun: velocities are those that elements and body forces alone would give. Impulses of others enter here. Without
-/// [`Trial::finish`] the step is lost, and with it the scene.
+/// Open step with trial velocities by internal forces and body forces alone. Couplings add impulses here. Without [`Trial::finish`] the
+/// step is lost, and with it the scene.
 #[must_use = "a step that is begun must be finished"]
 pub struct Trial<'a, const D: usize> {
     fem: &'a mut Fem<D>,
@@ -533,21 +533,21 @@ impl<const D: usize> Trial<'_, D> {
     pub fn dt(&self) -> f64 {
         self.fem.open.unwrap_or_default()
     }
-    /// The bodies: nodes with the velocities tried, surface facets.
+    /// Bodies of the scene: nodes with trial velocities, surface facets.
     pub fn bodies(&self) -> &[ElementBody<D>] {
         &self.fem.bodies
     }
-    /// A body, to be given impulses ([`ElementBody::add_impulse`]).
+    /// Body by number, to add impulses ([`ElementBody::add_impulse`]).
     ///
     /// # Panics
     /// There is no such body.
     pub fn body_mut(&mut self, number: usize) -> &mut ElementBody<D> {
         &mut self.fem.bodies[number]
     }
-    /// Contact of the bodies, conditions, positions, stresses, forces and books of the end of the step.
+    /// End the step: contact, boundary conditions, positions, stresses, internal forces and energy balance.
     ///
     /// # Errors
-    /// Names body, element or node, position and cause of what stopped it.
+    /// Failure, with body, element or node, position and cause.
     pub fn finish(self) -> Result<(), StepError> {
         self.fem.finish()
     }
@@ -576,7 +576,7 @@ impl<const D: usize> Solver for Fem<D> {
         let (body, rate) = largest(self.bodies.iter().map(|b| b.rate));
         Some(self.control.limit(rate, self.clock.last, body))
     }
-    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    // Never inlined, so that profilers (callgrind) separate the cost of steps from that of observers.
     #[inline(never)]
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
         self.watcher.may_go_on()?;

@@ -1,4 +1,4 @@
-//! The solver: what it holds, and how it is set up.
+//! Solver: data and set-up.
 
 use std::sync::{Arc, Mutex};
 
@@ -28,25 +28,25 @@ use crate::softening::Softening;
 use crate::sums::{BATCH, Batch, GROUP, Load, Outer, Row, Trace};
 use crate::vector::{Tensor, dot, scaled, zero};
 
-/// The default safety factor of the time step.
+/// Default safety factor of the time step.
 const COURANT: f64 = 0.9;
-/// Cells of a body for which more than one thread is used.
+/// Smallest number of cells of a body for more than one thread.
 pub const SMALL: usize = 1000;
-/// What a body is called that has no name.
+/// Default name of a body.
 const BODY: &str = "body";
 
-/// The first direction, where conditions moved a point in the last step.
+/// Bit of the first direction: moved by a boundary condition in the last step.
 pub(crate) const HELD: u16 = 1;
-/// The first direction, where contact with other bodies did.
+/// Bit of the first direction: moved by contact with other bodies.
 pub(crate) const TOUCHED: u16 = 8;
-/// The first direction, where a condition other than a wall moved a cell.
+/// Bit of the first direction: moved by a boundary condition other than a wall.
 pub(crate) const PRESCRIBED: u16 = 64;
 
-/// A body of cells of one law in `D` dimensions, with the parts of `M`.
+/// Body of cells of one constitutive law in `D` dimensions, with the ingredients of `M`.
 ///
-/// Total Lagrangian: gradients, faces and areas are those of the reference configuration, and the law sees increments of the present one,
-/// so that strains and turns may be large, and any law of [`mpm_materials`] does. Cells are sorted in space; they keep the numbers of
-/// their [`Cells`].
+/// Total Lagrangian: gradients, faces and areas are those of the reference configuration. The law receives increments of the present
+/// configuration, so that strains and rotations may be large, with any law of [`mpm_materials`]. Cells are sorted in space; they keep the
+/// numbers of their [`Cells`].
 #[derive(Clone)]
 pub struct Fpm<const D: usize, M> {
     pub(crate) method: M,
@@ -54,25 +54,25 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) virgin: Vec<f64>,
     pub(crate) rest: Rest<D>,
     pub(crate) name: String,
-    /// Of each place, the number in the cells.
+    /// Cell number of each place.
     pub(crate) numbers: Vec<u32>,
-    /// The other way round.
+    /// Place of each cell number.
     pub(crate) places: Vec<u32>,
     /// Reference positions of the points, m, volumes, m^3, and masses, kg.
     pub(crate) reference: Vec<[f64; D]>,
     pub(crate) volume: Vec<f64>,
     pub(crate) mass: Vec<f64>,
-    /// Edges of squares or cubes of these volumes, m.
+    /// Cell sizes: edges of squares or cubes of these volumes, m.
     pub(crate) sizes: Vec<f64>,
     /// Faces between cells, by place, and those on the surface.
     pub(crate) faces: Vec<Face<D>>,
     pub(crate) surface: Vec<OuterFace<D>>,
-    /// Corners of cells by place, m, where they are those of an element.
+    /// Corners of cells by place, m, if known.
     pub(crate) corners: Vec<Vec<[f64; D]>>,
     pub(crate) sides: Sides<D>,
     pub(crate) displacement: Vec<[f64; D]>,
     pub(crate) velocity: Vec<[f64; D]>,
-    /// By faces, m/s^2: what the next step begins with.
+    /// Acceleration by faces for the next velocity update, m/s^2; without body force.
     pub(crate) acceleration: Vec<[f64; D]>,
     pub(crate) traces: Vec<Trace<D>>,
     /// First Piola-Kirchhoff stress P, Pa.
@@ -80,9 +80,9 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) loads: Vec<Load<D>>,
     pub(crate) batches: Vec<Batch<D>>,
     pub(crate) acting: Vec<FaceLoad<D>>,
-    /// In the order in which they opened.
+    /// Open faces in the order in which they opened.
     pub(crate) cracks: Vec<OpenFace<D>>,
-    /// Those of them that soften.
+    /// Softening faces.
     pub(crate) softening: Softening<D>,
     pub(crate) friction: f64,
     pub(crate) boundaries: Vec<Boundary<D>>,
@@ -91,20 +91,20 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
     pub(crate) clock: Clock,
-    /// Half the highest frequency, 1/s, and what it is over the bound by rows ([`crate::pace`]).
+    /// Courant rate, half the highest frequency, 1/s, and its ratio to the bound by rows ([`crate::pace`]).
     pub(crate) rate: f64,
     pub(crate) sharpness: f64,
-    /// From the time of the velocities to that of the displacements, s.
+    /// Offset of the leapfrog velocities: time from the velocities to the displacements, s.
     pub(crate) lag: f64,
     pub(crate) exchange: Exchange,
-    /// Energy that cracks took, J.
+    /// Energy dissipated by cracks, J.
     pub(crate) dissipated: f64,
     watcher: Watcher,
-    /// Memory of each thread.
+    /// Scratch memory of each thread.
     pub(crate) memory: Arc<Vec<Mutex<Scratch<D>>>>,
 }
 
-/// Cells on their way through their law.
+/// Scratch memory of the constitutive update.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch<const D: usize> {
     pub seen: Vec<Tensor<D>>,
@@ -114,10 +114,11 @@ pub(crate) struct Scratch<const D: usize> {
 }
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// Cells of a law, with the velocity (m/s) at a position (m). On the caller's thread, with 0.9 of the stable step.
+    /// Create a body of cells of a law, with the velocity (m/s) at a position (m). It runs on the caller's thread, with 0.9 of the stable
+    /// time step.
     ///
     /// # Errors
-    /// A velocity that is not finite; a law without a density.
+    /// A non-finite velocity; a law without a density.
     pub fn new(
         method: M,
         law: impl IntoMaterial<f64>,
@@ -221,7 +222,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             .collect();
     }
 
-    /// Faces that are open from the start.
+    /// Open the faces of notches.
     fn open_notches(&mut self) {
         let modulus = self.contact_modulus();
         for face in 0..self.faces.len() {
@@ -234,43 +235,44 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// What presses closed cracks, Pa.
+    /// Return the contact modulus of closed cracks, Pa.
     pub(crate) fn contact_modulus(&self) -> f64 {
         self.method.penalty().eta().max(1.0) * self.rest.modulus
     }
 
-    /// Call the body so, in messages and files.
+    /// Set the name of the body in messages and files.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    /// Set the run checks: [`Watch`]. A run that a check stopped may be continued after this.
     pub fn set_watch(&mut self, watch: Watch) {
         self.watcher.set(watch);
     }
 
-    /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] cells one thread is faster than waking more, and is
-    /// used.
+    /// Set the thread pool. Results are bitwise identical for any number of threads. Below [`SMALL`] cells one thread is used: it is faster
+    /// than waking more.
     pub fn set_team(&mut self, team: Team) {
         self.team = if self.reference.len() < SMALL { Team::one() } else { team };
         self.memory = Arc::new((0..self.team.threads()).map(|_| Mutex::default()).collect());
     }
 
-    /// Choose the time step otherwise. The Courant rate is half the highest frequency of the cells: a factor of 1 is the limit of a body
-    /// at small strain.
+    /// Set the time step control. The Courant rate is half the highest frequency of the cells: a factor of 1 is the stability limit of a
+    /// body at small strain.
     ///
     /// # Errors
-    /// A control that no run can use.
+    /// An invalid time step control.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
         control.check_without_grid()?;
         self.control = control;
         Ok(())
     }
 
-    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every point, contact and conditions included, is taken away while it
-    /// speeds the point up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    /// Set local damping towards rest ([`LocalDamping`]): a part of the unbalanced force of every point, contact and conditions included,
+    /// is removed while it accelerates the point, and added while it decelerates it. States at rest are unchanged. The energy is booked as
+    /// damping.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1).
@@ -279,28 +281,34 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         Ok(())
     }
 
-    /// Coulomb friction of cracks that close. None at the start.
+    /// Set the Coulomb friction of closed cracks; zero by default.
     ///
     /// # Errors
-    /// A coefficient that is negative or not finite.
+    /// A negative or non-finite coefficient.
     pub fn set_friction(&mut self, coefficient: f64) -> Result<(), SceneError> {
         let allowed = "zero or positive, and finite";
         self.friction = parameter(coefficient >= 0.0, "cracks", "friction", coefficient, allowed)?;
         Ok(())
     }
 
-    /// Add a condition on points: [`Boundary::hold`](Boundary::check_moving) says what it does to them; walls keep the surface in front of
-    /// them. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
-    /// displacement is none.
+    /// Add a boundary condition on points; [`Boundary::hold`](Boundary::check_moving) describes its effect. Walls keep the surface in front
+    /// of them. A plane of symmetry is enforced on the faces in it ([`Fpm::hold_faces`]): their normal displacement is zero. A prescribed
+    /// region that contains faces of the surface, but no point, drives these faces.
     ///
     /// # Errors
-    /// Numbers that a condition refuses; periodic planes; a plane of symmetry that no face lies on.
+    /// Invalid numbers of a condition; periodic planes; a plane of symmetry that cuts the body, or has all of it behind.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary.check_moving("with cells that keep their neighbours; take planes of symmetry")?;
-        if let Boundary::Symmetry { axis, at, .. } = boundary {
+        if let Boundary::Symmetry { axis, at, side } = boundary {
             let on = |f: &OuterFace<D>| {
                 (f.centroid[axis] - at).abs() <= 1e-6 * f.area.powf(1.0 / (D as f64 - 1.0))
             };
+            let in_front = |x: &[f64; D]| (x[axis] - at) * side.sign() > 0.0;
+            if !self.surface.iter().any(on) && self.reference.iter().all(in_front) {
+                // The body may reach the plane later.
+                boundary.add_to(&mut self.boundaries);
+                return Ok(());
+            }
             let across = move |_| std::array::from_fn(|d| (d == axis).then_some(0.0));
             return self.hold_faces(|f| on(f) && f.normal[axis].abs() > 0.999, Arc::new(across)).map(|_| ());
         }
@@ -314,12 +322,23 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 return self.hold_faces(on, Arc::new(|_| [Some(0.0); D])).map(|_| ());
             }
         }
-        self.boundaries.push(boundary);
+        if let Boundary::Prescribed { region, velocity } = &boundary {
+            let on = |f: &OuterFace<D>| region.contains(f.centroid);
+            if !self.reference.iter().any(|x| region.contains(*x)) && self.surface.iter().any(on) {
+                let (region, velocity) = (region.clone(), velocity.clone());
+                let along = move |time: f64| {
+                    let v = velocity(time);
+                    std::array::from_fn(|d| v[d])
+                };
+                return self.drive_faces(|f| region.contains(f.centroid), Arc::new(along)).map(|_| ());
+            }
+        }
+        boundary.add_to(&mut self.boundaries);
         Ok(())
     }
 
-    /// Let a traction act on the faces of the surface for which `on` holds, Pa over time: force per area of the reference configuration, in
-    /// directions that stay. Returns how many these are.
+    /// Apply a traction to the faces of the surface selected by `on`, Pa over time: force per area of the reference configuration, in fixed
+    /// directions. Return the number of faces.
     ///
     /// # Errors
     /// No such face; a traction that is not finite at the start.
@@ -331,8 +350,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.act(on, |faces| FaceLoad::traction(traction, faces))
     }
 
-    /// Hold the displacement of the faces of the surface for which `on` holds, m over time, weakly, by the flux that joins cells, too:
-    /// t* = P N - eta / l (u - u_held). Components that are `None` are free. Returns how many these are.
+    /// Prescribe the displacement of the faces of the surface selected by `on`, m over time, weakly by the flux that joins cells:
+    /// t* = P N - eta / l (u - u_held). Components that are `None` are free. Return the number of faces.
     ///
     /// # Errors
     /// No such face; a displacement that is not finite at the start.
@@ -344,10 +363,10 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.act(on, |faces| FaceLoad::displacement(displacement, faces))
     }
 
-    /// The same for a velocity, m/s over time.
+    /// Prescribe the velocity of the faces of the surface selected by `on`, m/s over time, as [`Fpm::hold_faces`] the displacement.
     ///
     /// # Errors
-    /// As [`Fpm::hold_faces`].
+    /// Errors of [`Fpm::hold_faces`].
     pub fn drive_faces(
         &mut self,
         on: impl Fn(&OuterFace<D>) -> bool,
@@ -376,7 +395,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 load: self.acting.len() as u32,
                 area: scaled(&face.normal, face.area),
                 arm,
-                // As if its image lay beyond.
+                // Distance of the point to its mirror image beyond the face.
                 stiffness: face.area * stiffness / (2.0 * dot(&arm, &face.normal)).abs(),
                 force: [0.0; D],
                 moved: self.traces[cell].at(&arm),
@@ -395,16 +414,16 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         Ok(chosen.len())
     }
 
-    /// An acceleration of all points, m/s^2, over time.
+    /// Set the acceleration of all points over time, m/s^2.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);
     }
 
-    /// Give every cell's state, with the position of its point (m), to `change`, for initial stresses: that of the law `C`, which must be the
-    /// body's.
+    /// Set the state of every cell by `change`, from the position of its point (m) and its state of the law `C`, which must be the body's;
+    /// for initial stresses.
     ///
     /// # Errors
-    /// Another law; a number that is not finite.
+    /// Another law; a non-finite number.
     pub fn set_states<C: Constitutive<f64>>(
         &mut self,
         mut change: impl FnMut([f64; D], C::State<f64>) -> C::State<f64>,
@@ -431,17 +450,17 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         Ok(())
     }
 
-    /// The side of a face that a cell sees.
+    /// Return the side of a cell at a face.
     pub(crate) fn side_of(&self, face: u32, cell: u32) -> usize {
         let side = self.sides.of(cell as usize).find(|&s| self.sides.face[s] == face);
         side.unwrap_or_else(|| unreachable!("a face is a side of both its cells"))
     }
 
-    /// Of each cell, its number in the [`Cells`], as they are sorted in space.
+    /// Number of each cell in the [`Cells`], in sorted order.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers
     }
-    /// Reference positions of the points, m, as they are sorted in space.
+    /// Reference positions of the points, m, in sorted order.
     pub fn reference(&self) -> &[[f64; D]] {
         &self.reference
     }
@@ -456,11 +475,11 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     pub fn position(&self, i: usize) -> [f64; D] {
         crate::vector::along(&self.reference[i], 1.0, &self.displacement[i])
     }
-    /// Velocities of the points, m/s: those of the middle of the last step.
+    /// Velocities of the points in the middle of the last step, m/s.
     pub fn velocities(&self) -> &[[f64; D]] {
         &self.velocity
     }
-    /// What faces accelerate points with, m/s^2.
+    /// Accelerations of the points by faces, m/s^2; without body force.
     pub fn accelerations(&self) -> &[[f64; D]] {
         &self.acceleration
     }
@@ -472,15 +491,15 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     pub fn nominal_stresses(&self) -> &[[[f64; D]; D]] {
         &self.stress
     }
-    /// The law.
+    /// Constitutive law.
     pub fn material(&self) -> &dyn Material<f64> {
         &*self.material
     }
-    /// A line that names the method.
+    /// Return the names of the ingredients of the method in one line.
     pub fn describe(&self) -> String {
         self.method.describe()
     }
-    /// Cells that only move as rigid ones, as their neighbours are too few, or in a line or plane.
+    /// Number of rigid cells, whose neighbours are too few, or in a line or plane.
     pub fn rigid_cells(&self) -> usize {
         self.batches.iter().map(|b| b.rigid.len()).sum()
     }
@@ -488,23 +507,23 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     pub fn time(&self) -> f64 {
         self.clock.time
     }
-    /// Steps made.
+    /// Number of steps.
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
-    /// The size of the next step by the time control, s.
+    /// Size of the next step by the time step control, s.
     pub fn next_time_step(&self) -> f64 {
         self.control.next(self.rate, self.clock.last)
     }
-    /// The largest step that is stable at small strain, s: two over the highest frequency.
+    /// Largest stable time step at small strain, s: two over the highest frequency.
     pub fn critical_time_step(&self) -> f64 {
         1.0 / self.rate
     }
 
-    /// Step until `end` (s), which is met exactly.
+    /// Step until the time `end` (s), which is reached exactly.
     ///
     /// # Errors
-    /// As [`Solver::run_until`].
+    /// Errors of [`Solver::run_until`].
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         Solver::run_until(self, end)
     }
@@ -543,7 +562,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 }
 
-/// What is said where energy is lost or gained.
+/// Advice in messages on energy loss and gain.
 pub(crate) const ADVICE: Advice = Advice {
     loss: Loss {
         by: "contacts that closed, or a law that does not keep it",
@@ -552,7 +571,7 @@ pub(crate) const ADVICE: Advice = Advice {
     gain: "the cells there are the fastest; take a smaller Courant factor, a larger penalty, or `Method::symmetric`",
 };
 
-/// Faces of cells at these places, in their order.
+/// Return the faces of cells at these places, in sorted order.
 fn placed<const D: usize>(faces: &[Face<D>], places: &[u32]) -> Vec<Face<D>> {
     let of = |f: &Face<D>| {
         let [a, b] = f.cells.map(|c| places[c as usize]);
@@ -565,8 +584,8 @@ fn placed<const D: usize>(faces: &[Face<D>], places: &[u32]) -> Vec<Face<D>> {
     faces
 }
 
-/// Cells sorted along a curve that fills space (Morton's), in boxes of a few sizes: neighbours in space are so in memory. For each place
-/// the number it had.
+/// Sort cells along a space-filling curve (Morton order) in boxes of a few cell sizes, for memory locality. Return the cell number of each
+/// place.
 fn order<const D: usize>(cells: &Cells<D>) -> Vec<u32> {
     let low = cells.bounds().min;
     let count = cells.len() as f64;
@@ -574,7 +593,7 @@ fn order<const D: usize>(cells: &Cells<D>) -> Vec<u32> {
     let key = |n: &u32| {
         let mut key = 0u64;
         for d in 0..D {
-            // What is beyond the range of an integer saturates.
+            // Values beyond the range of an integer saturate.
             let along = ((cells.points()[*n as usize][d] - low[d]) / edge) as u64;
             for bit in 0..20 {
                 key |= (along >> bit & 1) << (bit * D + d);
@@ -587,7 +606,7 @@ fn order<const D: usize>(cells: &Cells<D>) -> Vec<u32> {
     order
 }
 
-/// A body alone.
+/// Single body as a scene.
 impl<const D: usize, M: Composition<D>> Solver for Fpm<D, M> {
     fn method(&self) -> String {
         described(&format!("fragile points: {}", self.method.describe()), &[self])
@@ -607,7 +626,7 @@ impl<const D: usize, M: Composition<D>> Solver for Fpm<D, M> {
     fn limited_by(&self) -> Option<StepLimit> {
         Some(self.control.limit(self.rate, self.clock.last, 0))
     }
-    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    // Never inlined, so that profilers (callgrind) separate steps from observers.
     #[inline(never)]
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
         self.watcher.may_go_on()?;

@@ -1,22 +1,26 @@
-//! Conditions on points that move with velocities of their own: particles, and nodes of elements.
+//! Boundary conditions on points with velocities of their own: particles, and nodes of elements.
+
+use std::sync::Arc;
+
+use impactite_geometry::{Bounds, Shape};
 
 use crate::boundary::{Boundary, BoundaryError, rub};
 use crate::condition::{Condition, Place, Reaction};
 use crate::error::SceneError;
 use crate::exchange::Exchange;
 
-/// A point that carries mass and moves with its own velocity through a step.
+/// Point with mass that moves with its own velocity through a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MovingPoint<const D: usize> {
-    /// Where it is at the start of the step, m.
+    /// Position at the start of the step, m.
     pub position: [f64; D],
-    /// Its mass, kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// Its velocity before any force of the step acted, m/s.
+    /// Velocity before all forces of the step, m/s.
     pub start: [f64; D],
-    /// The one that it moves with through the step, m/s.
+    /// Velocity of the motion through the step, m/s.
     pub velocity: [f64; D],
-    /// Its size, m: within a millionth of that it lies on a plane.
+    /// Size, m: a millionth of it is the tolerance of positions on a plane.
     pub size: f64,
     /// [`Place::depth`], m.
     pub depth: f64,
@@ -25,16 +29,16 @@ pub struct MovingPoint<const D: usize> {
 }
 
 impl<const D: usize> Boundary<D> {
-    /// Refuse what cannot be for points that move with velocities of their own. For them
+    /// Check the condition for points with velocities of their own. For them
     ///
-    /// - a wall keeps points in front of it and only pushes, rough ones with friction on what they push;
-    /// - a plane of symmetry takes the velocity across it from points on it, and stops those that would cross it;
-    /// - fixed and prescribed velocities hold for the points that are then behind the plane, or in the region;
-    /// - absorbing planes and conditions of one's own act within [`MovingPoint::tolerance`];
-    /// - there are no periodic planes, for reasons that `why` gives: places in space are not images.
+    /// - a wall keeps points in front of it and transmits compression only, rough walls with friction;
+    /// - a plane of symmetry removes the normal velocity of points on it, and stops points that would cross it;
+    /// - fixed and prescribed velocities apply to the points that are behind the plane or in the region at that time;
+    /// - absorbing planes and custom conditions act within [`MovingPoint::tolerance`];
+    /// - periodic planes are not available, since places in space are not images; `why` is the reason in the error.
     ///
     /// # Errors
-    /// Numbers that a condition refuses, and periodic planes.
+    /// Invalid parameters, and periodic planes.
     pub fn check_moving(&self, why: &'static str) -> Result<(), SceneError> {
         Condition::check(self)?;
         match *self {
@@ -43,32 +47,59 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// A fixed plane at a face of a body of particles holds those whose surface it is, at `points` (m) with half sizes (m) as their surfaces are away:
-    /// where it has none on or behind it, it is moved to the centres of those that touch it. Other conditions stay as they are.
-    #[must_use]
-    pub fn on_face(self, points: impl Iterator<Item = ([f64; D], f64)>) -> Self {
-        let Boundary::Fixed { axis, at, side } = self else { return self };
-        let mut moved = 0.0f64;
-        for (x, half) in points {
-            let height = (x[axis] - at) * side.sign();
-            if height <= 1e-6 * half {
-                return self;
-            }
-            if height <= (1.0 + 1e-6) * half {
-                moved = moved.max(height);
-            }
-        }
-        Boundary::Fixed { axis, at: at + side.sign() * moved, side }
+    /// Add the condition to a list in the order in which conditions act: planes of symmetry and walls, fixed planes, prescribed velocities,
+    /// then those that react (friction, dashpots, custom conditions), each in the order of addition. Where conditions overlap, prescribed
+    /// velocities thus prevail over fixed ones, and friction acts on the constrained motion.
+    pub fn add_to(self, list: &mut Vec<Self>) {
+        let rank = |boundary: &Self| match boundary {
+            Boundary::Fixed { .. } => 1,
+            Boundary::Prescribed { .. } => 2,
+            other => 3 * u8::from(other.reacts()),
+        };
+        let own = rank(&self);
+        let place = list.partition_point(|other| rank(other) <= own);
+        list.insert(place, self);
     }
 
-    /// Make the velocity of a point obey in the step from `time` by `dt`, s, and book what that gives to it.
+    /// Adapt a fixed plane or a prescribed region at a face of a body of particles with `points`, m, and half sizes, m: if no particle is
+    /// on or behind it, it is extended to the centres of the particles whose surface it touches. Other conditions are unchanged.
+    #[must_use]
+    pub fn on_face(self, points: impl Iterator<Item = ([f64; D], f64)>) -> Self {
+        let distance = |x: &[f64; D]| match &self {
+            Boundary::Fixed { axis, at, side } => (x[*axis] - at) * side.sign(),
+            Boundary::Prescribed { region, .. } => region.signed_distance(*x),
+            _ => f64::INFINITY,
+        };
+        let mut moved = 0.0f64;
+        for (x, half) in points {
+            let distance = distance(&x);
+            if distance <= 1e-6 * half {
+                return self;
+            }
+            if distance <= (1.0 + 1e-6) * half {
+                moved = moved.max(distance);
+            }
+        }
+        match self {
+            Boundary::Fixed { axis, at, side } => {
+                Boundary::Fixed { axis, at: at + side.sign() * moved, side }
+            }
+            Boundary::Prescribed { region, velocity } if moved > 0.0 => Boundary::Prescribed {
+                region: Arc::new(Extended { region, by: (1.0 + 1e-9) * moved }),
+                velocity,
+            },
+            other => other,
+        }
+    }
+
+    /// Apply the condition to the velocity of a point in the step of `dt`, s, from `time`, s, and add impulse and work to `given`.
     #[inline]
     pub fn hold(&self, p: &mut MovingPoint<D>, (time, dt): (f64, f64), given: &mut Exchange) {
         let before = p.velocity;
         match *self {
             Boundary::Symmetry { axis, at, side } => {
                 let height = (p.position[axis] - at) * side.sign();
-                // On the plane up to the rounding of lattices.
+                // On the plane, up to the rounding of lattices.
                 if height <= 1e-6 * p.size {
                     p.velocity[axis] = 0.0;
                 } else if height + p.velocity[axis] * side.sign() * dt < 0.0 {
@@ -118,16 +149,32 @@ impl<const D: usize> Boundary<D> {
         p.book(before, given);
     }
 
-    /// The directions in which it alone moves a point in the step from `time` by `dt`, s, whatever else pushes that. None of walls, which
-    /// let go.
+    /// Return the directions in which the condition alone determines the motion of a point in the step, given by start time and size, s.
+    /// None for walls, which release points.
     #[must_use]
     pub fn holds(&self, p: &MovingPoint<D>, step: (f64, f64)) -> [bool; D] {
         if self.is_wall() { [false; D] } else { self.react(&p.place(step)).held }
     }
 }
 
+/// Region extended by a distance, m.
+struct Extended<const D: usize> {
+    region: Arc<dyn Shape<D>>,
+    by: f64,
+}
+
+impl<const D: usize> Shape<D> for Extended<D> {
+    fn signed_distance(&self, x: [f64; D]) -> f64 {
+        self.region.signed_distance(x) - self.by
+    }
+    fn bounds(&self) -> Bounds<D> {
+        let bounds = self.region.bounds();
+        Bounds { min: bounds.min.map(|x| x - self.by), max: bounds.max.map(|x| x + self.by) }
+    }
+}
+
 impl<const D: usize> MovingPoint<D> {
-    /// Take a velocity, m/s, where it is prescribed.
+    /// Set the prescribed velocity components, m/s.
     #[inline]
     pub fn follow(&mut self, wanted: [Option<f64>; 3]) {
         for d in 0..D {
@@ -137,18 +184,18 @@ impl<const D: usize> MovingPoint<D> {
         }
     }
 
-    /// Book what changed the velocity from `before`, m/s, as an impulse of the boundaries and its work.
+    /// Book the velocity change from `before`, m/s, as an impulse of the boundaries and its work.
     #[inline]
     pub fn book(&self, before: [f64; D], given: &mut Exchange) {
         for d in 0..D {
             let impulse = self.mass * (self.velocity[d] - before[d]);
             given.impulse[d] += impulse;
-            // Force and reaction act together from the start of the step to its end.
+            // Force and reaction act together through the step: the work uses the mean velocity.
             given.work += 0.5 * impulse * (self.velocity[d] + self.start[d]);
         }
     }
 
-    /// As a condition sees it.
+    /// Return the point as a place for conditions.
     fn place(&self, (time, dt): (f64, f64)) -> Place<D> {
         Place {
             position: self.position,
@@ -162,8 +209,8 @@ impl<const D: usize> MovingPoint<D> {
         }
     }
 
-    /// Give it what a condition does to it, that had the velocity `before`. What it loses beyond work and heat, stopped by what holds it,
-    /// is that of an impact.
+    /// Apply the reaction of a condition to the point with the velocity `before`, m/s. Energy lost beyond work and heat, by constraints, is
+    /// booked as loss of an impact.
     fn apply(&mut self, reaction: &Reaction<D>, before: [f64; D], given: &mut Exchange) {
         let mut taken = reaction.work() - reaction.heat;
         for d in 0..D {
@@ -179,8 +226,6 @@ impl<const D: usize> MovingPoint<D> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use impactite_geometry::Cuboid;
 
     use super::*;
@@ -198,7 +243,7 @@ mod tests {
             (Boundary::Symmetry { axis, at, side }, [true, false], [false; 2]),
             (Boundary::Fixed { axis, at, side }, [true; 2], [false; 2]),
             (Boundary::Prescribed { region, velocity }, [false, true], [false; 2]),
-            // They let go.
+            // Walls release points.
             (wall, [false; 2], [false; 2]),
             (rough, [false; 2], [false; 2]),
         ] {

@@ -1,4 +1,4 @@
-//! The solver: what it holds, and how it is set up.
+//! Solver: data and set-up.
 
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -28,43 +28,41 @@ use crate::sweep::Waiting;
 use crate::tessellation::{Tessellation, View, corners};
 use impactite_scene::error::parameter;
 
-/// Where the masses of particles come from.
+/// Source of the particle masses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Masses {
-    /// Each element gives its mass to its particles, as printed: a third to each of a triangle's (around an axis by the
-    /// radius: the integral of the shape function). Exact if the elements cover the body once. Where they cover it
-    /// twice its mass is twice too large, and so are stiffness and forces.
+    /// Masses of elements, original formulation: each element distributes its mass to its particles, a third to each particle of a triangle
+    /// (around an axis by the radius: the integral of the shape function). Exact for single coverage. Under double coverage the mass is
+    /// twice too large, and so are stiffness and forces.
     FromElements,
-    /// Density times the volumes of the packing. Elements then weigh what their particles weigh: an element's reference
-    /// volume is its own times the mean, over its particles, of given volume over volume covered. A body that is
-    /// covered twice has elements of half weight.
+    /// Density times the volumes of the packing. The mass of an element follows from its particles: its reference volume is its own times
+    /// the mean, over its particles, of given volume over covered volume. Under double coverage elements have half their mass.
     FromVolumes,
 }
 
-/// Particle-contact meshfree method in `D` dimensions, with the parts of `M`.
+/// Particle-contact meshfree method in `D` dimensions, with the ingredients of `M`.
 ///
-/// A scene has one law; particles of it that touch make elements, whatever body they came from: what meets is welded.
+/// A body has one law; particles of it in contact form elements, whatever piece they came from: pieces in contact are welded.
 #[derive(Clone)]
 pub struct Pcmm<const D: usize, M> {
     pub(crate) method: M,
     pub(crate) material: Arc<dyn Material<f64>>,
     pub(crate) particles: Vec<Particle<D>>,
-    /// How far the surface lies beyond centres, in radii.
+    /// Distance from the outermost centres to the surface, in radii.
     pub(crate) surface: f64,
     pub(crate) elements: Elements,
     /// Forces of the elements on their corners, N.
     pub(crate) forces: Vec<[f64; D]>,
-    /// A number an element, if volumes are averaged.
+    /// One number per element, if volumes are averaged.
     pub(crate) scalars: Vec<f64>,
-    /// A number a particle, if volumes are averaged.
+    /// One number per particle, if volumes are averaged.
     pub(crate) averages: Vec<f64>,
     /// Reference volume of the elements at each particle, if volumes are averaged.
     pub(crate) weights: Vec<f64>,
-    /// The state each particle had last, for newborn elements.
+    /// Last state of each particle, for new elements.
     pub(crate) memory: Vec<f64>,
     pub(crate) virgin: Vec<f64>,
-    /// Reference volume and internal energy of matter that is in no element, by particle; empty before the first
-    /// element dies.
+    /// Reference volume and internal energy of material outside elements, by particle; empty before the first deletion.
     pub(crate) stores: Vec<[f64; 2]>,
     pub(crate) neighbours: Neighbours<D>,
     pub(crate) boundaries: Vec<Boundary<D>>,
@@ -74,19 +72,19 @@ pub struct Pcmm<const D: usize, M> {
     pub(crate) every: u64,
     pub(crate) clock: Clock,
     pub(crate) name: String,
-    /// Largest wave speed over altitude, or speed over diameter, 1/s.
+    /// Courant rate: largest wave speed over altitude, or speed over diameter, 1/s.
     pub(crate) rate: f64,
-    /// What boundaries and the body force gave to the particles.
+    /// Exchange of the particles with boundaries and body force.
     pub(crate) exchange: Exchange,
     watcher: Watcher,
     pub(crate) audit: Audit,
     /// Lead of particles over the path of the centre of mass.
     pub(crate) lead: CentreLead,
-    /// Memory of each thread for elements on their way through their law.
+    /// Scratch memory of each thread for the constitutive update.
     pub(crate) waiting: Arc<Vec<Mutex<Waiting>>>,
 }
 
-/// What is said where energy is lost or gained.
+/// Advice in messages on energy loss and gain.
 pub(crate) const ADVICE: Advice = Advice {
     loss: Loss {
         by: "contacts that closed, the printed volumes of elements, or elements that were made anew",
@@ -94,27 +92,27 @@ pub(crate) const ADVICE: Advice = Advice {
     },
     gain: "the particles there are the fastest; take `Method::consistent`, a smaller Courant factor, or revise more often",
 };
-/// The default safety factor of the time step.
+/// Default safety factor of the time step.
 const COURANT: f64 = 0.5;
-/// Particles of a scene for which more than one thread is used.
+/// Smallest number of particles of a body for more than one thread.
 pub const SMALL: usize = 2000;
-/// The skin of the neighbour lists over the smallest radius.
+/// Skin of the neighbour lists over the smallest radius.
 const SKIN: f64 = 0.6;
 
-/// The implementation of [`PackingFor`] that counts.
+/// Marker of the implementation of [`PackingFor`] with satisfied bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Holding;
-/// The one that never holds.
+/// Marker of the implementation with unsatisfied bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Failing;
-/// What no type is.
+/// No type implements this.
 pub trait Never {}
 
-/// A packing for the method `M`: `R` is a body of both.
+/// Packing for the method `M`: `R` is a body of both.
 ///
-/// It is asked first, so that a body has the dimensions of its packing: where the method has others, that is what the compiler says, and
-/// not that the packing should have those of the method. Of two implementations the compiler takes the one whose bounds hold; where
-/// neither does, there is no `R`, and nothing is said of what is done with it.
+/// The packing is resolved first, so that the body has its dimensions: the compiler then reports a method of other dimensions, and not that
+/// the packing should have those of the method. Of two implementations the compiler selects the one whose bounds hold; if neither does,
+/// there is no `R`, and no further error about its uses.
 #[diagnostic::on_unimplemented(
     message = "the method `{M}` has other dimensions than `{Self}`",
     label = "of other dimensions",
@@ -122,7 +120,7 @@ pub trait Never {}
     note = "the tessellation `AzimuthFan` is one of two dimensions: in three take `LocalDelaunay`"
 )]
 pub trait PackingFor<M, const D: usize, W, R> {
-    /// What [`Pcmm::new`] makes.
+    /// Create the body of [`Pcmm::new`].
     #[doc(hidden)]
     fn body(&self, method: M, law: Law, velocity: Velocity<'_, D>, masses: Masses) -> Result<R, SceneError>;
 }
@@ -153,12 +151,12 @@ impl<M: Composition<D> + Never, const D: usize> PackingFor<M, D, Failing, Pcmm<D
 }
 
 impl<const D: usize, M> Pcmm<D, M> {
-    /// Particles of a law in a [`Packing`], with their velocity (m/s) at a position (m); elements are made at once. Tessellates anew
-    /// after every step, takes half of altitude over wave speed for a step, on the caller's thread. `R` is `Pcmm<D, M>`, of a method that
-    /// is a [`Composition`] of `D` dimensions.
+    /// Create particles of a law in a [`Packing`], with their velocity (m/s) at a position (m), and their elements. The body tessellates
+    /// again after every step, has a time step of half of altitude over wave speed, and runs on the caller's thread. `R` is `Pcmm<D, M>`,
+    /// of a method that is a [`Composition`] of `D` dimensions.
     ///
     /// # Errors
-    /// No particle; a position, radius, volume or velocity that no particle can have; a particle without mass.
+    /// No particle; an invalid position, radius, volume or velocity; a particle without mass.
     // `R` is `Self`, by way of the bound.
     #[allow(clippy::new_ret_no_self)]
     pub fn new<R, W>(
@@ -236,7 +234,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(solver)
     }
 
-    /// Virgin elements, at reference density.
+    /// Create virgin elements, at reference density.
     fn first_elements(&mut self) -> Result<(), SceneError> {
         let none = Incidence::of_elements(&[], self.particles.len());
         self.neighbours.update(&self.particles, &self.team);
@@ -261,7 +259,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// Masses of particles, and reference volumes of elements that go with them.
+    /// Set the masses of particles, and the corresponding reference volumes of elements.
     fn weigh(&mut self, masses: Masses, volumes: &[f64]) -> Result<(), SceneError> {
         let density = self.material.density();
         let mut covered = vec![0.0; self.particles.len()];
@@ -304,7 +302,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// Lists that are as long as there are elements.
+    /// Resize the lists to the number of elements.
     pub(crate) fn make_room(&mut self) {
         self.forces.resize(self.elements.len() * (D + 1), [0.0; D]);
         if M::Dilatation::AVERAGED {
@@ -316,72 +314,72 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// Call the body so, in messages and files.
+    /// Set the name of the body in messages and files.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    /// Set the run checks: [`Watch`]. A run that a check stopped may be continued after this.
     pub fn set_watch(&mut self, watch: Watch) {
         self.watcher.set(watch);
     }
 
-    /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] particles one thread is faster
-    /// than waking more, and is used.
+    /// Set the thread pool. Results are bitwise identical for any number of threads. Below [`SMALL`] particles one thread is used: it is
+    /// faster than waking more.
     pub fn set_team(&mut self, team: Team) {
         self.team = if self.particles.len() < SMALL { Team::one() } else { team };
         self.waiting = Arc::new((0..self.team.threads()).map(|_| Mutex::default()).collect());
     }
 
-    /// Choose the time step otherwise. The Courant rate is c over the smallest altitude of an element, or speed over
-    /// diameter of a particle if that is larger.
+    /// Set the time step control. The Courant rate is c over the smallest altitude of an element, or speed over diameter of a particle if
+    /// that is larger.
     ///
     /// # Errors
-    /// A control that no run can use.
+    /// An invalid time step control.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
         control.check_without_grid()?;
         self.control = control;
         Ok(())
     }
 
-    /// Tessellate anew every so many steps.
+    /// Set the number of steps between revisions of the elements.
     ///
     /// # Errors
-    /// Zero.
+    /// An interval of zero.
     pub fn set_revision_interval(&mut self, steps: u64) -> Result<(), SceneError> {
         parameter(steps > 0, "revision", "interval in steps", steps as f64, "at least 1")?;
         self.every = steps;
         Ok(())
     }
 
-    /// Add a condition: a wall keeps the centres of particles in front of it and only pushes; a plane of symmetry takes
-    /// the velocity across it from particles on it; fixed and prescribed velocities hold for the particles that are
-    /// then behind the plane, or in the region; a rough wall rubs on what it pushes; an absorbing plane or a condition of one's own acts
-    /// on the particles whose surface is there up to half a radius, of which it takes `depth` for the thickness. Conditions act in the order they were added.
+    /// Add a boundary condition. A wall keeps the centres of particles in front of it, in compression only; a plane of symmetry removes the
+    /// normal velocity of particles on it; fixed and prescribed velocities apply to particles behind the plane, or in the region, at that
+    /// time; a rough wall applies friction to particles in contact; an absorbing plane or a user-defined condition acts on particles whose
+    /// surface is within half a radius, with their `depth` as the thickness. Their order is that of [`Boundary::add_to`].
     ///
     /// # Errors
-    /// An axis that is not there, a position or velocity that is not finite, numbers that a condition refuses; periodic planes, which
-    /// particles do not know.
+    /// An invalid axis, a position or velocity that is not finite, invalid numbers of a condition; periodic planes, which particles do not
+    /// support.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary.check_moving(
             "in the particle-contact method; take planes of symmetry, or the material point method",
         )?;
-        self.boundaries.push(boundary);
+        boundary.add_to(&mut self.boundaries);
         Ok(())
     }
 
-    /// An acceleration of all particles, m/s^2, over time.
+    /// Set the acceleration of all particles over time, m/s^2.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);
     }
 
-    /// Give every element's state, with its centre (m), to `change`, for initial stresses: that of the law `C`, which must be the
-    /// body's.
+    /// Set the state of every element by `change`, from its centre (m) and its state of the law `C`, which must be the body's; for initial
+    /// stresses.
     ///
     /// # Errors
-    /// Another law; a number that is not finite.
+    /// Another law; a non-finite number.
     pub fn set_states<C: Constitutive<f64>>(
         &mut self,
         mut change: impl FnMut([f64; D], C::State<f64>) -> C::State<f64>,
@@ -417,23 +415,23 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// The particles.
+    /// Particles of the body.
     pub fn particles(&self) -> &[Particle<D>] {
         &self.particles
     }
-    /// The elements: `D + 1` particles each, positively oriented.
+    /// Elements: `D + 1` particles each, positively oriented.
     pub fn element_nodes(&self) -> &[u32] {
         &self.elements.nodes
     }
-    /// How many elements there are.
+    /// Number of elements.
     pub fn elements(&self) -> usize {
         self.elements.len()
     }
-    /// The law.
+    /// Constitutive law.
     pub fn material(&self) -> &dyn Material<f64> {
         &*self.material
     }
-    /// A line that names the method.
+    /// Return the names of the ingredients of the method in one line.
     pub fn describe(&self) -> String {
         self.method.describe()
     }
@@ -441,20 +439,20 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     pub fn time(&self) -> f64 {
         self.clock.time
     }
-    /// Steps made.
+    /// Number of steps.
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
-    /// What revisions did since the start.
+    /// Audit of revisions since the start.
     pub fn audit(&self) -> &Audit {
         &self.audit
     }
-    /// Searches for neighbours made.
+    /// Number of neighbour searches.
     pub fn searches(&self) -> u64 {
         self.neighbours.searches()
     }
 
-    /// What the body is made of and what changes in a run, to a file or from one: as [`Solver::archive`], but for the watch.
+    /// Store the body in a checkpoint, or load it: method, law, conditions and state; as [`Solver::archive`], but without the watch.
     pub(crate) fn archive_body(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let name = self.name.clone();
         let of = |what: &str| format!("{what} of body `{name}`");
@@ -509,7 +507,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         file.reals(self.forces.iter_mut().flatten())
     }
 
-    /// The speed that a particle or a wave crosses half a particle with in a Courant step, m/s.
+    /// Return the speed that crosses half a particle in a Courant step, m/s.
     pub(crate) fn speed(&self) -> f64 {
         let smallest = self.particles.iter().fold(f64::INFINITY, |m, p| m.min(p.radius));
         self.rate * 2.0 * smallest
@@ -544,7 +542,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
 }
 
-/// A body alone.
+/// Single body as a scene.
 impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
     fn method(&self) -> String {
         described(&format!("particle-contact method: {}", self.method.describe()), &[self])
@@ -567,7 +565,7 @@ impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
     fn limited_by(&self) -> Option<StepLimit> {
         Some(self.control.limit(self.rate, self.clock.last, 0))
     }
-    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    // Never inlined, so that profilers (callgrind) separate steps from observers.
     #[inline(never)]
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
         self.watcher.may_go_on()?;
@@ -580,7 +578,7 @@ impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
     fn bodies(&self) -> Vec<&dyn Body> {
         vec![self]
     }
-    /// What boundaries and the body force gave to the particles since the start, and what revisions made of nothing.
+    /// Exchange with boundaries and body force since the start, and energy that revisions added without a source.
     fn exchange(&self) -> Exchange {
         Exchange { conversion: self.audit.energy_added(), ..self.exchange }
     }

@@ -1,4 +1,4 @@
-//! A body as others see it.
+//! Observer interface of a body.
 
 use impactite_scene::{Body, Bounds, Embedding, Parts, PointView, Totals};
 use mpm_materials::material::Described;
@@ -11,8 +11,8 @@ use crate::solver::Pcmm;
 use crate::tessellation::corners;
 
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
-    /// Sums over particles and elements. Kinetic energy with the velocities at the end of the last step; internal energy of the
-    /// elements, and what particles hold in store ([`Audit`](crate::Audit)).
+    /// Return sums over particles and elements. Kinetic energy is that of the velocities at the end of the last step; internal energy is
+    /// that of the elements and of the stores of particles ([`Audit`](crate::Audit)).
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         for p in &self.particles {
@@ -28,7 +28,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         sum.internal += self.stored()[1];
         sum
     }
-    /// Bytes of memory, by its own count.
+    /// Allocated memory, bytes, by own count.
     pub fn bytes(&self) -> usize {
         self.elements.bytes()
             + self.particles.len() * size_of::<Particle<D>>()
@@ -36,7 +36,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             + self.memory.capacity() * size_of::<f64>()
     }
 
-    /// How the elements cover the particles.
+    /// Coverage of the particles by elements.
     pub fn coverage(&self) -> Coverage {
         let mut sum = Coverage { stored: self.stored()[1], ..Coverage::default() };
         for (e, nodes) in self.elements.nodes.chunks_exact(D + 1).enumerate() {
@@ -46,7 +46,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         sum
     }
 
-    /// The numbers of the state of element `e`, named by [`Body::state_names`]; `None` if there is none.
+    /// State variables of element `e`, named by [`Body::state_names`]; `None` if there is none.
     pub fn element_state(&self, e: usize) -> Option<Vec<f64>> {
         if e >= self.elements.len() {
             return None;
@@ -56,13 +56,13 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Some(numbers)
     }
 
-    /// What the law says of element `e`: stress, volume ratio, wave speed, energy; `None` if there is none.
+    /// Response of the law for element `e`: stress, volume ratio, wave speed, energy; `None` if there is none.
     pub fn describe_element(&self, e: usize) -> Option<Described<f64>> {
         self.material.describe_point(&self.element_state(e)?)
     }
 
-    /// The numbers that the states hold, at a particle: the mean over its elements, weighted by mass, or what it had
-    /// last. Named by [`Body::state_names`]; `None` if there is no such particle.
+    /// State variables at a particle: mean over its elements, weighted by mass, or its last mean. Named by [`Body::state_names`]; `None` if
+    /// there is no such particle.
     pub fn particle_state(&self, n: usize) -> Option<Vec<f64>> {
         let mut state = vec![0.0; self.virgin.len()];
         (n < self.particles.len()).then(|| {
@@ -91,14 +91,16 @@ impl<const D: usize, M: Composition<D>> Body for Pcmm<D, M> {
     fn totals(&self) -> Totals {
         Pcmm::totals(self)
     }
-    /// Particles in their order, with the mean of the states of their elements.
+    /// Visit the particles in their order, with the mean of the states of their elements.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
     }
     fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
-        // The width of a particle is that of its sphere.
+        // The outermost particles are on the surface: elements connect their centres.
         let mut held = Bounds::default();
-        self.for_each_with(Parts::NONE, &mut |p| held.hold(p, dimensions, axisymmetric));
+        self.for_each_with(Parts::NONE, &mut |p| {
+            held.hold(&PointView { width: Some(0.0), ..p.clone() }, dimensions, axisymmetric);
+        });
         held.corners()
     }
     fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {

@@ -1,4 +1,4 @@
-//! The solver: what it holds, and how it is set up.
+//! Solver: data and set-up.
 
 use std::sync::{Arc, Mutex};
 
@@ -30,54 +30,53 @@ use crate::records::{Has, Records};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Row};
 
-/// The default safety factor of the time step.
+/// Default safety factor of the time step.
 const COURANT: f64 = 0.7;
-/// Particles of a body for which more than one thread is used.
+/// Smallest number of particles of a body for more than one thread.
 pub const SMALL: usize = 1000;
-/// The skin of the neighbour lists over the smallest spacing, unless told otherwise.
+/// Default skin of the neighbour lists over the smallest spacing.
 const SKIN: f64 = 0.4;
 
-/// The first direction, where conditions moved a particle.
+/// Bit of the first direction: moved by a boundary condition.
 pub(crate) const HELD: u16 = 1;
-/// The first direction, where contact with other bodies did.
+/// Bit of the first direction: moved by contact with other bodies.
 pub(crate) const TOUCHED: u16 = 8;
-/// The first direction, where a condition other than a wall moved a particle.
+/// Bit of the first direction: moved by a boundary condition other than a wall.
 pub(crate) const PRESCRIBED: u16 = 64;
 
-/// Smoothed particles of one law in `D` dimensions, with the parts of `M`.
+/// Body of smoothed particles of one constitutive law in `D` dimensions, with the ingredients of `M`.
 ///
-/// A body alone is a scene; several meet in [`mpm_contact::particles::Bodies`]. Particles are sorted in space; they keep the numbers of
-/// their layout.
+/// A single body is a scene; several are a scene in [`mpm_contact::particles::Bodies`]. Particles are sorted in space; they keep the
+/// numbers of their layout.
 #[derive(Clone)]
 pub struct Sph<const D: usize, M> {
     pub(crate) method: M,
     pub(crate) material: Arc<dyn Material<f64>>,
     pub(crate) virgin: Vec<f64>,
     pub(crate) name: String,
-    /// Of each place, the number in the layout.
+    /// Layout number of each place.
     pub(crate) numbers: Vec<u32>,
-    /// The other way round.
+    /// Place of each layout number.
     pub(crate) places: Vec<u32>,
     pub(crate) positions: Vec<[f64; D]>,
     /// Volume at reference density, m^3 (per metre of depth or radian).
     pub(crate) reference: Vec<f64>,
     pub(crate) spacing: Vec<f64>,
-    /// How far the surface lies beyond particles, in half spacings.
+    /// Distance from the outermost particles to the surface, in half spacings.
     pub(crate) surface: f64,
     pub(crate) records: Records<D>,
     pub(crate) batches: Vec<Batch>,
-    /// By neighbours, hoop stress and body force, m/s^2: what the next step begins with.
+    /// Acceleration by neighbours and hoop stress for the next velocity update, m/s^2; without body force and loads.
     pub(crate) acceleration: Vec<[f64; 4]>,
-    /// Directions in which something else than neighbours moved a particle in the last step, a bit each: [`HELD`], [`TOUCHED`],
-    /// [`PRESCRIBED`].
+    /// Directions in which conditions or contact moved a particle in the last step, one bit each: [`HELD`], [`TOUCHED`], [`PRESCRIBED`].
     pub(crate) held: Vec<u16>,
     /// Boundary particles and their normals.
     pub(crate) skin: Surface<D>,
     pub(crate) lists: VerletLists<D>,
     pub(crate) search: SearchMethod,
-    /// Of the parts of steps, where asked for.
+    /// Wall times of the parts of steps, if measured.
     pub(crate) times: Option<StepTimes>,
-    /// Positions of particles and images as the search takes them.
+    /// Positions of particles and images, input of the neighbour search.
     pub(crate) points: Vec<[f64; D]>,
     pub(crate) images: Images<D>,
     pub(crate) mirrors: Vec<Mirror>,
@@ -90,43 +89,43 @@ pub struct Sph<const D: usize, M> {
     pub(crate) clock: Clock,
     /// Largest Courant rate, 1/s.
     pub(crate) rate: f64,
-    /// From the time of the velocities to that of the positions, s.
+    /// Offset of the leapfrog velocities: time from the velocities to the positions, s.
     pub(crate) lag: f64,
-    /// Density times squared wave speed at rest, Pa, and that speed, m/s.
+    /// Longitudinal modulus at rest, density times squared wave speed, Pa; wave speed at rest, m/s.
     pub(crate) modulus: f64,
     pub(crate) speed_at_rest: f64,
     pub(crate) exchange: Exchange,
-    /// How often the present configuration became the reference.
+    /// Number of updates of the reference configuration.
     pub(crate) renewals: u64,
     watcher: Watcher,
-    /// Memory of each thread.
+    /// Scratch memory of each thread.
     pub(crate) memory: Arc<Vec<Mutex<Scratch>>>,
 }
 
-/// Wall time of parts of steps, s.
+/// Wall times of the parts of steps, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StepTimes {
-    /// Neighbour lists: search, and whether they still hold.
+    /// Neighbour lists: validity check and search.
     pub search: f64,
-    /// Which neighbours are within reach, and kernels there.
+    /// Neighbours within reach, and their kernels.
     pub kernels: f64,
-    /// Gradients and forces: sums over neighbours.
+    /// Sums over neighbours: gradients and forces.
     pub sums: f64,
-    /// Laws, with velocity gradients from sums.
+    /// Constitutive laws, with velocity gradients from sums.
     pub law: f64,
-    /// Velocities, conditions and positions.
+    /// Velocity update, boundary conditions and position update.
     pub motion: f64,
 }
 
 impl StepTimes {
-    /// All of a step but what a scene of several bodies does between them.
+    /// Total of a step, s, without the contact between bodies of a scene.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.search + self.kernels + self.sums + self.law + self.motion
     }
 }
 
-/// Particles on their way through their law.
+/// Scratch memory of the constitutive update.
 #[derive(Debug, Default)]
 pub(crate) struct Scratch {
     pub deformations: Vec<Deformation<Row>>,
@@ -144,10 +143,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         diffusion: M::Stabilisation::DIFFUSION,
     };
 
-    /// Particles of a law in a layout, with their velocity (m/s) at a position (m). On the caller's thread, with 0.7 of the stable step.
+    /// Create a body of particles of a law in a layout, with the velocity (m/s) at a position (m). It runs on the caller's thread, with 0.7
+    /// of the stable time step.
     ///
     /// # Errors
-    /// No particle; a position, volume, spacing or velocity that no particle can have; a law without a density.
+    /// No particle; an invalid position, volume, spacing or velocity; a law without a density.
     pub fn new(
         method: M,
         law: impl IntoMaterial<f64>,
@@ -219,8 +219,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             places,
             numbers,
         };
-        // Corrected gradients do without: they see an axis as a surface, where the radius that stresses are weighed with is zero. Images
-        // would do no work that goes with their gradients.
+        // Corrected gradients need no images: an axis is a surface for them, and the radius that weights stresses is zero there. The work
+        // of images would not be conjugate to their gradients.
         if Self::HOOP && !M::Correction::CORRECTED {
             solver.mirrors.push(Mirror { axis: 0, at: 0.0, sign: 1.0, kind: MirrorKind::Axis });
         }
@@ -262,41 +262,42 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             .collect();
     }
 
-    /// Call the body so, in messages and files.
+    /// Set the name of the body in messages and files.
     #[must_use]
     pub fn named(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self
     }
 
-    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    /// Set the run checks: [`Watch`]. A run that a check stopped may be continued after this.
     pub fn set_watch(&mut self, watch: Watch) {
         self.watcher.set(watch);
     }
 
-    /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] particles one thread is faster than waking more,
-    /// and is used.
+    /// Set the thread pool. Results are bitwise identical for any number of threads. Below [`SMALL`] particles one thread is used: it is
+    /// faster than waking more.
     pub fn set_team(&mut self, team: Team) {
         self.team = if self.positions.len() < SMALL { Team::one() } else { team };
         self.memory = Arc::new((0..self.team.threads()).map(|_| Mutex::default()).collect());
     }
 
-    /// Choose the time step otherwise. The Courant rate is that at which waves of alternating particles become unstable: a factor of 1 is
-    /// about the limit of a body at rest.
+    /// Set the time step control. The Courant rate is the stability limit of waves that alternate from particle to particle: a factor of 1
+    /// is about the limit of a body at rest.
     ///
     /// # Errors
-    /// A control that no run can use.
+    /// An invalid time step control.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
         control.check_without_grid()?;
         self.control = control;
         Ok(())
     }
 
-    /// Search neighbours so, for pairs that are up to a skin of so many of the smallest spacings out of reach: lists are used until something
-    /// moved half of that. By default sorted cells, with 0.4; with 0 every step searches. Results are the same bits.
+    /// Set the neighbour search method and the skin, in smallest spacings. Lists include pairs out of reach by up to the skin, and are
+    /// reused until a particle moved half of it. By default sorted cells, with a skin of 0.4; with 0 every step searches. Results are
+    /// bitwise identical.
     ///
     /// # Errors
-    /// A skin that is negative or not finite; places that cannot be searched.
+    /// A skin that is negative or not finite; positions that cannot be searched.
     pub fn set_search(&mut self, method: SearchMethod, skin: f64) -> Result<(), SceneError> {
         let smallest = self.spacing.iter().fold(f64::INFINITY, |m, s| m.min(*s));
         self.lists = VerletLists::new(Reach::sum(0.0), skin * smallest).map_err(SceneError::Search)?;
@@ -304,27 +305,27 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.go_on().map_err(SceneError::Search)
     }
 
-    /// Measure from now on what parts of steps take.
+    /// Start to measure the wall times of the parts of steps.
     pub fn measure_steps(&mut self) {
         self.times = Some(StepTimes::default());
     }
-    /// What parts of the steps took since [`Sph::measure_steps`].
+    /// Return the wall times of the parts of steps since [`Sph::measure_steps`].
     pub fn step_times(&self) -> StepTimes {
         self.times.unwrap_or_default()
     }
 
-    /// Add a condition: [`Boundary::hold`](Boundary::check_moving) says what it does to particles. Beyond a plane of symmetry particles have
-    /// mirror images, which are neighbours as others are; beyond an axis of revolution they have some where gradients are not corrected. Walls keep the surface
-    /// ([`Layout::surface`]) in front of them. Conditions act in the order they were added.
+    /// Add a boundary condition; [`Boundary::hold`](Boundary::check_moving) describes its effect on particles. Beyond a plane of symmetry
+    /// particles have mirror images as neighbours; beyond an axis of revolution they have images only without gradient correction. Walls
+    /// keep the surface ([`Layout::surface`]) in front of them. Their order is that of [`Boundary::add_to`].
     ///
     /// # Errors
-    /// Numbers that a condition refuses; periodic planes; a particle behind a plane of symmetry.
+    /// Invalid numbers of a condition; periodic planes; a particle behind a plane of symmetry.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary
             .check_moving("with smoothed particles; take planes of symmetry, or the material point method")?;
         if let Boundary::Symmetry { axis, at, side } = boundary {
             let is_axis = Self::HOOP && axis == 0 && at == 0.0;
-            self.boundaries.push(boundary);
+            boundary.add_to(&mut self.boundaries);
             if !is_axis {
                 return self.mirror(axis, at, side, MirrorKind::Symmetry);
             }
@@ -332,15 +333,15 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
         let points = self.positions.iter().zip(&self.spacing).map(|(x, s)| (*x, 0.5 * self.surface * s));
         let boundary = boundary.on_face(points);
-        self.boundaries.push(boundary);
+        boundary.add_to(&mut self.boundaries);
         Ok(())
     }
 
-    /// Add a rigid wall at rest that answers with mirror images of the particles, as printed \[Xiao2015\]: it has no friction, and only
-    /// pushes. Particles that come through nevertheless are stopped at it.
+    /// Add a rigid wall at rest by mirror images of the particles, as in the original formulation \[Xiao2015\]: it has no friction and acts
+    /// in compression only. Particles that penetrate nevertheless are stopped at it.
     ///
     /// # Errors
-    /// As [`Sph::bound`]; the total Lagrangian form, whose neighbours never change: there take [`Boundary::Wall`].
+    /// Errors of [`Sph::bound`]; the total Lagrangian form, whose neighbours never change: use [`Boundary::Wall`] instead.
     pub fn mirror_wall(&mut self, axis: usize, at: f64, side: Side) -> Result<(), SceneError> {
         if M::Form::TOTAL {
             return Err(SceneError::NotWith {
@@ -364,15 +365,16 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.begin_anew_with(|sph| sph.mirrors.push(Mirror { axis, at, sign, kind }))
     }
 
-    /// An acceleration of all particles, m/s^2, over time.
+    /// Set the acceleration of all particles over time, m/s^2.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);
     }
 
-    /// Load particles by a traction over time: `areas` of their faces by number, m^2 (per metre of depth or per radian). Several loads add up.
+    /// Apply a traction history to particles: `areas` of their faces by layout number, m^2 (per metre of depth or per radian). Several
+    /// loads add up.
     ///
     /// # Errors
-    /// Another number of areas than of particles; no area that is positive; one that is negative or no number.
+    /// A number of areas other than that of particles; no positive area; a negative or non-finite area.
     pub fn load(&mut self, areas: Vec<f64>, history: TractionHistory<D>) -> Result<(), SceneError> {
         let refuse = |why| {
             let (what, method) = ("a traction".into(), format!("body `{}`", self.name));
@@ -391,8 +393,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(())
     }
 
-    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every particle, contact and conditions included, is taken away while
-    /// it speeds the particle up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    /// Set local damping towards rest ([`LocalDamping`]): a part of the unbalanced force of every particle, contact and conditions
+    /// included, is removed while it accelerates the particle, and added while it decelerates it. States at rest are unchanged. The energy
+    /// is booked as damping.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1).
@@ -401,10 +404,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(())
     }
 
-    /// Give every particle's state, with its position (m), to `change`, for initial stresses: that of the law `C`, which must be the body's.
+    /// Set the state of every particle by `change`, from its position (m) and its state of the law `C`, which must be the body's; for
+    /// initial stresses.
     ///
     /// # Errors
-    /// Another law; a number that is not finite.
+    /// Another law; a non-finite number.
     pub fn set_states<C: Constitutive<f64>>(
         &mut self,
         mut change: impl FnMut([f64; D], C::State<f64>) -> C::State<f64>,
@@ -421,10 +425,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         })
     }
 
-    /// The same by the numbers of the state, in the order of [`Material::state_names`], of a law that is an object. Masses stay.
+    /// Set the state of every particle by its numbers, in the order of [`Material::state_names`]; for a law that is an object. Masses stay.
     ///
     /// # Errors
-    /// A number that is not finite.
+    /// A non-finite number.
     pub fn set_numbers(&mut self, mut change: impl FnMut([f64; D], &mut [f64])) -> Result<(), SceneError> {
         let mut state = vec![0.0; self.virgin.len()];
         for i in 0..self.positions.len() {
@@ -438,52 +442,52 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.begin_anew_with(|_| ())
     }
 
-    /// The particles' positions, m, sorted in space: [`Sph::numbers`] are those of the layout.
+    /// Positions of the particles, m, sorted in space; [`Sph::numbers`] are their layout numbers.
     pub fn positions(&self) -> &[[f64; D]] {
         &self.positions
     }
-    /// Of each particle, its number in the layout.
+    /// Layout number of each particle.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers
     }
-    /// The velocity of a particle, m/s: that of the middle of the last step.
+    /// Velocity of a particle in the middle of the last step, m/s.
     ///
     /// # Panics
     /// There is no such particle.
     pub fn velocity(&self, i: usize) -> [f64; D] {
         std::array::from_fn(|d| self.records.velocity[i][d])
     }
-    /// Its mass, kg: per metre of depth in plane strain, per radian around an axis.
+    /// Mass of a particle, kg: per metre of depth in plane strain, per radian around an axis.
     ///
     /// # Panics
     /// There is no such particle.
     pub fn mass(&self, i: usize) -> f64 {
         self.records.velocity[i][3]
     }
-    /// What its neighbours and the body force accelerate it with, m/s^2.
+    /// Acceleration of a particle by its neighbours and hoop stress, m/s^2; without body force and loads.
     ///
     /// # Panics
     /// There is no such particle.
     pub fn acceleration(&self, i: usize) -> [f64; D] {
         std::array::from_fn(|d| self.acceleration[i][d])
     }
-    /// The law.
+    /// Constitutive law.
     pub fn material(&self) -> &dyn Material<f64> {
         &*self.material
     }
-    /// A line that names the method.
+    /// Return the names of the ingredients of the method in one line.
     pub fn describe(&self) -> String {
         self.method.describe()
     }
-    /// Pairs of neighbours, of particles and images.
+    /// Number of neighbour pairs of particles and images.
     pub fn pairs(&self) -> usize {
         self.batches.iter().map(|b| b.near.pairs()).sum()
     }
-    /// Searches for neighbours made.
+    /// Number of neighbour searches.
     pub fn searches(&self) -> u64 {
         self.lists.searches()
     }
-    /// How often the present configuration became the reference ([`TotalLagrangian::renewed`](crate::TotalLagrangian::renewed)).
+    /// Number of updates of the reference configuration ([`TotalLagrangian::renewed`](crate::TotalLagrangian::renewed)).
     pub fn renewals(&self) -> u64 {
         self.renewals
     }
@@ -491,24 +495,24 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     pub fn time(&self) -> f64 {
         self.clock.time
     }
-    /// Steps made.
+    /// Number of steps.
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
-    /// The size of the next step by the time control, s.
+    /// Size of the next step by the time step control, s.
     pub fn next_time_step(&self) -> f64 {
         self.control.next(self.rate, self.clock.last)
     }
 
-    /// Step until `end` (s), which is met exactly.
+    /// Step until the time `end` (s), which is reached exactly.
     ///
     /// # Errors
-    /// As [`Solver::run_until`].
+    /// Errors of [`Solver::run_until`].
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         Solver::run_until(self, end)
     }
 
-    /// What the body is made of and what changes in a run, to a file or from one: as [`Solver::archive`], but for the watch.
+    /// Store the body in a checkpoint, or load it: method, law, conditions and state; as [`Solver::archive`], but without the watch.
     pub(crate) fn archive_body(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let name = self.name.clone();
         let of = |what: &str| format!("{what} of body `{name}`");
@@ -593,7 +597,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     }
 }
 
-/// What is said where energy is lost or gained.
+/// Advice in messages on energy loss and gain.
 pub(crate) const ADVICE: Advice = Advice {
     loss: Loss {
         by: "contacts that closed, walls of mirror images, or a reference that was renewed",
@@ -603,7 +607,7 @@ pub(crate) const ADVICE: Advice = Advice {
            for what stays whole",
 };
 
-/// A body alone.
+/// Single body as a scene.
 impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     fn method(&self) -> String {
         described(&format!("smoothed particles: {}", self.method.describe()), &[self])
@@ -626,7 +630,7 @@ impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     fn limited_by(&self) -> Option<StepLimit> {
         Some(self.control.limit(self.rate, self.clock.last, 0))
     }
-    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    // Never inlined, so that profilers (callgrind) separate steps from observers.
     #[inline(never)]
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
         self.watcher.may_go_on()?;

@@ -1,4 +1,4 @@
-//! A step: velocities, conditions, positions; strain and law; neighbours, kernels, accelerations.
+//! Time step: velocity update, boundary conditions, positions; strain and law; neighbours, kernels, accelerations.
 
 use std::marker::PhantomData;
 use std::time::Instant;
@@ -23,7 +23,7 @@ use crate::sums::{
 };
 use crate::tensors;
 
-/// The groups of a batch, by place: they lie behind each other.
+/// Indices of the groups of a batch, which are contiguous.
 const GROUPS: [u32; BATCH / GROUP] = {
     let mut groups = [0; BATCH / GROUP];
     let mut n = 0;
@@ -34,12 +34,12 @@ const GROUPS: [u32; BATCH / GROUP] = {
     groups
 };
 
-/// Why a particle at the axis stops a run, and what to do.
+/// Error text for a particle that reaches the axis: cause and remedy.
 const AT_AXIS: &str =
     "it came to the axis: take a smaller Courant factor, or a law that stiffens under compression";
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// Do a part of a step, and measure it where asked for.
+    /// Run a part of a step, and measure its wall time if requested.
     fn part<R>(&mut self, of: impl Fn(&mut StepTimes) -> &mut f64, work: impl FnOnce(&mut Self) -> R) -> R {
         if self.times.is_none() {
             return work(self);
@@ -52,14 +52,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         made
     }
 
-    /// One step of size `dt`.
+    /// Make one step of size `dt`, s.
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         self.accelerate(dt);
         self.advance(dt)?;
         self.finish(dt)
     }
 
-    /// New velocities: leap-frog, from the middle of the last step to that of this one.
+    /// Update velocities by leapfrog, from the middle of the last step to that of this one.
     pub(crate) fn accelerate(&mut self, dt: f64) {
         self.part(|t| &mut t.motion, |sph| sph.new_velocities(dt));
     }
@@ -94,7 +94,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// Conditions, and new positions.
+    /// Apply conditions and update positions.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<(), StepError> {
         self.part(|t| &mut t.motion, |sph| sph.new_positions(dt))
     }
@@ -144,7 +144,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// Local damping, where asked for, in directions that conditions leave free.
+    /// Apply local damping, if set, in directions without conditions.
     fn damp(&mut self) {
         if !self.damping.acts() {
             return;
@@ -164,7 +164,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// Velocities as conditions allow.
+    /// Enforce boundary conditions on velocities.
     fn obey(&mut self, dt: f64) {
         let walls = self.mirrors.iter().filter(|m| m.kind == MirrorKind::Wall).map(Mirror::wall);
         let walls: Vec<Boundary<D>> = walls.collect();
@@ -174,7 +174,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let particles = self.positions.len();
         let Sph { records, boundaries, positions, spacing, clock, team, batches, held, .. } = self;
         let time = clock.time;
-        // Surfaces are held by what follows: here no particle gets through.
+        // With corrected gradients `press_on_walls` keeps the surface in front of walls; here only particles are stopped.
         let surface = if M::Correction::CORRECTED { 0.0 } else { self.surface };
         team.each_piece(&mut records.velocity[..particles], BATCH, batches, |b, velocities, batch| {
             for (n, v) in velocities.iter_mut().enumerate() {
@@ -191,7 +191,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 let mut prescribed = 0;
                 for boundary in boundaries.iter() {
                     let before = point.velocity;
-                    // Walls are met by the surface.
+                    // Walls are in contact with the surface.
                     let behind = match *boundary {
                         Boundary::Wall { axis, side, .. } | Boundary::FrictionWall { axis, side, .. } => {
                             Some((axis, 0.5 * surface * spacing[i] * side.sign()))
@@ -201,7 +201,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     if let Some((axis, half)) = behind {
                         point.position[axis] -= half;
                     }
+                    // A dashpot acts on the particles whose surface is at the plane.
+                    let whole = point;
+                    if let Boundary::Absorbing { axis, side, .. } = *boundary {
+                        point.position[axis] -= 0.5 * spacing[i] * side.sign();
+                        (point.depth, point.tolerance) = (spacing[i], 0.25 * spacing[i]);
+                    }
                     boundary.hold(&mut point, (time, dt), &mut batch.report.given);
+                    point = MovingPoint { velocity: point.velocity, ..whole };
                     if let Some((axis, half)) = behind {
                         point.position[axis] += half;
                     } else {
@@ -210,7 +217,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                         }
                     }
                 }
-                // What images did not hold back.
+                // Stop particles that penetrate a wall of mirror images.
                 for wall in &walls {
                     wall.hold(&mut point, (time, dt), &mut batch.report.given);
                 }
@@ -231,7 +238,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// Keep the surface in front of walls.
+    /// Enforce walls on the surface of the body.
     fn press_on_walls(&mut self, dt: f64) {
         if !M::Correction::CORRECTED || !self.boundaries.iter().any(Boundary::is_wall) {
             return;
@@ -250,7 +257,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// Strain, law, neighbours and accelerations at the new positions.
+    /// Update strain, law, neighbours and accelerations at the new positions.
     pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
         self.part(|t| &mut t.law, |sph| sph.strain(dt))?;
         self.refresh(dt)?;
@@ -259,7 +266,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(())
     }
 
-    /// Velocity gradients and the law.
+    /// Update velocity gradients and integrate the law.
     fn strain(&mut self, dt: f64) -> Result<(), StepError> {
         self.images.fill_velocities(&mut self.records);
         let numbers = self.virgin.len();
@@ -277,7 +284,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 let i = b * BATCH + n;
                 let increment = times(&batch.moments[n], &batch.correction[n], D);
                 let (to, half, lane) = (&mut deformations[n / GROUP / 2], n / GROUP % 2, n % GROUP);
-                // The increment itself, times one.
+                // The gradient is the increment itself, with a step of one.
                 to.step.0[half].as_mut()[lane] = 1.0;
                 for a in 0..D {
                     for c in 0..D {
@@ -298,7 +305,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     *spin = [half(1, 0), half(2, 0), half(2, 1)];
                 }
                 lengths[n / GROUP].as_mut()[lane] = spacing[i];
-                // F' = K C0, exactly; C = C0 F^-1.
+                // F' = K C0 is exact; C = C0 F^-1.
                 if let (Some(first), Some(f)) = (batch.first.get(n), batch.deformation.get_mut(n)) {
                     let rate = times(&batch.moments[n], first, D);
                     (0..D).for_each(|a| (0..D).for_each(|c| f[a][c] += dt * rate[a][c]));
@@ -313,7 +320,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batch.report.trouble = broken.filter(|(n, _)| *n < count).min_by_key(|(n, _)| *n);
             let before = work_of_diffusion(batch, &reference[b * BATCH..]);
             take(batch, response);
-            // By the mean of the stresses before and after: what was done to the law, and not by what moves.
+            // Work of density diffusion on the law, without that of motion, by the mean of the stresses before and after.
             batch.report.diffused = 0.5 * dt * (before + work_of_diffusion(batch, &reference[b * BATCH..]));
         });
         if Self::HAS.diffusion {
@@ -326,14 +333,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         trouble.map_or(Ok(()), |(i, cause)| Err(self.broken(i, cause)))
     }
 
-    /// What stops the body at a particle.
+    /// Return the error that stops the body at a particle.
     fn broken(&self, i: usize, cause: Cause) -> StepError {
         let (body, law, position) = (self.name.clone(), self.material.name(), wide(&self.positions[i]));
         let (kind, number) = (PointKind::Particle, self.numbers[i] as usize);
         self.clock.stopped(Stopped::Point { kind, body, number, position, law, cause })
     }
 
-    /// Neighbours, kernels and stresses of the new positions.
+    /// Update neighbours, kernels and stresses at the new positions.
     fn refresh(&mut self, dt: f64) -> Result<(), StepError> {
         if M::Form::TOTAL {
             self.part(|t| &mut t.sums, |sph| sph.tensors(dt));
@@ -360,7 +367,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.clock.stopped(Stopped::Scene(SceneError::Search(error)))
     }
 
-    /// Bring velocities to the time of the positions, by the forces of now: those that act from here on had no part in the step before.
+    /// Advance velocities to the time of the positions by the present forces: later forces had no part in the last step.
     fn synchronise(&mut self) {
         let lag = std::mem::take(&mut self.lag);
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
@@ -382,7 +389,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// Begin with the states and positions as they are, which are the reference, after this change.
+    /// Apply a change, and restart with the present positions and states as the reference.
     pub(crate) fn begin_anew_with(&mut self, change: impl FnOnce(&mut Self)) -> Result<(), SceneError> {
         if self.lag > 0.0 {
             self.synchronise();
@@ -394,7 +401,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let Scratch { response, .. } = &mut *team.own(memory);
             let groups = &GROUPS[..batch.stress.len().div_ceil(GROUP)];
             let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
-            // Viscous stresses, which bound a step by the size of particles, come with the first strain.
+            // Viscous stresses, which limit the time step by the size of particles, come with the first strain.
             material.describe(states, f64::INFINITY, response);
             take(batch, response);
         });
@@ -403,11 +410,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(())
     }
 
-    /// Let the present configuration be the reference.
+    /// Make the present configuration the reference.
     fn renew(&mut self, dt: f64) -> Result<(), SearchError> {
         let rest = identity(D);
         if self.batches.iter().flat_map(|batch| &batch.deformation).any(|f| *f != rest) {
-            // Springs are at rest then.
+            // Springs are unloaded by the update.
             self.exchange.conversion -= self.penalty_energy();
             for batch in &mut self.batches {
                 batch.before = (0..batch.stress.len()).filter_map(|n| batch.whole(n, D)).collect();
@@ -422,7 +429,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(())
     }
 
-    /// Go on from positions, states and stresses that were read.
+    /// Rebuild neighbours, kernels and accelerations from positions, states and stresses.
     pub(crate) fn go_on(&mut self) -> Result<(), SearchError> {
         self.skin.forget();
         self.neighbours()?;
@@ -432,7 +439,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(())
     }
 
-    /// Kernels are taken where particles are.
+    /// Move kernels to the present positions of the particles.
     fn place(&mut self) {
         let particles = self.positions.len();
         let Sph { records, positions, reference, batches, team, .. } = self;
@@ -446,7 +453,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// Neighbours within reach, searched for if they may be others.
+    /// Update the neighbours within reach; search if the lists are outdated.
     fn neighbours(&mut self) -> Result<(), SearchError> {
         self.part(|t| &mut t.search, Self::search)?;
         self.part(|t| &mut t.kernels, Self::weigh);
@@ -486,7 +493,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// What makes gradients of moments.
+    /// Update the gradient correction from the moments.
     fn correct(&mut self) {
         let Sph { records, batches, team, .. } = self;
         team.each(batches, |b, batch| {
@@ -507,7 +514,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// What acts on pairs, and Courant rates, `dt` seconds after the last time.
+    /// Update pair stresses and Courant rates, `dt` seconds after the last update.
     fn tensors(&mut self, dt: f64) {
         let particles = self.positions.len();
         let scale = tensors::Scale {
@@ -596,7 +603,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.rate = self.batches.iter().map(|b| b.report.rate).fold(0.0, f64::max);
     }
 
-    /// What artificial stress does to linear velocity fields, by particle.
+    /// Update the balance of the artificial stress of each particle.
     fn balance(&mut self) {
         let particles = self.positions.len();
         let mut balance = std::mem::take(&mut self.records.balance);
@@ -609,7 +616,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.records.balance = balance;
     }
 
-    /// Rates at which density spreads.
+    /// Update the rates of density diffusion.
     fn diffuse(&mut self) {
         self.images.fill_densities(&mut self.records);
         let Sph { records, batches, team, .. } = self;
@@ -631,7 +638,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// Accelerations by neighbours, and by hoop stress.
+    /// Assemble accelerations by neighbours and by hoop stress.
     fn push(&mut self) {
         if Self::HAS.viscosity {
             self.images.fill_velocities(&mut self.records);
@@ -655,7 +662,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     }
 }
 
-/// What the diffusion of density does to the laws of a batch in a second, W, at its stresses.
+/// Return the power of density diffusion on the laws of a batch at its stresses, W.
 fn work_of_diffusion(batch: &Batch, reference: &[f64]) -> f64 {
     let of = |((said, rate), volume): ((&[f64; 8], &f64), &f64)| {
         -(said[0] + said[1] + said[2]) / 3.0 * rate * volume * said[6]
@@ -663,7 +670,7 @@ fn work_of_diffusion(batch: &Batch, reference: &[f64]) -> f64 {
     batch.stress.iter().zip(&batch.diffusing).zip(reference).map(of).sum()
 }
 
-/// Stress, volume ratio and wave speed of the particles of a batch.
+/// Store stress, volume ratio and wave speed of the particles of a batch.
 fn take(batch: &mut Batch, response: &mpm_materials::material::Response<f64>) {
     for (n, said) in batch.stress.iter_mut().enumerate() {
         let (from, half, lane) = (&response.outputs()[n / GROUP / 2], n / GROUP % 2, n % GROUP);

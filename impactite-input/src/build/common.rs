@@ -1,11 +1,11 @@
-//! What all methods have in common.
+//! Set-up common to all methods: velocities, conditions, loads, contact, time control.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
-use impactite::geometry::{Bounds, Filling, Shape};
+use impactite::geometry::{Filling, Shape};
 use impactite::mpm::{Boundary, Side, TimeControl, Watch};
 use impactite::scene::boundary::{BodyForce, VelocityHistory};
 
@@ -18,25 +18,25 @@ use crate::model::contact::{Law, Pair};
 use crate::model::method::{Method, TimeStep};
 use crate::model::{SceneFile, Space, fixed, formulas};
 
-/// A scene's file, in its dimensions.
+/// Scene file with its folder, in `D` dimensions.
 pub(crate) struct World<'a, const D: usize> {
     pub scene: &'a SceneFile,
     pub folder: &'a Folder,
-    /// Shapes of bodies by key: each file of a surface is read once.
+    /// Shapes of bodies by key, cached so that each surface file is read once.
     shapes: RefCell<BTreeMap<String, Arc<dyn Shape<D>>>>,
 }
 
-/// A traction on a part of a surface.
+/// Traction on a part of a surface.
 pub(super) struct Surface<const D: usize> {
-    /// Where the loaded points or faces start.
+    /// Region that contains the loaded points or faces initially.
     pub region: Arc<dyn Shape<D>>,
-    /// The axis that loaded faces are normal to.
+    /// Axis normal to the loaded faces.
     pub axis: usize,
-    /// Pa at a time in s.
+    /// Traction vector, Pa, as a function of time, s.
     pub history: Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>,
 }
 
-/// What is wrong whatever the method: names, and what does not go together.
+/// Check names and incompatible keys, independently of the method.
 pub(super) fn check(scene: &SceneFile) -> Made<()> {
     for (name, body) in &scene.bodies {
         let key = format!("bodies.{name}");
@@ -143,7 +143,7 @@ impl<'a, const D: usize> World<'a, D> {
         if self.revolved() { Filling::new().axisymmetric() } else { Filling::new() }
     }
 
-    /// The law of a body that has one.
+    /// Return the constitutive law of a deformable body.
     pub fn law(&self, key: &str, body: &Body) -> Made<material::Law> {
         let Some(name) = &body.material else {
             return wrong(key, "needs a `material`");
@@ -154,7 +154,7 @@ impl<'a, const D: usize> World<'a, D> {
         material::build(&format!("materials.{name}"), spec, self.space() == Space::PlaneStress)
     }
 
-    /// The shape of a body.
+    /// Return the shape of a body.
     pub fn shape(&self, key: &str, body: &Body) -> Made<Arc<dyn Shape<D>>> {
         let Some(spec) = &body.shape else { return wrong(key, "needs a `shape`") };
         if let Some(shape) = self.shapes.borrow().get(key) {
@@ -165,10 +165,15 @@ impl<'a, const D: usize> World<'a, D> {
         Ok(shape)
     }
 
-    /// The velocity of a body at the start, which turns about the middle of these bounds.
-    pub fn velocity(&self, key: &str, body: &Body, bounds: &Bounds<D>) -> Made<Velocity<D>> {
-        let centre: [f64; D] = std::array::from_fn(|d| 0.5 * (bounds.min[d] + bounds.max[d]));
+    /// Return the initial velocity field of a body, whose spin is about the centre of mass: `centre`, called if the body spins.
+    pub fn velocity(
+        &self,
+        key: &str,
+        body: &Body,
+        centre: impl FnOnce() -> Made<[f64; D]>,
+    ) -> Made<Velocity<D>> {
         let spin = self.spin(key, body)?;
+        let centre = if spin == [0.0; 3] { [0.0; D] } else { centre()? };
         let turning = move |x: &[f64; D]| {
             let arm: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - centre[d] } else { 0.0 });
             let v = [
@@ -203,7 +208,7 @@ impl<'a, const D: usize> World<'a, D> {
         Ok(if turns { Arc::new(move |x| sum(at(x), turning(&x))) } else { Arc::new(at) })
     }
 
-    /// The angular velocity of a body at the start.
+    /// Return the initial angular velocity of a body.
     pub fn spin(&self, key: &str, body: &Body) -> Made<[f64; 3]> {
         let Some(list) = &body.spin else { return Ok([0.0; 3]) };
         let key = format!("{key}.spin");
@@ -218,7 +223,7 @@ impl<'a, const D: usize> World<'a, D> {
         }
     }
 
-    /// The conditions, each with its key.
+    /// Return the boundary conditions, each with its key.
     pub fn conditions(&self) -> Made<Vec<(String, Boundary<D>)>> {
         let list = self.scene.conditions.iter().enumerate();
         list.map(|(n, condition)| {
@@ -302,7 +307,7 @@ impl<'a, const D: usize> World<'a, D> {
         })
     }
 
-    /// The acceleration of everything.
+    /// Return the acceleration of gravity.
     pub fn gravity(&self) -> Made<Option<BodyForce<D>>> {
         let Some(list) = &self.scene.gravity else { return Ok(None) };
         let list: [_; D] = formulas(list).at("gravity")?;
@@ -312,7 +317,7 @@ impl<'a, const D: usize> World<'a, D> {
         Ok(Some(Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))))
     }
 
-    /// Time control of the scene, if it has its own.
+    /// Return the time control of the scene, or `None` for the default of the method.
     pub fn time_control(&self) -> Option<TimeControl> {
         Some(match self.scene.time_step.as_ref()? {
             TimeStep::Factor(factor) => TimeControl::Courant { factor: factor.value, growth: 1.1 },
@@ -323,7 +328,7 @@ impl<'a, const D: usize> World<'a, D> {
         })
     }
 
-    /// Refuse what no solver would before its first step, and materials that no body uses with constants that no law has.
+    /// Refuse errors that no solver would find before its first step, and invalid constants of materials without a body.
     pub fn check(&self) -> Made<()> {
         let factor = match &self.scene.time_step {
             Some(TimeStep::Factor(factor)) => Some(("time_step.factor", factor.value)),
@@ -346,7 +351,7 @@ impl<'a, const D: usize> World<'a, D> {
         self.check_contact()
     }
 
-    /// Refuse contact that the method does not have, and bodies without any.
+    /// Refuse contact that the method does not support, and several bodies without contact.
     fn check_contact(&self) -> Made<()> {
         let (scene, bodies) = (self.scene, &self.scene.expanded);
         let apart = bodies.values().filter(|b| b.elements.as_ref().is_none_or(|e| e.within.is_none()));
@@ -398,12 +403,12 @@ impl<'a, const D: usize> World<'a, D> {
         Ok(())
     }
 
-    /// What the run watches over.
+    /// Return the energy watch of the run.
     pub fn watch(&self) -> Watch {
         if self.scene.only_warn { Watch::default().only_warn() } else { Watch::default() }
     }
 
-    /// A traction on a part of a surface.
+    /// Return the traction on a part of a surface.
     pub fn load(&self, key: &str, load: &Traction) -> Made<Surface<D>> {
         let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
         for (n, formula) in list.iter().enumerate() {
@@ -416,7 +421,7 @@ impl<'a, const D: usize> World<'a, D> {
         })
     }
 
-    /// The laws of contact of bodies, in this order of names.
+    /// Return the contact laws of pairs of bodies, which are numbered in the order of `names`.
     pub fn laws(&self, names: &[&str]) -> Made<Option<Pairs<f64>>> {
         let Some(contact) = self.scene.contact() else { return Ok(None) };
         let mut pairs = of_law("contact.law", &contact.law, None, Pairs::new(Frictionless))?;
@@ -434,7 +439,7 @@ impl<'a, const D: usize> World<'a, D> {
     }
 }
 
-/// Pairs with this law for two bodies, or for all.
+/// Add this law to the pairs for two bodies, or as the law of all.
 fn of_law(key: &str, law: &Law, pair: Option<[usize; 2]>, pairs: Pairs<f64>) -> Made<Pairs<f64>> {
     macro_rules! with {
         ($law:expr) => {{
@@ -465,4 +470,14 @@ fn side(side: condition::Side) -> Side {
 
 fn sum<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| a[d] + b[d])
+}
+
+/// Return the centre of mass of points with their positions, m, and masses, in any unit.
+pub(super) fn centre_of_mass<const D: usize>(points: impl Iterator<Item = ([f64; D], f64)>) -> [f64; D] {
+    let (mut sum, mut mass) = ([0.0; D], 0.0);
+    for (x, m) in points {
+        (0..D).for_each(|d| sum[d] += m * x[d]);
+        mass += m;
+    }
+    sum.map(|s| s / mass)
 }

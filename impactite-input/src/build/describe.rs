@@ -1,11 +1,11 @@
-//! Measures: what they are called, and whether they are of what there is.
+//! Measures: names, units and validity in the scene.
 
 use super::wrong::{At, Made, known, wrong};
 use crate::model::body::MeetBy;
 use crate::model::measure::{Measurement, OverTime, Reference, Statistic, Until};
 use crate::model::{SceneFile, Space};
 
-/// The body of a measure, and its axis.
+/// Check that body, axis and place of a measure are valid in the scene.
 pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
     let body = |name: &str, word: &str| {
         known(&format!("{key}.{word}.body"), "body", name, scene.expanded.keys().map(String::as_str))
@@ -134,7 +134,7 @@ fn over_time(scene: &SceneFile, key: &str, over: &OverTime) -> Made<()> {
     Ok(())
 }
 
-/// Ends of the run by measures: their names and values.
+/// Check the names and values of the measures in `until`.
 pub fn ends(scene: &SceneFile) -> Made<()> {
     for (key, until) in scene.until.iter().flat_map(|until| until.keyed("until")) {
         known(
@@ -157,14 +157,14 @@ pub fn ends(scene: &SceneFile) -> Made<()> {
     Ok(())
 }
 
-/// A value of the measure of an end of the run, in SI units.
+/// Return the value of a condition of `until`, in SI units.
 pub fn value(scene: &SceneFile, until: &Until, of: &Reference) -> Result<f64, String> {
     let measure = scene.measures.get(&until.measure);
     let measure = measure.ok_or_else(|| format!("no measure has the name `{}`", until.measure))?;
     number(scene, measure, of)
 }
 
-/// The word of files.
+/// Return the key of a measure in scene files.
 pub fn word(measure: &Measurement) -> &'static str {
     use Measurement as M;
     match measure {
@@ -195,7 +195,7 @@ pub fn word(measure: &Measurement) -> &'static str {
     }
 }
 
-/// The SI unit of a measure; "-" of plain numbers.
+/// Return the SI unit of a measure; "-" for plain numbers.
 pub fn unit(scene: &SceneFile, measure: &Measurement) -> &'static str {
     use Measurement as M;
     match measure {
@@ -214,7 +214,7 @@ pub fn unit(scene: &SceneFile, measure: &Measurement) -> &'static str {
         M::FailedShare(_) | M::EnergyError(_) => "-",
         M::OverTime(of) => {
             let unit = match scene.measures.get(&of.of) {
-                // No measure is over time twice.
+                // An `over_time` of an `over_time` is invalid.
                 None | Some(M::OverTime(_)) => "-",
                 Some(measure) => unit(scene, measure),
             };
@@ -227,7 +227,7 @@ pub fn unit(scene: &SceneFile, measure: &Measurement) -> &'static str {
     }
 }
 
-/// The unit of the integral over time.
+/// Return the unit of the integral over time.
 fn times_seconds(unit: &'static str) -> &'static str {
     match unit {
         "m" => "m s",
@@ -245,7 +245,7 @@ fn times_seconds(unit: &'static str) -> &'static str {
     }
 }
 
-/// The unit of a measure in a space, of which extensive ones are a part.
+/// Return the unit of a measure in a space: extensive quantities are per radian or per metre of depth.
 pub fn unit_in(space: Space, unit: &str) -> String {
     let extensive = ["kg", "J", "N", "m^3"].iter().any(|of| unit.split(' ').next() == Some(of));
     if !extensive {
@@ -265,7 +265,7 @@ fn field_unit(field: &str) -> &'static str {
     }
 }
 
-/// What a measure should be, in SI units.
+/// Return the reference of a check, in SI units.
 pub fn reference(scene: &SceneFile, check: usize) -> Made<f64> {
     let of = &scene.checks[check];
     let key = format!("checks[{check}].reference");
@@ -275,7 +275,7 @@ pub fn reference(scene: &SceneFile, check: usize) -> Made<f64> {
     number(scene, measure, &of.reference).at(key)
 }
 
-/// A value of a measure, in SI units.
+/// Convert a value of a measure to SI units.
 fn number(scene: &SceneFile, measure: &Measurement, of: &Reference) -> Result<f64, String> {
     match of {
         Reference::Number(number) if number.is_finite() => Ok(*number),

@@ -1,4 +1,4 @@
-//! Scenes of finite elements.
+//! Scenes of the finite element method.
 
 use impactite::fem::{Fem as Scene, SurfaceFacet};
 use impactite::scene::Solver;

@@ -1,4 +1,4 @@
-//! Scenes of fragile points.
+//! Scenes of the fragile points method.
 
 use impactite::fpm::{
     AnyCriterion, Cells, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
@@ -7,7 +7,7 @@ use impactite::fpm::{
 use impactite::geometry::{Cuboid, Lattice, Polygon};
 use impactite::scene::{Embedding, Solver};
 
-use super::common::{Surface, World};
+use super::common::{Surface, World, centre_of_mass};
 use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, particles, placement, seeds};
 use crate::model::body::Body as Spec;
@@ -17,7 +17,7 @@ use crate::model::shape::Shape;
 
 /// Longest notch, in spacings of points.
 const LONGEST: f64 = 1e6;
-/// Lloyd's steps of random points.
+/// Number of Lloyd iterations for random points.
 const LLOYD: usize = 3;
 
 pub(super) fn build<E, const D: usize>(
@@ -50,7 +50,9 @@ where
     particles::scene(world, |name| {
         let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let cells = cells(world, &key, spec, options)?;
-        let velocity = world.velocity(&key, spec, &cells.bounds())?;
+        let velocity = world.velocity(&key, spec, || {
+            Ok(centre_of_mass(cells.points().iter().copied().zip(cells.volumes().iter().copied())))
+        })?;
         let method = Method::new(embedding, flux, penalty, criterion);
         let law = world.law(&key, spec)?.material;
         let body = Body::new(method, law, &cells, move |x| velocity(x));
@@ -150,7 +152,7 @@ where
     Ok(cells)
 }
 
-/// Convex bodies, which Voronoi cells are cut to.
+/// Return the convex domain of a body, to which Voronoi cells are clipped.
 fn domain<const D: usize>(key: &str, spec: &Spec) -> Made<Domain<D>> {
     let key = format!("{key}.shape");
     match &spec.shape {
@@ -173,7 +175,7 @@ fn domain<const D: usize>(key: &str, spec: &Spec) -> Made<Domain<D>> {
     }
 }
 
-/// Notches of the plane and of space.
+/// Constructor of notches in two and three dimensions.
 pub(super) struct NotchMaker;
 
 pub(super) trait MakesNotches<const D: usize> {
@@ -205,7 +207,7 @@ impl MakesNotches<3> for NotchMaker {
     fn notch(key: &str, corners: Vec<[f64; 3]>) -> Made<Notch<3>> {
         Notch::polygon(corners).at(key)
     }
-    /// In space points stay where they are.
+    /// In three dimensions points are not aligned with the notch.
     fn lined(
         _: &Notch<3>,
         points: Vec<[f64; 3]>,

@@ -1,4 +1,4 @@
-//! Kernels of the material point method, and how scenes of each dimension lie in space.
+//! Kernels of the material point method, and the embedding of scenes in space.
 
 use impactite::mpm::{
     Aflip, Apic, Axisymmetric, Blend, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mls,
@@ -10,14 +10,14 @@ use serde::Serialize;
 use super::wrong::{At, Made, wrong};
 use crate::model::method::{Mpm, Purpose, ShapeFunction, StressUpdate, Transfer};
 
-/// How a scene lies in space.
+/// Embedding of a scene in space, with its kernels.
 pub(crate) trait Setting<const D: usize>: Embedding<D> + std::fmt::Debug + Copy {
-    /// Kernels of the material point method.
+    /// Return the kernels of the material point method.
     fn kernels(self, options: &Mpm) -> Made<Kernels<f64, D>>;
 }
 
-/// Combinations of parts whose kernels are compiled in this program, once for their list and for the kernels: word of the shape
-/// function, its type, transfer, stress update.
+/// Combinations of parts whose kernels are compiled in this program: key of the shape function, its type, transfer, stress update. One list
+/// serves the documentation and the kernels.
 macro_rules! combinations {
     ($made:ident! $rest:tt) => {
         $made! {
@@ -37,14 +37,14 @@ macro_rules! combinations {
 
 macro_rules! list {
     (() $(($word:ident, $shape:ident, $transfer:ident, $update:ident))*) => {
-        /// Combinations of parts that are compiled.
+        /// Compiled combinations of parts.
         pub(crate) const PARTS: &[(ShapeFunction, Transfer, StressUpdate)] =
             &[$((ShapeFunction::$word, Transfer::$transfer, StressUpdate::$update)),*];
     };
 }
 combinations!(list!());
 
-/// Parts and frame that purposes choose.
+/// Parts and frame of each purpose.
 pub(crate) const PURPOSES: &[(Purpose, ShapeFunction, Transfer, StressUpdate, &str)] = &[
     (
         Purpose::Impact,
@@ -64,7 +64,7 @@ pub(crate) const PURPOSES: &[(Purpose, ShapeFunction, Transfer, StressUpdate, &s
     (Purpose::LargeElastic, ShapeFunction::Linear, Transfer::Flip, StressUpdate::Musl, "total Lagrangian"),
 ];
 
-/// The word of files for a choice.
+/// Return the key of a choice in scene files.
 pub(crate) fn word(choice: impl Serialize) -> String {
     let value = serde_json::to_value(choice).unwrap_or_default();
     value.as_str().unwrap_or_default().to_string()
@@ -76,7 +76,7 @@ fn not_compiled() -> String {
     format!("this combination is not compiled in the program; there are: {list} (`impactite list parts`)")
 }
 
-/// A transfer, made with the options of the parts.
+/// Construct a transfer from the options of the parts.
 macro_rules! transfer {
     (Flip, $parts:expr) => {
         Flip
@@ -107,7 +107,7 @@ macro_rules! of_parts {
     };
 }
 
-/// The kernels of a method of these options, in one of the embeddings.
+/// Return the kernels for the options of the method in one of the embeddings.
 macro_rules! kernels {
     ($space:ident, $options:ident) => {
         match (&$options.parts, $options.purpose) {

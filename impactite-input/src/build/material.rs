@@ -1,4 +1,4 @@
-//! Laws of materials.
+//! Constitutive laws of materials.
 
 use std::sync::Arc;
 
@@ -17,36 +17,36 @@ use crate::model::material::{
     GroundLaw, Library, Material as Spec, Strength, TAYLOR_QUINNEY,
 };
 
-/// A velocity (m/s) by position (m).
+/// Velocity field, m/s, as a function of position, m.
 pub(super) type Velocity<const D: usize> = Arc<dyn Fn([f64; D]) -> [f64; D] + Send + Sync>;
 
-/// A law, ready for a body.
+/// Constitutive law of a body.
 #[derive(Clone)]
 pub(crate) struct Law {
     pub material: Arc<dyn Material<f64>>,
-    /// Of an explosive, what lights it.
+    /// Explosive, for programmed burn.
     pub explosive: Option<Charge>,
 }
 
-/// What acts on a body of particles alone.
+/// Loads, field forces, splitting and initial states of a body of particles.
 pub(crate) struct Acting<'a, const D: usize> {
     pub tractions: Vec<Traction<D>>,
     pub field: Option<FieldForce<D>>,
     pub splitting: Option<Splitting>,
-    /// Numbers of the states by position, m.
+    /// Initial state vector as a function of position, m.
     pub state: Option<&'a dyn Fn([f64; D]) -> Vec<f64>>,
     pub lit: &'a [Start],
 }
 
-/// Where a charge is lit: m, and s.
+/// Detonation point or plane: position, m, and lighting time, s.
 pub(crate) struct Start {
     pub at: [f64; 3],
-    /// The normal of the plane that is lit at once.
+    /// Normal of a plane that is lit at once; a point if `None`.
     pub plane: Option<[f64; 3]>,
     pub time: f64,
 }
 
-/// An explosive with its viscosity or without.
+/// Explosive with or without bulk viscosity.
 #[derive(Clone, Copy)]
 pub(crate) enum Charge {
     Plain(Explosive<f64>),
@@ -60,7 +60,7 @@ impl From<Arc<dyn Material<f64>>> for Law {
 }
 
 impl Law {
-    /// Add a body of particles of this law.
+    /// Add a body of particles with this law.
     pub fn add<const D: usize>(
         &self,
         mpm: &mut Mpm<D>,
@@ -118,17 +118,17 @@ impl Law {
     }
 }
 
-/// A law whose kernels are compiled in the library.
+/// Wrap a law whose kernels are compiled in the library.
 fn there<L: IntoMaterial<f64>>(law: L) -> Law {
     Law::from(law.into_material())
 }
 
-/// One whose kernels are compiled here.
+/// Wrap a law whose kernels are compiled in this crate.
 fn here<C: Constitutive<f64>>(law: C) -> Law {
     Law::from(law.compiled().into_material())
 }
 
-/// The law of a material at `key`; of a plate without stress across, if `plate`.
+/// Build the law of the material at `key`; a plane-stress law if `plate`.
 pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
     let kinds = [
         ("library", spec.library.is_some()),
@@ -247,12 +247,12 @@ fn explosive(
     })
 }
 
-/// A law with bulk viscosity or without, both compiled in the library.
+/// Wrap a law with or without bulk viscosity, both compiled in the library.
 macro_rules! viscous {
     ($key:expr, $law:expr, $viscosity:expr) => {
         viscous!($key, $law, $viscosity, there)
     };
-    // With kernels compiled here, viscosity is a coefficient of zero where there is none: one law to compile instead of two.
+    // With kernels compiled in this crate, absent viscosity has zero coefficients: one law to compile instead of two.
     ($key:expr, $law:expr, $viscosity:expr, here) => {{
         let [linear, quadratic] = $viscosity.unwrap_or([0.0; 2]);
         here($law.with_bulk_viscosity(linear, quadratic).at(format!("{}.bulk_viscosity", $key))?)
@@ -388,12 +388,12 @@ fn failure_word(failure: &Failure) -> &'static str {
     }
 }
 
-/// The failure that a named set has by its source.
+/// Failure model of a named set, from its source.
 #[derive(Clone, Copy, Debug)]
 enum Own {
     Damage(JohnsonCookDamage<f64>),
     PlasticStrain(f64),
-    /// The set fails without being asked to.
+    /// Damage that is part of the law of the set, and always active.
     Within,
 }
 
@@ -409,16 +409,16 @@ fn own_failure(name: Library) -> Option<Own> {
     })
 }
 
-/// Plastic strain at which lead fails in its source.
+/// Plastic strain at failure of lead in its source.
 const LEAD_FAILS: f64 = 3.0;
 
-/// A named set: law, what it is made of with its constants, and failure.
+/// Named set: law with its constants, and failure.
 pub(crate) struct Described {
     pub law: Arc<dyn Material<f64>>,
     pub failure: String,
 }
 
-/// Kind of a named set.
+/// Describe a named set; `None` if its law cannot be built alone.
 pub(crate) fn described(name: Library) -> Option<Described> {
     let law = of_library("materials", name, None, None, None).ok()?.material;
     let failure = match own_failure(name) {
@@ -430,7 +430,7 @@ pub(crate) fn described(name: Library) -> Option<Described> {
     Some(Described { law, failure })
 }
 
-/// A metal with rate and heat, and a failure.
+/// Combine a metal with rate and temperature with a failure model.
 fn with_failure(
     key: &str,
     law: library::Metal<f64>,
@@ -523,7 +523,7 @@ fn metal(
                     Some(_) => not_compiled(key),
                 },
                 (rate, heat) => {
-                    // One of them alone: the other one has no effect.
+                    // Rate without heat, or heat without rate: the absent factor has no effect.
                     let rate = match rate {
                         Some(rate) => Logarithmic::new(rate.c.value, rate.reference.value),
                         None => Logarithmic::new(0.0, 1.0),
@@ -548,7 +548,7 @@ fn metal(
     }
 }
 
-/// Heat that neither rises nor softens, of a law with a rate alone.
+/// Heat without temperature rise and softening, for laws with a rate only.
 const COLD: Heat<f64> =
     Heat { room: 293.15, melt: 1e4, exponent: 1.0, heat_capacity: 1e3, taylor_quinney: 0.0 };
 
@@ -560,7 +560,7 @@ fn without_library<T>(key: &str) -> Made<T> {
     )
 }
 
-/// Combinations of laws of metals that are compiled: strength and equation of state, and failures.
+/// Compiled combinations of laws of metals: strength and equation of state, and failures.
 pub(crate) const METALS: &[(&str, &str)] = &[
     ("strength.elastic with any eos", "no failure"),
     ("strength.j2 with eos.logarithmic_bulk", "failure.plastic_strain without `removed`, or none"),

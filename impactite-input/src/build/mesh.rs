@@ -4,16 +4,16 @@ use impactite::fem::{Erosion, Hourglass, MeshBody, Technology};
 use impactite::geometry::structured::{
     Butterfly, ball_mesh, box_mesh, cylinder_mesh, half_disc_mesh, tube_mesh,
 };
-use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Tube};
+use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Metric, Tube};
 
-use super::common::World;
+use super::common::{World, centre_of_mass};
 use super::wrong::{At, Folder, Made, Wrong, wrong};
 use crate::model::body::{Bars, Body, HOURGLASS_STIFFNESS, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
 use crate::quantity::{Length, Quantity};
 
-/// The mesh of a body.
+/// Return the mesh of a body.
 pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<ElementMesh<D>> {
     match &body.mesh {
         None => wrong(key, "needs a `mesh`: a file, or `edge` with a `shape`"),
@@ -27,7 +27,7 @@ pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -
     }
 }
 
-/// Bars, each with nodes of its own.
+/// Generate a mesh of bars, each with nodes of its own.
 fn bars<const D: usize>(key: &str, spec: &Bars) -> Made<ElementMesh<D>> {
     let (edge, most) = (spec.edge.value, 1e6);
     if edge <= 0.0 {
@@ -75,7 +75,7 @@ fn read<const D: usize>(
     }
 }
 
-/// Groups of the file of a body that takes all of its elements, if several groups divide these: it may be a file of several materials.
+/// Return the groups of a mesh file that divide its elements completely, if the body selects no group: the file may have several materials.
 pub(crate) fn divided<const D: usize>(folder: &Folder, mesh: &Mesh) -> Option<(&'static str, Vec<String>)> {
     let (word, file) = match mesh {
         Mesh::Gmsh(file) => ("gmsh", file),
@@ -102,7 +102,7 @@ pub(crate) fn divided<const D: usize>(folder: &Folder, mesh: &Mesh) -> Option<(&
     (parts.len() > 1 && together == elements).then_some((word, parts))
 }
 
-/// A regular mesh with about these edges.
+/// Generate a regular mesh with edges of about this length.
 fn regular<const D: usize>(
     world: &World<'_, D>,
     key: &str,
@@ -151,7 +151,7 @@ fn regular<const D: usize>(
     }
 }
 
-/// A mesh of `N` dimensions as one of `D`, if these are the same.
+/// Convert a mesh of `N` dimensions to `D` dimensions, which must be equal.
 fn same<const N: usize, const D: usize>(key: &str, mesh: ElementMesh<N>) -> Made<ElementMesh<D>> {
     let any: Box<dyn std::any::Any> = Box::new(mesh);
     match any.downcast() {
@@ -160,12 +160,12 @@ fn same<const N: usize, const D: usize>(key: &str, mesh: ElementMesh<N>) -> Made
     }
 }
 
-/// A body of elements.
+/// Build a body of finite elements.
 pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> Made<MeshBody<D>> {
     let key = format!("bodies.{name}");
     let mesh = of(world, &key, body)?;
-    let velocity = world.velocity(&key, body, &mesh.bounds())?;
-    // Bars have one strain, and nothing to choose.
+    let velocity = world.velocity(&key, body, || middle(&key, &mesh))?;
+    // Bars have a uniaxial strain and no choice of integration.
     let kinds: Vec<ElementKind> =
         mesh.blocks.iter().map(|block| block.kind).filter(|kind| *kind != ElementKind::Bar2).collect();
     let mut made = MeshBody::new(name, mesh, world.law(&key, body)?.material).moving(move |x| velocity(x));
@@ -196,7 +196,7 @@ pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body
     Ok(made.eroding(erosion))
 }
 
-/// How elements are integrated.
+/// Return the integration technology of elements.
 fn technology(key: &str, integration: &Integration) -> Made<Technology> {
     Ok(match integration {
         Integration::Full => Technology::Full,
@@ -212,4 +212,14 @@ fn technology(key: &str, integration: &Integration) -> Made<Technology> {
             })
         }
     })
+}
+
+/// Return the centre of mass of a mesh whose elements distribute their mass to their nodes equally, m.
+fn middle<const D: usize>(key: &str, mesh: &ElementMesh<D>) -> Made<[f64; D]> {
+    let measures = mesh.measures(Metric::Cartesian).at(key)?;
+    let elements = mesh.blocks.iter().flat_map(|block| block.nodes.chunks(block.kind.nodes()));
+    Ok(centre_of_mass(elements.zip(measures).flat_map(|(nodes, measure)| {
+        let part = measure / nodes.len() as f64;
+        nodes.iter().map(move |&n| (mesh.nodes[n as usize], part))
+    })))
 }

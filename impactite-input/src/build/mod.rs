@@ -1,4 +1,4 @@
-//! Scenes from files.
+//! Solvers from scene files.
 
 mod common;
 pub(crate) mod describe;
@@ -32,24 +32,24 @@ use kernels::Setting;
 use wrong::{At, Folder, Made, Wrong, wrong};
 
 impl Source {
-    /// The scene, ready to run: as a program would set it up with the same parts, bit for bit.
+    /// Build the solver of a scene. The result equals that of a program with the same parts, bit for bit.
     ///
-    /// Files that it names are beside the scene's own.
+    /// Further files of the scene are relative to its own folder.
     ///
     /// # Errors
-    /// What is wrong with it, at its place: what the scene is made of, and what a program would be refused for.
+    /// Invalid scene, with its key: invalid values, and errors of the solvers.
     pub fn build(&self, scene: &SceneFile) -> Result<Box<dyn Solver>, InputError> {
         let solver = build(scene, &Folder(self.folder())).map_err(|w| self.refused(w))?;
         output::check(scene, &*solver).map_err(|w| self.refused(w))?;
         Ok(solver)
     }
 
-    /// The folder of the files that it names.
+    /// Return the folder of the scene file, to which file names are relative.
     pub(crate) fn folder(&self) -> PathBuf {
         std::path::Path::new(&self.name).parent().map(PathBuf::from).unwrap_or_default()
     }
 
-    /// What files the frames for ParaView are to be.
+    /// Return the file format of the frames for ParaView.
     ///
     /// # Errors
     /// VTKHDF without the feature `hdf5`.
@@ -104,7 +104,7 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
     }
 }
 
-/// The scene, checked for its size before and for its places after it is built.
+/// Build the solver; check the scene's size before and the placement of bodies after.
 fn checked<const D: usize>(
     world: &common::World<'_, D>,
     build: impl FnOnce(&common::World<'_, D>) -> Made<Box<dyn Solver>>,

@@ -14,7 +14,7 @@ use impactite::mpm::{
 };
 use impactite::scene::Solver;
 
-use super::common::{Surface, World};
+use super::common::{Surface, World, centre_of_mass};
 use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
@@ -31,17 +31,27 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     options: &Mpm,
 ) -> Made<Box<dyn Solver>> {
     let kernels = embedding.kernels(options)?;
-    let origin = match &options.origin {
+    let mut origin = match &options.origin {
         Some(origin) => fixed(origin).at("method.mpm.origin")?,
         None => [0.0; D],
     };
+    let conditions = world.conditions()?;
+    // A period begins with a block of nodes, so that positions are between its planes. The nodes are the same.
+    for (_, boundary) in &conditions {
+        if let impactite::mpm::Boundary::Periodic { axis, low, .. } = *boundary {
+            let cells = (low - origin[axis]) / options.cell.value;
+            if (cells - cells.round()).abs() <= 1e-6 && cells.round() % 4.0 != 0.0 {
+                origin[axis] = low;
+            }
+        }
+    }
     let lattice = Lattice::new(origin, options.cell.value).at("method.mpm.cell")?;
     if !(1..=8).contains(&options.particles_per_cell) {
         let message = format!("{} is not allowed; it must be 1 to 8", options.particles_per_cell);
         return wrong("method.mpm.particles_per_cell", message);
     }
     let bodies = &world.scene.expanded;
-    // Bodies of elements come after those of particles, as clients of their scene.
+    // Bodies of elements follow the bodies of particles, as clients of their scene.
     let order: Vec<(&String, &Body)> = bodies
         .iter()
         .filter(|(_, b)| b.elements.is_none())
@@ -62,8 +72,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         Grid::Blocks => Scene::of(kernels, BlockGrid::new(lattice), contact),
         Grid::Dense(dense) => Scene::of(kernels, all_nodes(&lattice, dense)?, contact),
     };
-    let conditions = world.conditions()?;
-    // Periods before the bodies, since these are told where they are.
+    // Apply periods before the bodies, whose positions depend on them.
     let (periods, others): (Vec<_>, Vec<_>) =
         conditions.into_iter().partition(|(_, b)| matches!(b, impactite::mpm::Boundary::Periodic { .. }));
     for (key, boundary) in periods {
@@ -73,7 +82,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
         add_elements(embedding, world, &mut mpm, (name, body), options)?;
     }
-    // Bodies behind planes have their own words, with the key that helps.
+    // Check bodies behind planes here, since the errors contain the key.
     placement::check_planes(world, &mpm)?;
     for (key, boundary) in others {
         mpm.bound(boundary).at(key)?;
@@ -115,7 +124,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     Ok(Box::new(mpm))
 }
 
-/// The nodes of a box.
+/// Create a dense grid with all nodes of a box.
 fn all_nodes<const D: usize>(lattice: &Lattice<D>, dense: &Dense) -> Made<DenseGrid<f64, D>> {
     let key = "method.mpm.grid.dense";
     let (from, to): ([f64; D], [f64; D]) =
@@ -154,7 +163,7 @@ fn body_force<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> M
     Ok(Some(FieldForce { acceleration }))
 }
 
-/// A body of elements among the particles.
+/// Add a body of finite elements among the particles.
 fn add_elements<E: Setting<D>, const D: usize>(
     embedding: E,
     world: &World<'_, D>,
@@ -177,7 +186,7 @@ fn add_elements<E: Setting<D>, const D: usize>(
         let particles =
             world.scene.expanded.iter().filter(|(_, b)| b.elements.is_none() && b.rigid.is_none());
         known(&at, "body of particles", host, particles.map(|(name, _)| name.as_str()))?;
-        // Conditions and weight are those of the scene.
+        // Conditions and gravity act through the host particles.
         let elements = Elements::within(fem, host).map_err(|e| of_body(&key, e))?;
         return mpm.add_client(elements).map_err(|e| of_body(&key, e));
     }
@@ -220,7 +229,7 @@ fn add_elements<E: Setting<D>, const D: usize>(
     mpm.add_client(elements.map_err(|e| of_body(&key, e))?).map_err(|e| of_body(&key, e))
 }
 
-/// Add the bodies of particles and the rigid ones.
+/// Add the bodies of particles and the rigid bodies.
 fn add_particles<const D: usize>(
     world: &World<'_, D>,
     mpm: &mut Scene<D>,
@@ -233,7 +242,6 @@ fn add_particles<const D: usize>(
         if body.elements.is_some() {
             continue;
         }
-        let shape = world.shape(&key, body)?;
         let seeds = seeds(world, &key, body, &Cells { lattice, parts, key: "method.mpm.cell" })?;
         match &body.rigid {
             Some(_) => {
@@ -242,7 +250,9 @@ fn add_particles<const D: usize>(
             }
             None => {
                 let law = world.law(&key, body)?;
-                let velocity = world.velocity(&key, body, &shape.bounds())?;
+                let velocity = world.velocity(&key, body, || {
+                    Ok(centre_of_mass(seeds.positions.iter().copied().zip(seeds.volumes.iter().copied())))
+                })?;
                 let mut tractions = Vec::new();
                 for (key, spec) in body.traction.keyed(&format!("{key}.traction")) {
                     let load = traction(world, &key, spec)?;
@@ -295,13 +305,13 @@ fn add_particles<const D: usize>(
     Ok(())
 }
 
-/// A traction on particles.
+/// Build a traction on particles.
 pub(super) fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
     let Surface { region, axis, history } = world.load(key, load)?;
     Ok(Traction { region, axis, history, revolved: world.revolved() })
 }
 
-/// Refuse a load whose region holds no particle.
+/// Refuse a load whose region contains no particle.
 pub(super) fn loaded<const D: usize>(key: &str, load: &Traction<D>, particles: &[[f64; D]]) -> Made<()> {
     if particles.iter().any(|x| load.region.contains(*x)) {
         return Ok(());
@@ -332,11 +342,10 @@ fn rigid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<R
                 .at(format!("{key}.velocity[{n}]"))?;
         }
     }
-    // Without spin, which the body has of itself.
+    // Prescribe the translation only; the spin comes from the body itself.
     let mut plain = body.clone();
     (plain.spin, plain.velocity) = (None, None);
-    let along =
-        world.velocity(key, &plain, &impactite::geometry::Bounds { min: [0.0; D], max: [0.0; D] })?([0.0; D]);
+    let along = world.velocity(key, &plain, || Ok([0.0; D]))?([0.0; D]);
     let velocity = move |t: f64| -> [f64; D] {
         list.as_ref().map_or(along, |list| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))
     };

@@ -1,4 +1,4 @@
-//! Checks of the section `output` against the scene, before a run makes files.
+//! Checks of the section `output` against the scene, before a run creates files.
 
 use impactite::output::picture::Quantity;
 use impactite::scene::{Solver, snapshot_fields};
@@ -8,14 +8,14 @@ use crate::model::condition::Condition;
 use crate::model::output::Mirror;
 use crate::model::{SceneFile, Space};
 
-/// Refuse intervals, fields, windows and mirrors that a run could not write or draw.
+/// Refuse invalid intervals, fields, windows and mirrors.
 pub(super) fn check(scene: &SceneFile, solver: &dyn Solver) -> Made<()> {
     let output = &scene.output;
     let intervals =
         [("histories", output.histories), ("pictures", output.pictures), ("frames", output.frames)];
     for (name, interval) in intervals {
         let Some(interval) = interval.map(|q| q.value) else { continue };
-        // One that is longer than the run gives its first and last moment.
+        // An interval longer than the run yields its first and last state.
         if interval <= 0.0 {
             return wrong(
                 format!("output.{name}"),

@@ -1,4 +1,6 @@
-//! Scenes of smoothed particles and of the particle-contact method.
+//! Scenes of smoothed particles and of the particle-contact meshfree method.
+
+use std::sync::Arc;
 
 use impactite::contact::SurfaceDistance;
 use impactite::contact::particles::{Bodies, ParticleBody};
@@ -7,8 +9,9 @@ use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm
 use impactite::scene::Solver;
 use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 
-use super::common::World;
+use super::common::{World, centre_of_mass};
 use super::kernels::Setting;
+use super::material::Velocity;
 use super::seeds::{Cells, seeds};
 use super::shape::MovedBox;
 use super::wrong::{At, Made, of_body, wrong};
@@ -17,9 +20,9 @@ use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCES};
 use crate::model::shape::Shape as Spec;
 
-/// Bodies one by one, and then one of them, or a scene of all.
+/// Build all bodies of a scene of particles; a single body without contact is its own solver.
 ///
-/// `make` makes the body of a name; it has its conditions and loads. `alone` says that there is one body only.
+/// `make` builds the body of a name with its conditions and loads.
 pub(super) fn scene<const D: usize, B, F>(world: &World<'_, D>, mut make: F) -> Made<Box<dyn Solver>>
 where
     B: ParticleBody<D> + Solver,
@@ -60,10 +63,11 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
         ($method:expr) => {
             scene(world, |name| {
                 let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
-                let shape = world.shape(&key, spec)?;
                 let cells = Cells { lattice: &lattice, parts: 1, key: "method.sph.spacing" };
                 let seeds = seeds(world, &key, spec, &cells)?;
-                let velocity = world.velocity(&key, spec, &shape.bounds())?;
+                let velocity = world.velocity(&key, spec, || {
+                    Ok(centre_of_mass(seeds.positions.iter().copied().zip(seeds.volumes.iter().copied())))
+                })?;
                 let law = world.law(&key, spec)?.material;
                 let body = SphBody::new($method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
                 let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
@@ -119,13 +123,22 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
             Some(packing) => packing,
             None => Packing::on_nodes(&*shape, &lattice).map_err(|e| of_body(&format!("{key}.shape"), e))?,
         };
-        let velocity = world.velocity(&key, spec, &shape.bounds())?;
         let law = world.law(&key, spec)?.material;
         let delaunay = LocalDelaunay::new(tolerance * spacing, stretch).at("method.pcmm")?;
         let method = PcmmMethod::consistent(embedding, delaunay);
-        let body: Result<PcmmBody<D, _>, _> =
-            PcmmBody::new(method, law, &packing, move |x| velocity(x), Masses::FromElements);
-        let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
+        let of = |velocity: Velocity<D>| -> Made<PcmmBody<D, _>> {
+            PcmmBody::new(method, law.clone(), &packing, move |x| velocity(x), Masses::FromElements)
+                .map_err(|e| of_body(&key, e))
+        };
+        // The masses of particles are those of their elements, which the body has to have.
+        let velocity = world.velocity(&key, spec, || {
+            let mut masses = Vec::new();
+            for body in of(Arc::new(|_| [0.0; D]))?.bodies() {
+                body.for_each(&mut |p| masses.push((std::array::from_fn(|d| p.position[d]), p.mass)));
+            }
+            Ok(centre_of_mass(masses.into_iter()))
+        })?;
+        let mut body = of(velocity)?.named(name);
         placement::check_planes(world, &body)?;
         for (key, boundary) in world.conditions()? {
             body.bound(boundary).at(key)?;
@@ -141,7 +154,7 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     })
 }
 
-/// Particles of a box, on its faces and as many between as fit best, where these are not on nodes of the lattice.
+/// Pack the particles of a box from face to face, with the best-fitting count along each axis, if its faces are not on lattice nodes.
 fn nodes_of_box<const D: usize>(spec: &Spec, lattice: &Lattice<D>) -> Option<Packing<D>> {
     let cuboid = MovedBox::<D>::of(spec)?;
     let (low, high) = (&cuboid.low, &cuboid.high);

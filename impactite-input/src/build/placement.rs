@@ -1,4 +1,4 @@
-//! Placement of bodies at the start: in front of planes, apart from each other, at possible speeds.
+//! Initial placement of bodies: in front of planes, without overlap, at physical speeds.
 
 use impactite::scene::{PointView, Solver};
 
@@ -6,13 +6,12 @@ use super::common::World;
 use super::wrong::{Made, Wrong};
 use crate::model::condition::{Condition, Side};
 
-/// Speed of light, m/s: an upper bound of all speeds.
+/// Speed of light, m/s: upper bound of speeds.
 const LIGHT: f64 = 299_792_458.0;
-/// Depth in spacings by which a point must lie within another shape to overlap: points on a common face, and those that are fitted to one, do
-/// not.
+/// Depth of a point within another shape, in spacings, from which bodies overlap. Points on a common face, or fitted to one, are below it.
 const DEPTH: f64 = 0.25;
 
-/// Refuse speeds beyond that of light, planes behind which everything is fixed, and bodies that overlap.
+/// Refuse speeds above that of light, fixed planes with all matter behind them, and overlapping bodies.
 pub(super) fn check<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
     let mut bounds = Vec::new();
     for body in solver.bodies() {
@@ -41,7 +40,7 @@ pub(super) fn check<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -
     overlap(world, solver, &bounds)
 }
 
-/// A plane of a condition with material on one side.
+/// Plane of a boundary condition, with material on one side.
 struct Plane {
     key: String,
     axis: usize,
@@ -52,7 +51,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// The planes of a scene.
+    /// Return the planes of a scene.
     fn all<const D: usize>(world: &World<'_, D>) -> Vec<Plane> {
         let list = world.scene.conditions.iter().enumerate();
         let of = |(n, condition): (usize, &Condition)| {
@@ -75,19 +74,19 @@ impl Plane {
         list.filter_map(of).collect()
     }
 
-    /// Distance of a point in front of the plane, m; negative behind it.
+    /// Return the distance of a point in front of the plane, m; negative behind it.
     fn distance(&self, p: &PointView) -> f64 {
         let distance = p.position[self.axis] - self.at;
         if self.side == Side::Above { distance } else { -distance }
     }
 
-    /// Words for the side of the material, and for the other one.
+    /// Return the words for the side of the material and for the opposite side.
     fn sides(&self) -> [&'static str; 2] {
         if self.side == Side::Above { ["above", "below"] } else { ["below", "above"] }
     }
 }
 
-/// Refuse bodies behind planes of symmetry, walls and absorbing planes: before solvers see the planes, whose words have no keys.
+/// Refuse bodies behind planes of symmetry, walls and absorbing planes. Errors of the solvers for these planes contain no keys.
 pub(super) fn check_planes<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
     let planes: Vec<Plane> = Plane::all(world).into_iter().filter(|plane| !plane.fixed).collect();
     if planes.is_empty() {
@@ -129,7 +128,7 @@ pub(super) fn check_planes<const D: usize>(world: &World<'_, D>, solver: &dyn So
     Ok(())
 }
 
-/// Refuse a fixed plane that no body lies in front of: nothing moves. Some bodies may lie behind it, and a part of each.
+/// Refuse a fixed plane with no matter in front of it, since nothing moves. Single bodies and parts of bodies may be behind it.
 fn fixed<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
     let revolved = solver.axisymmetric();
     for plane in Plane::all(world).into_iter().filter(|plane| plane.fixed) {
@@ -152,13 +151,13 @@ fn fixed<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> 
     Ok(())
 }
 
-/// Refuse bodies that overlap at the start: points of one that lie within the shape of another one.
+/// Refuse bodies that overlap initially: points of one within the shape of another.
 fn overlap<const D: usize>(
     world: &World<'_, D>,
     solver: &dyn Solver,
     bounds: &[([f64; D], [f64; D])],
 ) -> Made<()> {
-    // Bodies that share one velocity field may.
+    // Bodies that share one velocity field may overlap.
     if world.scene.contact().is_none() {
         return Ok(());
     }

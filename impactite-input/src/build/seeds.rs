@@ -1,4 +1,4 @@
-//! Points in the shapes of bodies.
+//! Initial points in the shapes of bodies.
 
 use std::collections::HashMap;
 
@@ -10,16 +10,16 @@ use super::wrong::{At, Made, Wrong};
 use crate::model::body::Body;
 use crate::model::shape::Shape as Spec;
 
-/// Faces of boxes this near to sites of a lattice, in spacings, lie there.
+/// Distance of a box face from lattice sites, in spacings, up to which the face counts as aligned.
 const ALIGNED: f64 = 1e-6;
-/// Places at which a shape is looked at for parts without a point.
+/// Number of sample positions to find parts of a shape without points.
 const LOOKS: usize = 20_000;
-/// Part of the volume of a shape that may be without points: tips and edges.
+/// Volume fraction of a shape that may be without points: tips and edges.
 const BARE: f64 = 0.02;
 /// Largest number of points along an axis of a box.
 const MOST: f64 = 1e9;
 
-/// Cells of a method: their lattice, the points along an edge of each, and the key of their size.
+/// Cells of a method: lattice, points along a cell edge, and key of the cell size.
 pub(super) struct Cells<'a, const D: usize> {
     pub lattice: &'a Lattice<D>,
     pub parts: usize,
@@ -27,14 +27,14 @@ pub(super) struct Cells<'a, const D: usize> {
 }
 
 impl<const D: usize> Cells<'_, D> {
-    /// Distance of points, m.
+    /// Return the point spacing, m.
     fn edge(&self) -> f64 {
         self.lattice.spacing() / self.parts as f64
     }
 }
 
-/// Points of the shape of a body. Boxes, turned ones too, are divided into as many points as fit best, so that their faces are where the file puts
-/// them; points of other shapes are on the lattice, those beside a face half an edge below it.
+/// Generate the points in the shape of a body. Boxes, rotated ones included, are divided into the best-fitting number of points, so that
+/// their faces are exact. Points of other shapes are on the lattice, those beside a face half a spacing below it.
 pub(super) fn seeds<const D: usize>(
     world: &World<'_, D>,
     key: &str,
@@ -62,7 +62,7 @@ pub(super) fn seeds<const D: usize>(
     Ok(seeds)
 }
 
-/// A box of so many points along its axes.
+/// Divide a box into the given number of points along each axis.
 fn divided<const D: usize>(cuboid: &MovedBox<D>, counts: &[usize; D], revolved: bool) -> Seeds<D> {
     let MovedBox { low, high, .. } = cuboid;
     let edges: [f64; D] = std::array::from_fn(|d| (high[d] - low[d]) / counts[d] as f64);
@@ -77,10 +77,10 @@ fn divided<const D: usize>(cuboid: &MovedBox<D>, counts: &[usize; D], revolved: 
         volumes.push(if revolved { x[0] * volume } else { volume });
         positions.push(cuboid.place(x));
     }
-    Seeds::placed(positions, volumes, edges.map(|edge| 0.5 * edge))
+    Seeds::placed(positions, volumes, cuboid.turned(edges.map(|edge| 0.5 * edge)))
 }
 
-/// Shapes that may have parts between points.
+/// True if the shape may have parts thinner than the point spacing.
 fn may_be_thin(spec: &Spec) -> bool {
     match spec {
         Spec::Moved(moved) => may_be_thin(&moved.shape),
@@ -89,7 +89,7 @@ fn may_be_thin(spec: &Spec) -> bool {
     }
 }
 
-/// Refuse a shape a part of which holds no point.
+/// Refuse a shape with parts that contain no point.
 fn thin<const D: usize>(key: &str, shape: &dyn Shape<D>, seeds: &Seeds<D>, cells: &Cells<'_, D>) -> Made<()> {
     let (edge, bounds) = (cells.edge(), shape.bounds());
     let site = |x: &[f64; D]| -> [i64; D] { x.map(|c| (c / edge).floor() as i64) };
@@ -146,7 +146,7 @@ fn thin<const D: usize>(key: &str, shape: &dyn Shape<D>, seeds: &Seeds<D>, cells
     })
 }
 
-/// The n-th number of the sequence of Halton in this base, within 0 and 1.
+/// Return the n-th number of the Halton sequence with this base, in (0, 1).
 fn halton(n: usize, base: usize) -> f64 {
     let (mut rest, mut part, mut sum) = (n, 1.0, 0.0);
     while rest > 0 {
@@ -167,7 +167,7 @@ mod tests {
         let mean = |d: usize| seeds.positions.iter().map(|x| x[d]).sum::<f64>() / seeds.len() as f64;
         assert!((mean(0) - 5.53).abs() < 1e-14 && (mean(1) - 0.32).abs() < 1e-14);
         assert!((seeds.volumes.iter().sum::<f64>() - 0.5).abs() < 1e-14);
-        // About an axis, per radian.
+        // Axisymmetric volumes are per radian.
         let tube = divided(&MovedBox::along([1.0, 0.0], [3.0, 1.0]), &[7, 2], true);
         assert!((tube.volumes.iter().sum::<f64>() - 4.0).abs() < 1e-14);
     }

@@ -1,4 +1,4 @@
-//! Shapes.
+//! Geometric shapes from their specification.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::quantity::Length;
 
 type AnyShape<const D: usize> = Arc<dyn Shape<D>>;
 
-/// The shape of a file, in `D` dimensions.
+/// Build the shape of a specification, in `D` dimensions.
 pub(crate) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> Made<AnyShape<D>> {
     macro_rules! point {
         ($list:expr, $field:literal) => {
@@ -115,7 +115,7 @@ fn moved<const D: usize>(key: &str, spec: &MovedShape, folder: &Folder) -> Made<
     Ok(shape)
 }
 
-/// The rotation of a moved shape by an angle, rad: in the plane from x to y, in space about an axis (Rodrigues' formula).
+/// Return the rotation of a moved shape by an angle, rad: from x to y in the plane, about an axis in space (Rodrigues' formula).
 fn rotation<const D: usize>(key: &str, spec: &MovedShape, angle: f64) -> Made<Rotation<f64, D>> {
     let [x, y, z] = match (&spec.axis, D) {
         (None, 2) => [0.0, 0.0, 1.0],
@@ -140,7 +140,7 @@ fn rotation<const D: usize>(key: &str, spec: &MovedShape, angle: f64) -> Made<Ro
     Ok(Rotation::from_matrix_unchecked(nalgebra::SMatrix::from_fn(|i, j| matrix[i][j])))
 }
 
-/// A box and how it was moved: places in it to places in the scene, from the inside out.
+/// Box with its rigid motions, innermost first.
 pub(super) struct MovedBox<const D: usize> {
     pub low: [f64; D],
     pub high: [f64; D],
@@ -148,13 +148,26 @@ pub(super) struct MovedBox<const D: usize> {
 }
 
 impl<const D: usize> MovedBox<D> {
-    /// Along the axes.
+    /// Create a box with edges along the axes.
     #[cfg(test)]
     pub fn along(low: [f64; D], high: [f64; D]) -> Self {
         MovedBox { low, high, moves: Vec::new() }
     }
 
-    /// The box that a shape is.
+    /// Return the half sizes along the axes of the scene, m, of cells with the half sizes `half` along those of the box, m: exact for
+    /// quarter turns, else of equal volume.
+    pub fn turned(&self, half: [f64; D]) -> [f64; D] {
+        if self.moves.is_empty() {
+            return half;
+        }
+        let turn = self.moves.iter().fold(Rotation::<f64, D>::identity(), |turn, (next, ..)| next * turn);
+        let wide: [f64; D] =
+            std::array::from_fn(|i| (0..D).map(|j| turn.matrix()[(i, j)].abs() * half[j]).sum::<f64>());
+        let part = half.iter().product::<f64>() / wide.iter().product::<f64>();
+        wide.map(|w| w * part.powf(1.0 / D as f64))
+    }
+
+    /// Return the box of a shape; `None` for other shapes.
     pub fn of(spec: &Spec) -> Option<Self> {
         match spec {
             Spec::Box(spec) => {
@@ -183,12 +196,12 @@ impl<const D: usize> MovedBox<D> {
         }
     }
 
-    /// Are its edges along the axes?
+    /// True if the edges are along the axes.
     pub fn along_axes(&self) -> bool {
         self.moves.is_empty()
     }
 
-    /// Where a place of the box along the axes is in the scene.
+    /// Map a position of the unmoved box to the scene.
     pub fn place(&self, x: [f64; D]) -> [f64; D] {
         self.moves.iter().fold(x, |x, (rotation, about, by)| {
             let arm = nalgebra::SVector::<f64, D>::from_fn(|d, _| x[d] - about[d]);
@@ -198,7 +211,7 @@ impl<const D: usize> MovedBox<D> {
     }
 }
 
-/// A shape of `N` dimensions as one of `D`, if these are the same.
+/// Convert a shape of `N` dimensions to `D` dimensions, which must be equal.
 fn of_dimension<const N: usize, const D: usize>(shape: AnyShape<N>) -> Option<AnyShape<D>> {
     let any: Box<dyn std::any::Any> = Box::new(shape);
     any.downcast::<AnyShape<D>>().ok().map(|shape| *shape)

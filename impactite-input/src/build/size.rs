@@ -1,4 +1,4 @@
-//! Size of a scene before it is built: points and memory.
+//! Size of a scene before it is built: number of points and memory.
 
 use impactite::geometry::Shape as _;
 
@@ -7,8 +7,8 @@ use super::wrong::{Made, Wrong};
 use crate::model::body::{Body, Mesh};
 use crate::model::method::Method;
 
-/// Memory of a point of a body with scratch and nodes, bytes: what solvers report of squares and cubes of 1000 to 300 000 points of
-/// copper, rounded down. A run takes more, so that no scene is refused that fits.
+/// Memory per point of a body with scratch and nodes, bytes: lower bounds from solvers for squares and cubes of 1000 to 300 000 points of
+/// copper. A run needs more, so that no scene that fits is refused.
 #[must_use]
 pub fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
     match (method, dimensions) {
@@ -23,7 +23,7 @@ pub fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
     }
 }
 
-/// Refuse a scene whose points the free memory of this machine does not hold, before any is made.
+/// Refuse a scene whose points exceed the free memory of this machine, before they are created.
 pub(super) fn check<const D: usize>(world: &World<'_, D>) -> Made<()> {
     let Some(free) = free_memory() else { return Ok(()) };
     let mut points = 0.0;
@@ -31,7 +31,7 @@ pub(super) fn check<const D: usize>(world: &World<'_, D>) -> Made<()> {
         points += points_of(world, name, body)?;
     }
     let (method, key) = match &world.scene.method {
-        // A number of particles that the method refuses, with its own key.
+        // The method refuses this number of particles per cell, with its own key.
         Method::Mpm(m) if m.particles_per_cell > 8 => return Ok(()),
         method @ Method::Mpm(_) => (method, "method.mpm.cell".to_string()),
         method @ Method::Sph(_) => (method, "method.sph.spacing".into()),
@@ -70,7 +70,7 @@ fn edge_of(body: &Body) -> Option<f64> {
     }
 }
 
-/// Distance of the points of a body, m; none where that follows from a file.
+/// Return the point spacing of a body, m; `None` if it follows from a file.
 pub(crate) fn spacing(method: &Method, body: &Body) -> Option<f64> {
     match (method, edge_of(body)) {
         (Method::Mpm(_) | Method::Fem(_), Some(edge)) => Some(edge),
@@ -82,7 +82,7 @@ pub(crate) fn spacing(method: &Method, body: &Body) -> Option<f64> {
     }
 }
 
-/// About how many points a body will have; 0 where that follows from a file.
+/// Estimate the number of points of a body; 0 if it follows from a file.
 fn points_of<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> Made<f64> {
     let (true, Some(spacing)) = (body.shape.is_some(), spacing(&world.scene.method, body)) else {
         return Ok(0.0);
@@ -93,7 +93,7 @@ fn points_of<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> M
     Ok(if points.is_nan() { 0.0 } else { points })
 }
 
-/// The measure of a shape by samples of its bounds, where those are finite.
+/// Estimate the measure of a shape by sampling its bounds; `None` for infinite bounds.
 fn sampled<const D: usize>(shape: &dyn impactite::geometry::Shape<D>) -> Option<f64> {
     const SAMPLES: usize = 16;
     let bounds = shape.bounds();
@@ -109,7 +109,7 @@ fn sampled<const D: usize>(shape: &dyn impactite::geometry::Shape<D>) -> Option<
     Some(inside.count() as f64 / all as f64 * edges.iter().product::<f64>())
 }
 
-/// A size in the unit that suits it.
+/// Format a memory size with a suitable unit.
 pub(crate) fn size(bytes: f64) -> String {
     let (unit, factor) = match bytes {
         b if b < 1e6 => ("kB", 1e3),
@@ -120,8 +120,8 @@ pub(crate) fn size(bytes: f64) -> String {
     format!("{:.1} {unit}", bytes / factor)
 }
 
-/// Memory that this process may still take, bytes: of the machine, of its control group, and by its limit of addresses. Unknown where
-/// the system has no `/proc`.
+/// Return the memory that this process may still allocate, bytes: limits of machine, control group and address space. `None` without
+/// `/proc`.
 fn free_memory() -> Option<f64> {
     let read = |path: &str| std::fs::read_to_string(path).ok();
     let field = |text: &str, name: &str| -> Option<f64> {

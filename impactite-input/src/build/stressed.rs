@@ -1,4 +1,4 @@
-//! States of a law that have a stress from the start.
+//! Initial states of a law for a given initial stress.
 
 use std::collections::HashMap;
 
@@ -13,25 +13,24 @@ use crate::model::Space;
 use crate::model::body::InitialStress;
 use crate::quantity::Pressure;
 
-/// Time over which a point is strained, s: slow for all laws with a rate.
+/// Duration of straining, s: quasi-static for all rate-dependent laws.
 const SLOW: f64 = 1e6;
-/// Part of the largest strain by which the stiffness is found: small, as what yields near by has another one. And the least such strain.
+/// Finite-difference step of the stiffness over the largest strain, small since stiffness changes near yield; and its lower bound.
 const PROBE: f64 = 1e-4;
 const LEAST: f64 = 1e-8;
-/// Volumetric strain along each axis, of the sign of the mean stress, at which the search begins: soil without cohesion has no stiffness where
-/// it has no pressure.
+/// Initial volumetric strain along each axis, with the sign of the mean stress: cohesionless soil has no stiffness at zero pressure.
 const START: f64 = 1e-4;
-/// Largest change of a strain in a step of Newton's method.
+/// Largest strain change in a Newton iteration.
 const STRIDE: f64 = 0.05;
-/// Most steps.
+/// Maximum number of Newton iterations.
 const STEPS: usize = 40;
-/// Part of the largest stress by which it may be missed.
+/// Tolerance of the stress over its largest component.
 const EXACT: f64 = 1e-9;
 
-/// The numbers of a state by position, m.
+/// State vector as a function of position, m.
 type States<'a, const D: usize> = Box<dyn Fn([f64; D]) -> Vec<f64> + 'a>;
 
-/// States with the initial stress of a body at these positions, m.
+/// Return the initial states of a body with initial stress, for positions in m.
 pub(super) fn states<'a, const D: usize>(
     world: &World<'_, D>,
     key: &str,
@@ -61,7 +60,7 @@ pub(super) fn states<'a, const D: usize>(
     Ok(Box::new(move |x| known.get(&place(&x)).cloned().unwrap_or_else(|| new(&x))))
 }
 
-/// Names of the components in the order xx, yy, zz, yz, xz, xy of the axes; around an axis the third one is the angle, t.
+/// Return the component names in the order xx, yy, zz, yz, xz, xy of the axes; in axisymmetric scenes the third is the hoop direction, t.
 fn names(space: Space) -> [&'static str; 6] {
     match space {
         Space::Axisymmetric => ["rr", "zz", "tt", "", "", "rz"],
@@ -70,7 +69,7 @@ fn names(space: Space) -> [&'static str; 6] {
     }
 }
 
-/// The components in that order.
+/// Return the stress components in the order of [`names`].
 fn components(space: Space, key: &str, spec: &InitialStress) -> Made<[Option<Formula<Pressure>>; 6]> {
     let InitialStress { xx, yy, zz, yz, xz, xy, rr, tt, rz, .. } = spec;
     let mut given: Vec<(&str, Formula<Pressure>)> = [
@@ -102,10 +101,10 @@ fn components(space: Space, key: &str, spec: &InitialStress) -> Made<[Option<For
     }
 }
 
-/// The state of a point that is strained from the virgin one until it has this stress (xx, yy, zz, yz, xz, xy, Pa).
+/// Find the state of a virgin point strained to this stress (xx, yy, zz, yz, xz, xy, Pa) by Newton's method.
 ///
 /// # Errors
-/// No strain gives it: it is beyond the strength of the law, or the law has no stiffness against it.
+/// No convergence: the stress exceeds the strength of the law, or the law has no stiffness against it.
 pub(super) fn state(material: &dyn Material<f64>, stress: &[f64; 6]) -> Result<Vec<f64>, String> {
     let wanted = Vector6::from_column_slice(stress);
     if !wanted.iter().all(|s| s.is_finite()) {
@@ -133,7 +132,7 @@ pub(super) fn state(material: &dyn Material<f64>, stress: &[f64; 6]) -> Result<V
             let (_, more) = strained(material, &probe)?;
             stiffness.set_column(n, &((more - found) / size));
         }
-        // Fluids have no stiffness against shear: of the strains that do not matter none.
+        // Fluids have no shear stiffness: the pseudo-inverse leaves strains without effect at zero.
         let least = 1e-9 * stiffness.amax();
         let change = stiffness.svd(true, true).solve(&rest, least)?;
         let largest = change.amax();
@@ -144,7 +143,7 @@ pub(super) fn state(material: &dyn Material<f64>, stress: &[f64; 6]) -> Result<V
     ))
 }
 
-/// State and stress of a virgin point that is strained slowly (tensor components xx, yy, zz, yz, xz, xy).
+/// Strain a virgin point slowly (tensor components xx, yy, zz, yz, xz, xy); return its state and stress.
 fn strained(material: &dyn Material<f64>, strain: &Vector6<f64>) -> Result<(Vec<f64>, Vector6<f64>), String> {
     let row = |x: f64| {
         let mut row = <f64 as Float>::Row::default();

@@ -1,4 +1,4 @@
-//! What is wrong with a scene, and where files are.
+//! Invalid scenes: errors by key, and the folder of scene files.
 
 use std::path::PathBuf;
 
@@ -7,7 +7,7 @@ use impactite_scene_file::remedy::in_scene_files;
 
 use crate::hint::near;
 
-/// What is wrong with a scene, at a key.
+/// Error of a scene, at a key.
 #[derive(Debug)]
 pub(crate) struct Wrong {
     pub key: String,
@@ -17,14 +17,14 @@ pub(crate) struct Wrong {
 
 pub(crate) type Made<T> = Result<T, Wrong>;
 
-/// What is wrong, at this key.
+/// Return an error at this key.
 pub(crate) fn wrong<T>(key: impl Into<String>, message: impl Into<String>) -> Made<T> {
     Err(Wrong { key: key.into(), message: message.into(), help: None })
 }
 
-/// Errors with their key.
+/// Conversion of errors to scene errors with a key.
 pub(crate) trait At<T> {
-    /// At this key.
+    /// Attach this key to the error.
     fn at(self, key: impl Into<String>) -> Made<T>;
 }
 impl<T, E: std::fmt::Display> At<T> for Result<T, E> {
@@ -33,7 +33,7 @@ impl<T, E: std::fmt::Display> At<T> for Result<T, E> {
     }
 }
 
-/// The name that a key holds, among those there are.
+/// Return the index of a name among the existing ones.
 pub(crate) fn known<'a>(
     key: &str,
     what: &str,
@@ -50,17 +50,17 @@ pub(crate) fn known<'a>(
     Err(Wrong { key: key.into(), message: format!("no {what} has the name `{name}`; {there}"), help })
 }
 
-/// Where files that a scene names are.
+/// Folder to which the file names of a scene are relative.
 #[derive(Clone, Debug, Default)]
 pub struct Folder(pub PathBuf);
 
-/// What is wrong with a body, as its solver says.
+/// Convert the error of a solver for a body.
 pub(super) fn of_body(key: &str, error: SceneError) -> Wrong {
     Wrong { key: key.into(), message: in_scene_files(&error.to_string()), help: None }
 }
 
 impl From<SceneError> for Wrong {
-    /// At the body that the error names.
+    /// Convert the error, with the key of the body that it names.
     fn from(error: SceneError) -> Self {
         let key = match &error {
             SceneError::Outside(name, _) => format!("bodies.{name}"),

@@ -43,7 +43,7 @@ pub struct Body {
     #[serde(default)]
     #[schemars(example = (1, -1))]
     pub direction: Option<Vector<Plain>>,
-    /// Initial angular velocity about the centre of the bounds of the shape: one number in the plane, three in space, none around an axis.
+    /// Initial angular velocity about the centre of mass: one number in the plane, three in space, none around an axis.
     #[serde(default)]
     #[schemars(example = ("30 rad/s",))]
     pub spin: Option<Vec<Quantity<Spin>>>,
@@ -90,7 +90,7 @@ pub struct Body {
     pub repeat: Option<Repeat>,
 }
 
-/// Hourglass stiffness over shear stiffness if none is given.
+/// Default hourglass stiffness over shear stiffness.
 pub const HOURGLASS_STIFFNESS: f64 = 0.05;
 
 parts! {

@@ -1,4 +1,4 @@
-//! What acts on a scene: conditions, loads, damping; and how it steps.
+//! Conditions, loads, damping and time control of a scene.
 
 use super::mpm::Mpm;
 use super::nodes::wrap::Wrap;
@@ -8,7 +8,7 @@ use impactite_scene::{LocalDamping, TimeControl};
 use impactite_simd::{Float, Team};
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Refuse a method that no body can have here.
+    /// Check that bodies can use the method in this scene.
     pub(super) fn check_method(&self) -> Result<(), SceneError> {
         if self.scene.contact.separates() {
             self.check_frame(
@@ -24,12 +24,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Add a boundary condition; conditions act in the order they were added.
+    /// Add a boundary condition; conditions are applied in the order in which they were added.
     ///
     /// # Errors
-    /// An axis that does not exist, a symmetry or absorbing plane between nodes, a symmetry plane with particles behind it, numbers that are
-    /// not finite or that a condition refuses; walls in the reference configuration; periodic planes whose distance is no whole number of
-    /// blocks of four cells, beside another plane across their axis, with bodies there already or kept apart, or along a radius.
+    /// An axis that does not exist; a symmetry or absorbing plane between nodes; a symmetry plane with particles
+    /// behind it; values that are not finite or that a condition refuses; walls in the reference configuration;
+    /// periodic planes whose distance is not a multiple of blocks of four cells, beside another plane across their
+    /// axis, with existing bodies or contact between bodies, or along a radius.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         self.work.bound(self, boundary)
     }
@@ -51,13 +52,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         for &(client, _) in &self.scene.growing {
             self.scene.bodies[client].client_mut().map_or(Ok(()), |client| client.bound(&boundary))?;
         }
-        self.scene.conditions.boundaries.push(boundary);
+        boundary.add_to(&mut self.scene.conditions.boundaries);
         self.halve_rigid();
         self.arrange_planes();
         Ok(())
     }
 
-    /// Constrain free rigid bodies that planes of symmetry cut to motions that keep the symmetry.
+    /// Constrain free rigid bodies that planes of symmetry cut to motions that preserve the symmetry.
     pub(super) fn halve_rigid(&mut self) {
         for boundary in &self.scene.conditions.boundaries {
             let Boundary::Symmetry { axis, at, side } = *boundary else { continue };
@@ -69,12 +70,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// Where blocks are found beyond periodic planes.
+    /// Return the map of blocks beyond periodic planes.
     pub(super) fn wrap(&self) -> Result<Wrap<D>, SceneError> {
         Ok(Wrap::of(&self.scene.conditions.boundaries, self.grid.lattice())?)
     }
 
-    /// Refuse periodic planes that cannot be with the scene, and planes that cannot be with them.
+    /// Check that periodic planes are compatible with the scene and with other planes.
     fn check_periodic(&self, boundary: &Boundary<D>) -> Result<(), SceneError> {
         let mut all = self.scene.conditions.boundaries.clone();
         all.push(boundary.clone());
@@ -93,7 +94,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// What a particle is refused for that is behind a plane of symmetry, where its image is.
+    /// Return the error for a particle behind a plane of symmetry, where its image is.
     pub(super) fn behind_symmetry(
         &self,
         boundary: &Boundary<D>,
@@ -108,20 +109,22 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         behind.then(|| SceneError::BehindSymmetry { body: body(), particle, axis, at, distance })
     }
 
-    /// Accelerate all material, m/s^2 over time.
+    /// Set the acceleration of all material, m/s^2, as a function of time, s.
     pub fn set_body_force(&mut self, acceleration: impl Fn(f64) -> [f64; D] + Send + Sync + 'static) {
         self.scene.conditions.gravity = Some(std::sync::Arc::new(acceleration));
     }
 
-    /// Damp towards rest: every node's unbalanced force, weight, contact and reactions of boundaries included, is lowered by its part
-    /// `coefficient` along each axis while it speeds the node up, and raised by as much while it slows it down, f <- f - alpha |f| sign(v)
-    /// (Cundall 1987; [`LocalDamping`]). It leaves balanced forces alone, so that a state at rest is the true one. What it takes of momentum
-    /// is booked as a load, of energy as damping. Free rigid bodies are damped by their whole force and moment. 0.05 for slow processes, 0.7 to come to rest soonest. What particles keep of velocity that nodes do not see is
-    /// not damped, and FLIP with wide stencils gathers it: take a [`Blend`](crate::Blend) there.
+    /// Set local damping towards rest: the unbalanced force of every node, including weight, contact and boundary
+    /// reactions, is reduced along each axis by its fraction `coefficient` while it accelerates the node, and
+    /// increased by as much while it decelerates it, f <- f - alpha |f| sign(v) (Cundall 1987; [`LocalDamping`]).
+    /// Balanced forces are unchanged, so that the state at rest is exact. The momentum removed is booked as a load,
+    /// the energy as damping. Free rigid bodies are damped by their total force and moment. Use 0.05 for slow
+    /// processes, 0.7 to come to rest soonest. Particle velocities that nodes do not resolve are not damped, and FLIP
+    /// with wide stencils accumulates them: use a [`Blend`](crate::Blend) there.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1), or a method that maps momentum and impulse together
-    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)), where nodes know no forces.
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)), where nodes have no separate forces.
     pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
         let damping = LocalDamping::new(coefficient)?;
         if self.facts().maps_together && damping.acts() {
@@ -131,10 +134,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Choose how the time step is found.
+    /// Set the time step control.
     ///
     /// # Errors
-    /// Numbers out of range.
+    /// Values out of range.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), SceneError> {
         control.check()?;
         if matches!(control, TimeControl::Gershgorin { .. }) {
@@ -147,7 +150,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Run the stages on these threads. Results do not depend on their number.
+    /// Set the thread pool. Results do not depend on the number of threads.
     pub fn set_team(&mut self, team: Team) {
         self.team = team;
     }

@@ -1,75 +1,95 @@
-//! Loads of a body beside the work of its law: tractions on surface particles, forces on all particles.
+//! Loads of a body besides its stress: tractions on surface particles, forces on all particles.
 
 use std::sync::Arc;
 
 use impactite_geometry::Shape;
 
-/// A dead load: the particles that start inside a region carry the force of a traction over time on their
-/// face normal to an axis, sized as at the start. Choose the region to hold one layer of particles.
+/// Dead load: particles that start inside a region carry the force of a traction history on their initial face normal
+/// to an axis. Choose a region that contains one layer of particles.
 #[derive(Clone)]
 pub struct Traction<const D: usize> {
-    /// Where the loaded particles start.
+    /// Initial region of the loaded particles.
     pub region: Arc<dyn Shape<D>>,
-    /// The axis that the loaded faces are normal to.
+    /// Axis normal to the loaded faces.
     pub axis: usize,
-    /// Traction over time: Pa at a time in s.
+    /// Traction history: Pa as a function of time, s.
     pub history: Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>,
-    /// Are areas per radian about x = 0 (axisymmetric) instead of in full or per metre of depth?
+    /// True for areas per radian about x = 0 (axisymmetric), false for full areas or areas per metre of depth.
     pub revolved: bool,
 }
 
 impl<const D: usize> Traction<D> {
-    /// Loaded area of a particle that takes the half sizes `half` (m) around `x` (m), m^2.
+    /// Return the loaded area, m^2, of a particle with half sizes `half` (m) around `x` (m).
     #[must_use]
     pub fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
         if !self.region.contains(*x) {
             return 0.0;
         }
         let face: f64 = (0..D).filter(|&d| d != self.axis).map(|d| 2.0 * half[d]).product();
-        if self.revolved { face * x[0] } else { face }
+        if self.revolved { face * self.radius(x, half) } else { face }
+    }
+
+    /// Return the radius of the loaded face of a particle, m: for a face across r the side of the particle that the region contains.
+    fn radius(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
+        if self.axis != 0 {
+            return x[0];
+        }
+        for part in [0.999, 1.001] {
+            let contains = |side: f64| {
+                let mut at = *x;
+                at[0] += side * part * half[0];
+                self.region.contains(at)
+            };
+            match (contains(-1.0), contains(1.0)) {
+                (true, false) => return x[0] - half[0],
+                (false, true) => return x[0] + half[0],
+                _ => {}
+            }
+        }
+        x[0]
     }
 }
 
-/// An acceleration by the place where a particle started (m) and time (s), m/s^2.
+/// Acceleration as a function of the initial position of a particle (m) and time (s), m/s^2.
 pub type Field<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
-/// A body force that varies in space and time, given at the particles by where they **started**: what a manufactured
-/// solution asks for, or a force field that is frozen into the material. A particle carries D numbers for it.
+/// Body force that varies in space and time, evaluated at the **initial** positions of the particles: for
+/// manufactured solutions, or a force field that is frozen into the material. A particle stores D values for it.
 #[derive(Clone)]
 pub struct FieldForce<const D: usize> {
-    /// The acceleration.
+    /// Acceleration, m/s^2.
     pub acceleration: Field<D>,
 }
 
-/// What acts on the particles of a body beside their stress. A body without a load carries and does nothing for it.
+/// Loads on the particles of a body besides their stress. A body without a load stores and computes nothing for it.
 #[derive(Clone, Default)]
 pub(in crate::step) struct Loads<const D: usize> {
     pub(in crate::step) tractions: Vec<Traction<D>>,
-    /// As they act in a pass, Pa.
+    /// Tractions that act in a pass, Pa.
     pub(in crate::step) acting: Vec<[f64; 3]>,
     pub(in crate::step) field: Option<FieldForce<D>>,
-    /// What particles carry that they are given, step by step.
+    /// Values of particles that are set in every step.
     pub(in crate::step) given: Given,
 }
 
-/// What particles are given, step by step.
+/// Values of particles that are set in every step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(in crate::step) enum Given {
-    /// Nothing.
+    /// No values.
     #[default]
     Nothing,
-    /// An acceleration.
+    /// Acceleration.
     Acceleration,
-    /// And the gradient of the velocity around them, in cells.
+    /// Acceleration, and velocity gradient around the particle, per cell.
     Affine,
 }
 
 impl<const D: usize> Loads<D> {
-    /// Is there any?
+    /// True if there are any loads.
     pub(in crate::step) fn act(&self) -> bool {
         !self.tractions.is_empty() || self.field.is_some()
     }
-    /// Numbers a particle carries for them.
+    /// Number of values per particle.
     pub(in crate::step) fn numbers(&self) -> usize {
         self.tractions.len()
             + match self.given {
@@ -78,7 +98,7 @@ impl<const D: usize> Loads<D> {
                 Given::Affine => D + D * D,
             }
     }
-    /// Where it carries them, from the row `first` on.
+    /// Rows of the loads of a particle, from the row `first` on.
     pub(in crate::step) fn rows(&self, first: usize) -> LoadRows {
         let areas = [first, first + self.tractions.len()];
         let carried = self.field.is_some() || self.given != Given::Nothing;
@@ -86,7 +106,7 @@ impl<const D: usize> Loads<D> {
         let affine = acceleration.filter(|_| self.given == Given::Affine).map(|row| row + D);
         LoadRows { areas, acceleration, affine }
     }
-    /// Tractions at a time (s), Pa, in their order.
+    /// Iterate over the tractions at a time (s), Pa, in order.
     pub(in crate::step) fn tractions(&self, time: f64) -> impl Iterator<Item = [f64; 3]> {
         self.tractions.iter().map(move |load| {
             let mut traction = [0.0; 3];
@@ -96,22 +116,22 @@ impl<const D: usize> Loads<D> {
     }
 }
 
-/// Rows of a particle's loads.
+/// Rows of the loads of a particle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LoadRows {
-    /// First and end of the areas that each traction loads, m^2.
+    /// First and end row of the loaded areas, one per traction, m^2.
     pub(in crate::step) areas: [usize; 2],
-    /// First of D of the acceleration by a field, m/s^2.
+    /// First of D rows of the acceleration by a field, m/s^2.
     pub(in crate::step) acceleration: Option<usize>,
-    /// First of D x D of the velocity gradient that a particle maps its momentum with, m/s a cell.
+    /// First of D x D rows of the velocity gradient with which a particle maps its momentum, m/s a cell.
     pub(in crate::step) affine: Option<usize>,
 }
 
-/// What a load gives to a body.
+/// Total load on a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loading {
     /// Force that was mapped last, N.
     pub force: [f64; 3],
-    /// Power of the one that acted in the step, with the velocities in its middle, W.
+    /// Power of the load that acted in the step, with mid-step velocities, W.
     pub power: f64,
 }
