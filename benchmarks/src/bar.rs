@@ -10,17 +10,17 @@ use sph::{Composition, Layout, Method, Sph};
 pub const SIZE: [f64; 2] = [3.7975e-3, 37.97e-3];
 /// Impact speed, m/s.
 const SPEED: f64 = 181.0;
-/// Particles over the radius as printed: 20 x 200 around the axis.
+/// Particles along the radius as published: 20 x 200, axisymmetric.
 pub const PRINTED: usize = 20;
-/// When it is over, as printed, s.
+/// End time as published, s.
 pub const END: f64 = 60e-6;
-/// Linear and quadratic coefficient of the bulk viscosity of updated forms \[M\].
+/// Linear and quadratic bulk viscosity coefficients of updated forms \[M\].
 const BULK_VISCOSITY: [f64; 2] = [0.5, 4.0];
 
-/// In space, by the total Lagrangian form.
+/// Create the three-dimensional bar by the total Lagrangian form.
 ///
 /// # Errors
-/// A spacing (m) that gives no particles.
+/// The spacing (m) gives no particles.
 pub fn in_space(spacing: f64) -> Result<Sph<3, impl Composition<3>>, CaseError> {
     let [radius, length] = SIZE;
     let shape = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], length, radius)?;
@@ -31,11 +31,11 @@ pub fn in_space(spacing: f64) -> Result<Sph<3, impl Composition<3>>, CaseError> 
     Ok(bar)
 }
 
-/// The half of it beside the plane of symmetry, or around the axis, of so many spacings over the radius, on a wall of mirror images: by an
-/// updated form.
+/// Create half the bar beside the symmetry plane, or the axisymmetric bar, with `cells` spacings along the radius, on a wall of mirror
+/// images, by an updated form.
 ///
 /// # Errors
-/// No cells; the total Lagrangian form.
+/// The number of cells is zero, or the form is total Lagrangian.
 pub fn half<M: Composition<2>>(method: M, cells: usize) -> Result<Sph<2, M>, CaseError> {
     let [radius, length] = SIZE;
     let mut bar = flat(method, [0.0, radius], length, radius / cells as f64)?;
@@ -46,10 +46,10 @@ pub fn half<M: Composition<2>>(method: M, cells: usize) -> Result<Sph<2, M>, Cas
     Ok(bar)
 }
 
-/// All of a bar in the plane, of so many columns and rows of particles, on a rigid wall.
+/// Create a whole two-dimensional bar of `columns` and `rows` of particles on a rigid wall.
 ///
 /// # Errors
-/// No columns or rows; a spacing (m) that is not positive.
+/// The number of columns or rows is zero, or the spacing (m) is not positive.
 pub fn whole<M: Composition<2>>(
     method: M,
     [columns, rows]: [usize; 2],

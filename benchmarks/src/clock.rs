@@ -1,4 +1,4 @@
-//! How long work takes.
+//! Timing of work.
 
 use std::time::Instant;
 
@@ -6,41 +6,42 @@ use examples::CaseError;
 use examples::machine::Stopwatch;
 use mpm_core::{Solver, Team};
 
-/// Do work, and the seconds it took: on one thread those of the processor, whatever else the machine does; on several, those of the clock.
+/// Run work and return its time, s: processor time on one thread, independent of other load; wall-clock time on several threads.
 pub fn timed<R>(threads: usize, work: impl FnOnce() -> R) -> (R, f64) {
     let (thread, clock) = (Stopwatch::start(), Instant::now());
     let made = work();
     (made, if threads == 1 { thread.seconds() } else { clock.elapsed().as_secs_f64() })
 }
 
-/// A scene that was stepped.
+/// Timed run of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stepped {
-    /// Particles, or elements.
+    /// Number of particles or elements.
     pub points: usize,
-    /// Steps timed.
+    /// Number of timed steps.
     pub steps: u64,
-    /// What they took, s: [`timed`].
+    /// Time of the steps, s: [`timed`].
     pub seconds: f64,
-    /// All memory of the solver after them, bytes.
+    /// Memory of the solver after the steps, bytes.
     pub bytes: usize,
 }
 
 impl Stepped {
-    /// Updates of points in a second.
+    /// Point updates per second.
     pub fn updates_per_second(&self) -> f64 {
         self.points as f64 * self.steps as f64 / self.seconds
     }
-    /// Bytes a point.
+    /// Bytes per point.
     pub fn bytes_per_point(&self) -> f64 {
         self.bytes as f64 / self.points as f64
     }
 }
 
-/// Make so many steps on so many threads, after a first one that makes what later ones find made.
+/// Time this number of steps on a number of threads, after a first step that is not timed and completes the
+/// initialisation.
 ///
 /// # Errors
-/// Threads that cannot be started; a step that breaks.
+/// The threads cannot be started, or a step fails.
 pub fn stepped(solver: &mut dyn Solver, threads: usize, steps: u64) -> Result<Stepped, CaseError> {
     solver.set_team(Team::new(threads)?);
     solver.step_at_most(f64::INFINITY)?;

@@ -1,5 +1,5 @@
-//! What programs and the page of measurements share: scenes of smoothed particles, searches for neighbours and the sets of points they
-//! are measured on, and clocks.
+//! Common parts of benchmark programs and the results page: scenes of smoothed particles, neighbour searches and their point sets, and
+//! timing.
 
 pub mod bar;
 mod clock;
@@ -7,21 +7,22 @@ pub mod search;
 
 pub use clock::{Stepped, stepped, timed};
 
-/// Smoothing length of smoothed particles over their spacing: pairs within twice that are neighbours.
+/// Smoothing length of smoothed particles over their spacing: pairs within twice the smoothing length are
+/// neighbours.
 const SMOOTHING: f64 = 1.3;
 
-/// Positions and radii.
+/// Point set: positions and radii.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cloud<const D: usize> {
     /// Positions, in spacings or in edges of the body.
     pub positions: Vec<[f64; D]>,
-    /// Radii, one a point.
+    /// Radius of each point.
     pub radii: Vec<f64>,
 }
 
 impl<const D: usize> Cloud<D> {
-    /// Smoothed particles at these places: each moved along every axis by up to a tenth of its spacing, with its smoothing length of 1.3
-    /// spacings for a radius.
+    /// Create smoothed particles at these positions, each displaced along every axis by up to a tenth of its spacing, with the smoothing
+    /// length of 1.3 spacings as the radius.
     pub fn smoothed(positions: &[[f64; D]], spacings: &[f64], seed: u64) -> Self {
         let moved = |(n, (x, spacing)): (usize, (&[f64; D], &f64))| {
             std::array::from_fn(|d| x[d] + 0.2 * spacing * (random(seed, (D * n + d) as u64) - 0.5))
@@ -32,7 +33,7 @@ impl<const D: usize> Cloud<D> {
         }
     }
 
-    /// In random order, as in bodies that have flowed.
+    /// Shuffle the points, as in bodies after large flow.
     #[must_use]
     pub fn shuffled(mut self, seed: u64) -> Self {
         for n in (1..self.radii.len()).rev() {
@@ -44,7 +45,7 @@ impl<const D: usize> Cloud<D> {
     }
 }
 
-/// A number in [0, 1) from a seed and a place.
+/// Return a pseudo-random number in [0, 1) by seed and index.
 pub fn random(seed: u64, place: u64) -> f64 {
     let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place.wrapping_mul(0xD1B5_4A32_D192_ED03);
     for _ in 0..3 {
@@ -54,8 +55,8 @@ pub fn random(seed: u64, place: u64) -> f64 {
     (z >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Smoothed particles ([`Cloud::smoothed`]) on a lattice of spacing one with so many along the axes, in its order: 20 neighbours a particle in
-/// the plane and 76 to 80 in space, but for the surface.
+/// Create smoothed particles ([`Cloud::smoothed`]) on a lattice of unit spacing with `counts` points along the axes, in lattice order: 20
+/// neighbours per particle in two and 76 to 80 in three dimensions, except at the surface.
 pub fn lattice<const D: usize>(counts: [usize; D], seed: u64) -> Cloud<D> {
     let total: usize = counts.iter().product();
     let place = |n: usize| {
@@ -70,8 +71,8 @@ pub fn lattice<const D: usize>(counts: [usize; D], seed: u64) -> Cloud<D> {
     Cloud::smoothed(&positions, &vec![1.0; total], seed)
 }
 
-/// About `count` particles in a body `aspect` times as long as it is wide: a lattice, every particle moved by up to a
-/// quarter of a spacing, radii from 0.4 to 0.6 of it, in random order.
+/// Create about `count` particles in a body with length to width ratio `aspect`: a lattice with displacements of up
+/// to a quarter of a spacing, radii from 0.4 to 0.6 of it, in random order.
 pub fn packing<const D: usize>(count: usize, aspect: f64, seed: u64) -> Cloud<D> {
     let columns = ((count as f64 / aspect).powf(1.0 / D as f64).round() as usize).max(1);
     let mut cloud = Cloud::default();
@@ -88,10 +89,10 @@ pub fn packing<const D: usize>(count: usize, aspect: f64, seed: u64) -> Cloud<D>
     cloud.shuffled(seed + 1)
 }
 
-/// Points anywhere in a unit cube that become finer along the first axis: radii fall by `ratio` from one side to the other, and are
+/// Create random points in a unit cube, refined along the first axis: radii decrease by `ratio` from one side to the other, and are
 /// everywhere 0.7 of the spacing.
 pub fn graded<const D: usize>(count: usize, ratio: f64, seed: u64) -> Cloud<D> {
-    // Density over that at the coarse side is ratio^(D x), whose integral is inverted.
+    // Density over that at the coarse side: ratio^(D x); its integral is inverted.
     let rate = D as f64 * ratio.ln();
     let mut cloud = Cloud::default();
     for n in 0..count {
@@ -104,15 +105,15 @@ pub fn graded<const D: usize>(count: usize, ratio: f64, seed: u64) -> Cloud<D> {
     cloud.shuffled(seed + 1)
 }
 
-/// Points anywhere in a unit cube with radii that differ by up to `ratio` everywhere: in every range of sizes as much matter, which together
-/// fills a half.
+/// Create random points in a unit cube with local radius ratios of up to `ratio`: every range of sizes has the same volume, and all of them
+/// fill a half.
 pub fn mixed<const D: usize>(count: usize, ratio: f64, seed: u64) -> Cloud<D> {
     let power = -(D as f64);
     let mut cloud = Cloud::default();
     for n in 0..count {
         let at = |k: usize| random(seed, ((D + 1) * n + k) as u64);
         cloud.positions.push(std::array::from_fn(at));
-        // Numbers fall with the size to the power -D for each factor of size.
+        // Size distribution: numbers decrease with size to the power -D for each factor of size.
         cloud.radii.push((1.0 - at(D) * (1.0 - ratio.powf(power))).powf(1.0 / power));
     }
     let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];

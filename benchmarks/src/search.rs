@@ -1,4 +1,4 @@
-//! The searches for neighbours of `impactite-geometry` beside each other.
+//! Comparison of the neighbour searches of `impactite-geometry`.
 
 use mpm_core::Team;
 use mpm_core::geometry::search::{
@@ -8,10 +8,10 @@ use mpm_core::geometry::search::{
 
 use crate::{Cloud, timed};
 
-/// Sorted cells first, against which the others are held.
+/// Search names: sorted cells first, the reference for the others.
 pub const NAMES: [&str; 5] = ["cells", "one level", "tree", "PIB", "strip PIB"];
 
-/// A search that took longer is not made again, s.
+/// Time limit above which a search is not repeated, s.
 const LONG: f64 = 2.0;
 
 fn search<const D: usize>(
@@ -30,19 +30,19 @@ fn search<const D: usize>(
     }
 }
 
-/// What searches from scratch took, sorting included, into lists whose memory was there from the second round on.
+/// Times of searches from scratch, sorting included, into lists with memory reuse from the second round on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Searched {
-    /// Of each kind ([`NAMES`]), seconds of the fastest.
+    /// Minimum time of each kind ([`NAMES`]), s.
     pub seconds: Vec<f64>,
-    /// Neighbours a point.
+    /// Neighbours per point.
     pub neighbours: f64,
 }
 
-/// Search by the first `kinds` of [`NAMES`] in so many rounds of alternation.
+/// Run the first `kinds` of [`NAMES`] in alternating rounds.
 ///
 /// # Errors
-/// What a search refuses; one that finds other neighbours than cells.
+/// A search fails, or its neighbours differ from those of sorted cells.
 pub fn searched<const D: usize>(
     cloud: &Cloud<D>,
     reach: Reach,

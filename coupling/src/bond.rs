@@ -1,4 +1,4 @@
-//! Bond with slip of bars within a body of particles: laws, and what nodes of bars remember.
+//! Bond with slip of bars within a body of particles: bond laws, and state variables of bar nodes.
 
 use std::fmt::Debug;
 
@@ -7,31 +7,31 @@ use impactite_geometry::ElementKind;
 use impactite_scene::error::parameter;
 use impactite_scene::{Archive, Body, CheckpointError, SceneError};
 
-/// Cosine of the angle, 30 degrees, that bars may turn by at a node that slips.
+/// Cosine of the largest angle, 30 degrees, between bars at a node with slip.
 const STRAIGHT: f64 = 0.866_025_403_784_438_6;
-/// Of the limit of central differences, which holds where matter is heavy, what is taken: matter may be a third as heavy as the bar.
+/// Safety factor on the central difference limit, which assumes heavy matter: matter may be a third as heavy as the bar.
 const SAFETY: f64 = 0.5;
 
-/// Part of the last change of stress that acts in advance. Matter answers to a bond that is elastic a step late, which would feed its
-/// vibrations; this damps them. Where the bond slides its stress does not change.
+/// Part of the last stress increment that acts in advance. Matter responds to an elastic bond one step late, which would amplify its
+/// vibrations; this part damps them. The stress of a sliding bond does not change.
 const AHEAD: f64 = 0.25;
 
-/// What the bond at a node remembers.
+/// State variables of the bond at a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BondState {
-    /// Slip at which it would have no stress, m.
+    /// Slip of zero stress, m.
     pub plastic: f64,
-    /// The slip of the largest amount so far, m.
+    /// Slip of the largest amount so far, m.
     pub reached: f64,
-    /// Did it slide since that was reached? Then friction alone holds until it is reached again.
+    /// True if the bond slid back since `reached` was set: friction is then the bound until that slip is reached again.
     pub slid: bool,
 }
 
-/// The stress tau that bond has by the slip s of a bar along its axis: tau = k (s - s_p), bounded.
+/// Bond stress tau as a function of the slip s of a bar along its axis: tau = k (s - s_p), bounded.
 ///
-/// While the slip grows beyond all before, |tau| is bounded by [`strength`](BondLaw::strength); it unloads with the stiffness k, and slides back by
-/// [`friction`](BondLaw::friction), which then bounds it until the largest slip is reached again. What it stores is tau^2 / 2 k per
-/// surface; all else is dissipated.
+/// While the slip grows beyond all earlier values, |tau| is bounded by [`strength`](BondLaw::strength). Unloading has the stiffness k, and
+/// backward sliding the stress [`friction`](BondLaw::friction), which then is the bound until the largest slip is reached again. The stored
+/// energy is tau^2 / 2 k per surface; the rest is dissipated.
 ///
 /// ```
 /// use coupling::{BondLaw, BondState};
@@ -56,13 +56,14 @@ pub struct BondState {
 /// assert_eq!(Sleeve.stress(1e-3, &mut state), 2e6);
 /// ```
 pub trait BondLaw: Debug + Send + Sync {
-    /// Stiffness k of loading at first and of unloading, Pa/m, positive: it bounds the stable step.
+    /// Stiffness k of initial loading and of unloading, Pa/m, positive: it limits the time step.
     fn stiffness(&self) -> f64;
-    /// The largest stress, Pa, at a slip of this amount, m, that is larger than all before. It falls nowhere faster than the stiffness, but at once.
+    /// Bond strength, Pa, at a slip of this amount, m, larger than all before. It may drop at once, but else falls no faster than the
+    /// stiffness.
     fn strength(&self, slip: f64) -> f64;
-    /// Stress, Pa, that it slides back with, by the largest amount of the slip so far, m: at most the strength there.
+    /// Friction stress of backward sliding, Pa, by the largest amount of the slip so far, m: at most the strength there.
     fn friction(&self, reached: f64) -> f64;
-    /// Stress, Pa, at a slip, m; the stress has its sign while that grows.
+    /// Update the bond stress, Pa, at a slip, m; the stress has the sign of the slip while the slip grows.
     fn stress(&self, slip: f64, state: &mut BondState) -> f64 {
         let stiffness = self.stiffness();
         let tried = stiffness * (slip - state.plastic);
@@ -85,16 +86,16 @@ pub trait BondLaw: Debug + Send + Sync {
     }
 }
 
-/// tau = k s, up to a strength if it has one, and friction from then on.
+/// Linear bond: tau = k s, up to an optional strength, followed by friction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearBond {
     stiffness: f64,
-    /// And friction, Pa.
+    /// Strength and friction, Pa.
     strength: Option<[f64; 2]>,
 }
 
 impl LinearBond {
-    /// Of this stiffness, Pa/m, without end.
+    /// Create a bond of this stiffness, Pa/m, with unlimited strength.
     ///
     /// # Errors
     /// A stiffness that is not positive and finite.
@@ -102,7 +103,7 @@ impl LinearBond {
         parameter(stiffness > 0.0, "linear bond", "stiffness", stiffness, "positive and finite")?;
         Ok(LinearBond { stiffness, strength: None })
     }
-    /// Broken at this stress, Pa, with a friction, Pa, left.
+    /// Set the strength, Pa, and the friction after failure, Pa.
     ///
     /// # Errors
     /// A strength that is not positive and finite; friction that is negative, or more than the strength.
@@ -130,7 +131,7 @@ impl BondLaw for LinearBond {
     }
 }
 
-/// The curve of the Model Codes for ribbed bars \[CEB1990\], \[fib2010\] of the slip s that grows:
+/// Bond-slip curve of the Model Codes for ribbed bars \[CEB1990\], \[fib2010\], for a growing slip s:
 ///
 /// ```text
 /// tau = tau_max (s / s1)^alpha               s <= s1
@@ -139,8 +140,8 @@ impl BondLaw for LinearBond {
 ///     = tau_f                                s3 <= s
 /// ```
 ///
-/// At first, and where it unloads, it is as stiff as it is said to be: the curve alone begins infinitely so. It slides back with
-/// tau_f, or less where less was reached.
+/// Initial loading and unloading have a given stiffness, because the slope of the curve at zero is infinite. Backward sliding has the
+/// stress tau_f, or less if less was reached.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ModelCodeBond {
     strength: f64,
@@ -151,10 +152,11 @@ pub struct ModelCodeBond {
 }
 
 impl ModelCodeBond {
-    /// Of the strength tau_max and the friction tau_f, Pa, slips s1 <= s2 < s3, m, the exponent alpha, 0 to 1, and the stiffness of unloading, Pa/m.
+    /// Create the curve from the strength tau_max and the friction tau_f, Pa, slips s1 <= s2 < s3, m, the exponent alpha, 0 to 1, and the
+    /// stiffness of unloading, Pa/m.
     ///
     /// # Errors
-    /// Numbers that are not so; a stiffness that is less than that of the curve at s1, tau_max / s1, or of its fall.
+    /// Numbers outside these ranges; a stiffness that is less than that of the curve at s1, tau_max / s1, or of its descending branch.
     pub fn new(
         strength: f64,
         friction: f64,
@@ -199,38 +201,39 @@ impl BondLaw for ModelCodeBond {
     }
 }
 
-/// A node of a bar.
+/// Node of a bar with bond.
 #[derive(Clone, Debug)]
 struct BondNode<const D: usize> {
-    /// The nodes before and after it, in its body; itself at an end.
+    /// Nodes before and after it in its body; the node itself at an end.
     beside: [u32; 2],
-    /// Surface of the bar that is its own, m^2 at rest; none where it is tied.
+    /// Surface of the bar at the node, m^2 at rest; zero if tied.
     surface: f64,
-    /// m, and m/s.
+    /// Slip, m, and slip rate, m/s.
     slip: f64,
     rate: f64,
     state: BondState,
-    /// Now, and a step before, Pa.
+    /// Bond stress now, and one step before, Pa.
     stress: [f64; 2],
-    /// Velocity against matter, m/s.
+    /// Velocity relative to the matter, m/s.
     relative: [f64; D],
-    /// Accelerations of the velocity that it shares with matter in the last two steps, the last one first, m/s^2.
+    /// Accelerations of the velocity shared with the matter in the last two steps, the last one first, m/s^2.
     accelerations: [[f64; D]; 2],
-    /// That velocity before the step, and as the step was tried, m/s.
+    /// Shared velocity before the step, and as tried in the step, m/s.
     shared: [[f64; D]; 2],
 }
 
-/// Bars that slip along their axes.
+/// Bond with slip of bars along their axes.
 ///
-/// The velocity of a node is v = v_c + r t: what it shares with matter, and the rate r of its slip along its tangent t. Along this its own
-/// force f and the bond move it, m (a . t + dr/dt) = f . t - tau A, with the acceleration a that those with matter in the last two steps lead to. The grid sees
-/// v_c and the force f - m d(r t)/dt, so that momentum is kept whatever a was: what a is wrong by in a step comes back in the next one.
+/// The velocity of a node is v = v_c + r t: the velocity v_c shared with the matter, and the slip rate r along its tangent t. Along t its
+/// own force f and the bond stress tau act, m (a . t + dr/dt) = f . t - tau A, with the acceleration a extrapolated from the last two
+/// steps. The grid receives v_c and the force f - m d(r t)/dt, so that momentum is conserved for any a: the error of a in a step is
+/// compensated in the next one.
 #[derive(Debug)]
 pub(crate) struct Bond<const D: usize> {
     law: Box<dyn BondLaw>,
     perimeter: f64,
     nodes: Vec<BondNode<D>>,
-    /// Length of the last step, s, and what was dissipated, J.
+    /// Length of the last step, s, and dissipated energy, J.
     last: f64,
     dissipated: f64,
 }
@@ -243,7 +246,7 @@ fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// The unit vector from one point to another; none between equal ones.
+/// Unit vector from one point to another; zero between equal ones.
 fn direction<const D: usize>(from: &[f64; D], to: &[f64; D]) -> [f64; D] {
     let along = difference(to, from);
     let length = dot(&along, &along).sqrt();
@@ -263,7 +266,7 @@ impl<const D: usize> Bond<D> {
                     why: "it is along the axis of bars: give these a scene of elements of their own",
                 });
             }
-            // Of each node what bars go on to, and half their lengths.
+            // For each node the adjacent nodes of bars, and half the length of these bars.
             let mut at: Vec<(Vec<(u32, bool)>, f64)> = vec![(Vec::new(), 0.0); mesh.nodes.len()];
             for ends in mesh.blocks.iter().flat_map(|b| b.elements()) {
                 let along = difference(&mesh.nodes[ends[1] as usize], &mesh.nodes[ends[0] as usize]);
@@ -299,7 +302,7 @@ impl<const D: usize> Bond<D> {
         Ok(Bond { law: Box::new(law), perimeter, nodes, last: 0.0, dissipated: 0.0 })
     }
 
-    /// What it is, in words.
+    /// Description for checkpoints.
     pub fn constants(&self) -> String {
         format!("{:?} on a perimeter of {}", self.law, self.perimeter)
     }
@@ -315,7 +318,7 @@ impl<const D: usize> Bond<D> {
         nodes.iter_mut().zip(all).map(|(node, (all, n))| (node, all, n))
     }
 
-    /// Of a longest step of the elements alone, s, that with bond.
+    /// Stable time step with bond, s, from that of the elements alone, s.
     pub fn stable_step(&self, fem: &Fem<D>, elements: f64) -> f64 {
         let masses = fem.element_bodies().iter().flat_map(|body| body.nodes());
         let stiffest = self
@@ -329,16 +332,16 @@ impl<const D: usize> Bond<D> {
         1.0 / (1.0 / (elements * elements) + square).sqrt()
     }
 
-    /// Before elements move their nodes.
+    /// Store the shared velocities, before the elements move their nodes.
     pub fn remember(&mut self, fem: &Fem<D>) {
         for (bond, nodes, n) in Self::with_bodies(&mut self.nodes, fem) {
             bond.shared[0] = difference(&nodes[n].velocity, &bond.relative);
         }
     }
 
-    /// Then: slip in a step of `dt` seconds, and the velocities that the grid sees, m/s.
+    /// Update the slip rates over a step of `dt` seconds, after [`Bond::remember`], and return the velocities for the grid, m/s.
     pub fn slip(&mut self, fem: &Fem<D>, dt: f64, velocities: &mut [[f64; 3]]) {
-        // Velocities belong to the middle of steps.
+        // Velocities are those of half steps.
         let kick = 0.5 * (self.last + dt);
         let mut damped = 0.0;
         for ((bond, nodes, n), out) in Self::with_bodies(&mut self.nodes, fem).zip(velocities) {
@@ -364,12 +367,12 @@ impl<const D: usize> Bond<D> {
         (self.last, self.dissipated) = (dt, self.dissipated + damped);
     }
 
-    /// The velocity of a node against matter in this step, m/s.
+    /// Velocity of a node relative to the matter in this step, m/s.
     pub fn relative(&self, node: usize) -> [f64; D] {
         self.nodes[node].relative
     }
 
-    /// End the step: the grid changed what it saw by `changes`, m/s, if at all.
+    /// End the step: update slip and stress. `changes` are the velocity changes by the grid, m/s, if any.
     pub fn end(&mut self, changes: Option<&Vec<[f64; 3]>>) {
         let stiffness = self.law.stiffness();
         let stored = |stress: f64| 0.5 * stress * stress / stiffness;
@@ -390,13 +393,13 @@ impl<const D: usize> Bond<D> {
         }
     }
 
-    /// What it stores, J.
+    /// Stored energy, J.
     pub fn stored(&self) -> f64 {
         let sum: f64 = self.nodes.iter().map(|bond| bond.surface * bond.stress[0] * bond.stress[0]).sum();
         0.5 * sum / self.law.stiffness()
     }
 
-    /// What it dissipated since the start, J.
+    /// Dissipated energy since the start, J.
     pub fn dissipated(&self) -> f64 {
         self.dissipated
     }

@@ -1,22 +1,22 @@
-//! Which boxes of space a surface comes near to in a step.
+//! Bounding boxes swept by a surface in a step, in a cell list.
 
-/// Most cells along an axis.
+/// Maximum number of cells along an axis.
 const MOST: f64 = 64.0;
 
-/// Boxes that the facets of a surface sweep, sorted into cells of a box around them all.
+/// Boxes swept by the facets of a surface, in a cell list over their bounding box.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SweptBoxes<const D: usize> {
     low: Vec<f64>,
     edge: f64,
     counts: Vec<usize>,
     boxes: Vec<([f64; D], [f64; D])>,
-    /// Where the boxes of each cell begin among `sorted`; one more than there are cells.
+    /// Offset of the boxes of each cell in `sorted`; one more than the number of cells.
     starts: Vec<u32>,
     sorted: Vec<u32>,
 }
 
 impl<const D: usize> SweptBoxes<D> {
-    /// Take these (lower and upper corner, m) in place of those before.
+    /// Replace the boxes by these (lower and upper corner, m).
     pub fn fill(&mut self, boxes: impl Iterator<Item = ([f64; D], [f64; D])>) {
         self.boxes.clear();
         self.boxes.extend(boxes);
@@ -33,7 +33,7 @@ impl<const D: usize> SweptBoxes<D> {
         self.low = low.to_vec();
         self.counts = (0..D).map(|d| ((high[d] - low[d]) / self.edge) as usize + 1).collect();
         let cells = if boxes.is_empty() { 0 } else { self.counts.iter().product() };
-        // How many each cell has, then where each one's end, then back to where they begin.
+        // Counting sort: number of boxes of each cell, then end of each cell, then start.
         let mut starts = std::mem::take(&mut self.starts);
         starts.clear();
         starts.resize(cells + 1, 0);
@@ -61,7 +61,7 @@ impl<const D: usize> SweptBoxes<D> {
         (self.boxes, self.starts, self.sorted) = (boxes, starts, sorted);
     }
 
-    /// Is there one that this box touches?
+    /// True if a stored box overlaps this one.
     pub fn touches(&self, low: &[f64; D], high: &[f64; D]) -> bool {
         let within =
             |d: usize| high[d] >= self.low[d] && low[d] <= self.low[d] + self.edge * self.counts[d] as f64;
@@ -76,14 +76,14 @@ impl<const D: usize> SweptBoxes<D> {
             })
     }
 
-    /// The cell of a point, or the nearest one.
+    /// Cell of a point, or the nearest cell.
     fn cell(&self, x: &[f64; D]) -> [usize; D] {
         std::array::from_fn(|d| {
             (((x[d] - self.low[d]) / self.edge).max(0.0) as usize).min(self.counts[d] - 1)
         })
     }
 
-    /// Call `visit` for every cell from one to another until it says so. Did it?
+    /// Call `visit` for every cell from `first` to `last` until it returns true. Returns true if it did.
     fn any(&self, first: &[usize; D], last: &[usize; D], mut visit: impl FnMut(usize) -> bool) -> bool {
         let mut at = *first;
         loop {

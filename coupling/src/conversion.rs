@@ -1,4 +1,4 @@
-//! Elements that become particles: when, into how many, and what is booked.
+//! Conversion of elements to particles: criteria, division and energy balance.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,30 +10,30 @@ use mpm_core::Surroundings;
 
 use crate::element::{Form, box_around, gathered};
 
-/// Cells between elements and matter of others within which they become particles, unless said otherwise: both reach nodes that are two
-/// cells away, and come closer in the step that passes until they do.
+/// Default distance to other matter, in cells, at which elements become particles: both reach nodes that are two cells away, and approach
+/// each other in the step before conversion.
 const NEAR: f64 = 3.0;
-/// Part of the first stable step at which elements become particles in [`Conversion::adaptive`].
+/// Part of the first stable time step at which elements become particles in [`Conversion::adaptive`].
 const STEP: f64 = 0.5;
-/// [`Conversion::when_distorted`] in [`Conversion::adaptive`].
+/// Parts for [`Conversion::when_distorted`] in [`Conversion::adaptive`].
 const DISTORTED: [f64; 2] = [0.4, 0.25];
 
-/// Into which particles an element turns.
+/// Division of an element into particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Particles {
-    /// As many along each of its axes as half cells that it is long: two of an element as large as a cell.
+    /// One particle per half cell of length along each of its axes: two for an element as large as a cell.
     #[default]
     HalfCells,
-    /// So many along each axis of a quadrilateral or brick; triangles and tetrahedra are halved until their edges have so many parts.
+    /// This number along each axis of a quadrilateral or brick; triangles and tetrahedra are halved until their edges have this number of
+    /// parts.
     Each(u32),
-    /// One at each point of integration.
+    /// One particle at each integration point.
     Points,
 }
 
-/// When elements become particles ([`Elements::converting`](crate::Elements::converting)), and which.
+/// Rules for the conversion of elements to particles ([`Elements::converting`](crate::Elements::converting)): criteria and division.
 ///
-/// Whatever else is said, elements whose surface matter of others comes near become particles ([`Conversion::near`]), so that contact is
-/// that of the scene's grid.
+/// Elements whose surface is near other matter are always converted ([`Conversion::near`]), so that contact is that of the scene's grid.
 #[derive(Clone)]
 pub struct Conversion<const D: usize> {
     region: Option<Arc<dyn Shape<D>>>,
@@ -50,56 +50,57 @@ impl<const D: usize> Conversion<D> {
         Conversion { region, criteria, distorted, step, near: NEAR, particles: Particles::default() }
     }
 
-    /// Elements become particles where they are deformed too far for a mesh (AFEMP, \[Lian2012\]): where a Jacobian at a corner is 0.4 of what
-    /// it was, the shortest edge over the longest a quarter of that, or the stable step half of the first one of the body.
+    /// Convert elements that are deformed too far for a mesh (AFEMP, \[Lian2012\]): a corner Jacobian falls to 0.4 of its initial value,
+    /// the edge ratio (shortest over longest) to a quarter, or the stable time step to half of the first one of the body.
     #[must_use]
     pub fn adaptive() -> Self {
         Conversion { step: Some(STEP), distorted: Some(DISTORTED), ..Conversion::new() }
     }
 
-    /// Elements are particles where all their nodes are within a region (MPFEM, \[Zhang2006\]), from the start or as soon as they are.
+    /// Convert elements with all nodes within a region (MPFEM, \[Zhang2006\]), from the start or as soon as they enter it.
     #[must_use]
     pub fn within(region: impl Shape<D> + 'static) -> Self {
         Conversion { region: Some(Arc::new(region)), ..Conversion::new() }
     }
 
-    /// Also where all nodes are within a region.
+    /// Also convert elements with all nodes within a region.
     #[must_use]
     pub fn or_within(mut self, region: impl Shape<D> + 'static) -> Self {
         self.region = Some(Arc::new(region));
         self
     }
 
-    /// Also by a criterion of the law's state: plastic strain, damage, failure ([`Criterion`]); by a name for the books.
+    /// Also convert by a criterion of the law's state: plastic strain, damage, failure ([`Criterion`]); with a name for the conversion
+    /// book.
     #[must_use]
     pub fn or(mut self, name: impl Into<String>, criterion: Criterion) -> Self {
         self.criteria.push((name.into(), criterion));
         self
     }
 
-    /// Also where a Jacobian at a corner is at most this part of what it was at rest, or the shortest edge over the longest at most that
-    /// part.
+    /// Also convert elements with a corner Jacobian at most this part of that at rest, or with an edge ratio (shortest over longest) at
+    /// most that part.
     #[must_use]
     pub fn when_distorted(mut self, jacobian: f64, edges: f64) -> Self {
         self.distorted = Some([jacobian, edges]);
         self
     }
 
-    /// Also where the stable step of the element is at most this part of that of the body at the start.
+    /// Also convert elements whose stable time step is at most this part of that of the body at the start.
     #[must_use]
     pub fn when_step_falls_to(mut self, part: f64) -> Self {
         self.step = Some(part);
         self
     }
 
-    /// Within so many cells of matter of others, by default 3.
+    /// Set the distance to other matter for conversion, in cells, by default 3.
     #[must_use]
     pub fn near(mut self, cells: f64) -> Self {
         self.near = cells;
         self
     }
 
-    /// Into these particles.
+    /// Set the division into particles.
     #[must_use]
     pub fn into_particles(mut self, particles: Particles) -> Self {
         self.particles = particles;
@@ -110,7 +111,7 @@ impl<const D: usize> Conversion<D> {
         self.particles
     }
 
-    /// In words, for checkpoints.
+    /// Description for checkpoints.
     pub(crate) fn constants(&self) -> String {
         let Conversion { region, criteria, distorted, step, near, particles } = self;
         let region = region.as_ref().map(|region| impactite_scene::constants::region(&**region));
@@ -119,7 +120,7 @@ impl<const D: usize> Conversion<D> {
         )
     }
 
-    /// Have a body give its elements.
+    /// Check the parameters, and enable conversion in a body.
     pub(crate) fn of(self, fem: &mut Fem<D>) -> Result<Rules<D>, SceneError> {
         let owner = "Conversion";
         let part =
@@ -155,49 +156,50 @@ impl<const D: usize> Conversion<D> {
     }
 }
 
-/// What the coupling looks at itself, behind the criteria of the body.
+/// Criteria that the coupling checks itself, numbered after those of the body.
 const MARKS: [&str; 4] = ["region", "Jacobian", "edges", "near others"];
 const REGION: usize = 0;
 const JACOBIAN: usize = 1;
 const EDGES: usize = 2;
 const NEAR_OTHERS: usize = 3;
-/// Steps between two looks at the shapes of elements: in that time a fast impact changes them by a fifth.
+/// Steps between two checks of the element shapes: a fast impact changes them by a fifth in that time.
 const LOOK_EVERY: u64 = 4;
 
-/// What a criterion converted.
+/// Conversions by one criterion.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Share {
-    /// Elements.
+    /// Number of elements.
     pub elements: u64,
-    /// Energy that appeared with it, J: kinetic energy of particles less that of the nodes' mass, and that of hourglass forces, which goes.
+    /// Energy gained by conversion, J: kinetic energy of particles minus that of the nodes' mass, minus the hourglass energy, which is
+    /// lost.
     pub energy: f64,
 }
 
-/// What was converted since the start.
+/// Totals of the conversions since the start.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ConversionBook {
-    /// Elements.
+    /// Number of elements.
     pub elements: u64,
-    /// The particles that they became.
+    /// Number of particles.
     pub particles: u64,
-    /// Their mass, kg.
+    /// Mass of the particles, kg.
     pub mass: f64,
-    /// Energy that appeared, J.
+    /// Energy gained by conversion, J.
     pub energy: f64,
-    /// What of it were hourglass forces that went, J, negative.
+    /// Part of `energy` by loss of hourglass energy, J, negative.
     pub hourglass: f64,
-    /// By criterion.
+    /// Shares of the criteria.
     pub by: Vec<(String, Share)>,
-    /// The smallest Jacobian at a corner over that at rest with which an element was converted; none before the first.
+    /// Smallest corner Jacobian of a converted element, over that at rest; none before the first conversion.
     pub least_jacobian: Option<f64>,
 }
 
-/// Reads the [`ConversionBook`] of elements while they are in a scene.
+/// Handle that reads the [`ConversionBook`] of elements while they are in a scene.
 #[derive(Clone, Debug, Default)]
 pub struct ConversionLog(Arc<Mutex<ConversionBook>>);
 
 impl ConversionLog {
-    /// The book as it stands.
+    /// Present state of the book.
     pub fn book(&self) -> ConversionBook {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -206,12 +208,12 @@ impl ConversionLog {
     }
 }
 
-/// [`Conversion`] of a body.
+/// Conversion rules of a body ([`Conversion`]).
 pub(crate) struct Rules<const D: usize> {
     pub what: Conversion<D>,
     first_mark: usize,
     looks: u64,
-    /// Of the elements at rest; none before it is asked for.
+    /// Shapes of the elements at rest; empty before first use.
     rest: Vec<Form>,
     pub log: ConversionLog,
 }
@@ -225,7 +227,7 @@ impl<const D: usize> Rules<D> {
         &mut self.looks
     }
 
-    /// Mark the elements that are to become particles.
+    /// Mark the elements to convert.
     pub fn mark(&mut self, body: &mut ElementBody<D>, around: &Surroundings<D>) {
         let mut marks = Vec::new();
         self.mark_near(body, around, &mut marks);

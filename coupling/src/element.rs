@@ -1,10 +1,10 @@
-//! What the shapes of elements have come to, and how they are divided.
+//! Distortion of elements, and division into particles.
 
 use fem::ElementBody;
 use impactite_geometry::ElementKind;
 use nalgebra::Matrix3;
 
-/// Most nodes of an element.
+/// Maximum number of nodes of an element.
 pub(crate) const NODES: usize = 8;
 
 /// Columns dx/dxi of the Jacobian.
@@ -19,7 +19,7 @@ pub(crate) fn columns<const D: usize>(slopes: &[[f64; 3]], at: impl Fn(usize) ->
     columns
 }
 
-/// The Jacobian as a matrix; in the plane with one along the third axis.
+/// Jacobian matrix; in the plane with one along the third axis.
 pub(crate) fn matrix<const D: usize>(columns: &[[f64; D]; 3]) -> Matrix3<f64> {
     let mut matrix = Matrix3::identity();
     for c in 0..D {
@@ -28,12 +28,12 @@ pub(crate) fn matrix<const D: usize>(columns: &[[f64; D]; 3]) -> Matrix3<f64> {
     matrix
 }
 
-/// Its determinant.
+/// Determinant of the Jacobian.
 pub(crate) fn determinant<const D: usize>(columns: &[[f64; D]; 3]) -> f64 {
     matrix(columns).determinant()
 }
 
-/// What the shape of an element is like: the shortest edge over the longest, and the Jacobian at each corner (once of a simplex).
+/// Shape measures of an element: edge ratio (shortest over longest), and Jacobian at each corner (one for a simplex).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Form {
     pub aspect: f64,
@@ -58,14 +58,14 @@ impl Form {
         Form { aspect: (least / most).sqrt(), jacobians, corners }
     }
 
-    /// The smallest Jacobian over that of the same corner at rest.
+    /// Smallest ratio of a corner Jacobian to that of the same corner at rest.
     pub fn least_jacobian(&self, rest: &Form) -> f64 {
         let pairs = self.jacobians[..self.corners].iter().zip(&rest.jacobians);
         pairs.map(|(now, rest)| now / rest).fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The nodes along the edges from a corner, in the order of a right-handed frame or its mirror image.
+/// Nodes along the edges from a corner, in the order of a right-handed frame or its mirror image.
 #[inline]
 fn beside(kind: ElementKind, c: usize) -> [usize; 3] {
     match kind {
@@ -76,7 +76,7 @@ fn beside(kind: ElementKind, c: usize) -> [usize; 3] {
     }
 }
 
-/// The lower and the upper corner of a box around nodes, m.
+/// Bounding box of nodes: lower and upper corner, m.
 pub(crate) fn box_around<const D: usize>(body: &ElementBody<D>, nodes: &[u32]) -> ([f64; D], [f64; D]) {
     let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
     for &n in nodes {
@@ -88,7 +88,7 @@ pub(crate) fn box_around<const D: usize>(body: &ElementBody<D>, nodes: &[u32]) -
     (low, high)
 }
 
-/// The positions of the nodes of an element.
+/// Gather the node positions of an element.
 #[inline]
 pub(crate) fn gathered<const D: usize>(nodes: &[u32], at: impl Fn(u32) -> [f64; D]) -> [[f64; D]; NODES] {
     let mut list = [[0.0; D]; NODES];
@@ -96,8 +96,8 @@ pub(crate) fn gathered<const D: usize>(nodes: &[u32], at: impl Fn(u32) -> [f64; 
     list
 }
 
-/// Places of particles that fill an element, with the parts of the volume in xi that they take and half the edges of those, in xi: so many
-/// along each axis; simplices are halved as often as the largest of these asks.
+/// Divide an element into particles: positions in xi, with parts of the volume in xi and half edges in xi. `counts` are the numbers along
+/// each axis; simplices are halved as often as the largest of them requires.
 pub(crate) fn divided(kind: ElementKind, counts: [u32; 3]) -> Vec<([f64; 3], f64, [f64; 3])> {
     let dim = kind.dimensions();
     if kind.is_simplex() {
@@ -126,7 +126,7 @@ pub(crate) fn divided(kind: ElementKind, counts: [u32; 3]) -> Vec<([f64; 3], f64
     (0..all).map(|n| (place(n), 1.0 / f64::from(all), half)).collect()
 }
 
-/// A triangle in four or a tetrahedron in eight parts of the same size.
+/// Split a triangle into four, or a tetrahedron into eight parts of equal size.
 fn halved(corners: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
     let between =
         |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|d| 0.5 * (corners[a][d] + corners[b][d])) };
@@ -141,7 +141,7 @@ fn halved(corners: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
     }
     let [ab, ac, ad] = [between(0, 1), between(0, 2), between(0, 3)];
     let [bc, bd, cd] = [between(1, 2), between(1, 3), between(2, 3)];
-    // Four at the corners, and four around the diagonal ac-bd of the octahedron between them.
+    // Four at the corners, and four around the diagonal ac-bd of the inner octahedron.
     vec![
         vec![corners[0], ab, ac, ad],
         vec![ab, corners[1], bc, bd],
@@ -154,7 +154,7 @@ fn halved(corners: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
     ]
 }
 
-/// The place of a point of integration of so many.
+/// Position in xi of an integration point out of `points`.
 pub(crate) fn integration_point(kind: ElementKind, point: usize, points: usize) -> [f64; 3] {
     let dim = kind.dimensions();
     if kind.is_simplex() {

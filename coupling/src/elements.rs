@@ -1,4 +1,4 @@
-//! A scene of finite elements as a body of a scene of material points.
+//! Finite elements as a body of a material point scene.
 
 use fem::{ContactSurface, Fem};
 use impactite_scene::constants::Constant;
@@ -19,46 +19,46 @@ use crate::element::{Form, box_around};
 use crate::particles::particles_of;
 use crate::tied::Tied;
 
-/// Part of the smallest edge that a node on the grid is wide: it lies on the surface.
+/// Width of a node on the grid, over the smallest edge: nodes are on the surface.
 const WIDTH: f64 = 1e-3;
-/// Of a step, what is rounding.
+/// Rounding tolerance, over the step.
 const ROUNDING: f64 = 1e-12;
 
-/// Most steps of elements that particles meet by surface in one of the scene, unless said otherwise.
+/// Default maximum number of element steps in one step of the scene, with contact by surface.
 const SUBCYCLES: u32 = 8;
 
-/// Bodies of finite elements in a scene of material points: [`Mpm::add_client`](mpm_core::Mpm::add_client) takes them.
+/// Bodies of finite elements in a scene of material points, added by [`Mpm::add_client`](mpm_core::Mpm::add_client).
 ///
-/// On the grid the elements make the steps of the scene, whose length their own stable step bounds. By surface they make one or several
-/// equal steps in one of the scene, as many as their own stable step asks for, and meet particles in each of them
-/// ([`Elements::with_subcycles`]). Conditions and body forces of the elements are those of their own [`Fem`].
+/// On the grid the elements make the steps of the scene, limited by their own stable time step. By surface they make one or several equal
+/// steps in one of the scene, as their own stable time step requires, with contact in each of them ([`Elements::with_subcycles`]). Boundary
+/// conditions and body forces of the elements are those of their own [`Fem`].
 pub struct Elements<const D: usize> {
     pub(crate) fem: Fem<D>,
     name: String,
     embedding: &'static str,
-    /// Shortest edge of the elements, and the mean one of the body with the longest, m.
+    /// Shortest edge of the elements, and the largest mean edge of a body, m.
     edges: [f64; 2],
     way: Way<D>,
-    /// Slip of bars within a body.
+    /// Bond with slip of bars within a body.
     bond: Option<Bond<D>>,
-    /// Most steps of the elements in one of the scene; how many there are in this one, and the length of each, s.
+    /// Maximum number of element steps in one step of the scene; number in the present one, and length of each, s.
     most: u32,
     steps: u32,
     pub(crate) step: f64,
-    /// How many of them are over.
+    /// Number of element steps already made.
     made: u32,
 }
 
-/// How elements meet particles.
+/// Coupling of elements and particles.
 enum Way<const D: usize> {
     Grid,
-    /// As a part of the body of this name.
+    /// Embedded in the body of this name.
     Within(String),
     Converting(Box<Converting<D>>),
     Surface(Box<PointToSurface<D>>),
 }
 
-/// A body that becomes one of particles, element by element.
+/// Body of elements that is converted to particles, element by element.
 struct Converting<const D: usize> {
     /// Name of the body of particles.
     body: String,
@@ -67,24 +67,24 @@ struct Converting<const D: usize> {
     /// Least mass of a particle, kg, and half its size, m.
     lightest: f64,
     half_size: f64,
-    /// Mean edge of the elements at rest, and of the cells of the grid that they were tied to, m.
+    /// Mean edge of the elements at rest, and cell size of the grid to which they were tied, m.
     edge: f64,
     spacing: f64,
 }
 
-/// Contact of particles with the surfaces.
+/// Point-to-surface contact of particles.
 pub(crate) struct PointToSurface<const D: usize> {
     pub(crate) contact: MeshContact<D>,
     pub(crate) swept: SweptBoxes<D>,
-    /// Of each body, as the elements' step was begun.
+    /// Contact surface of each body, at the start of the elements' step.
     pub(crate) surfaces: Vec<ContactSurface<D>>,
 }
 
 impl<const D: usize> Elements<D> {
-    /// Their nodes act on the grid as particles do, and meet others by the contact algorithm of the scene.
+    /// Couple on the grid: mesh nodes contribute to the grid like particles, with the contact algorithm of the scene.
     ///
     /// # Errors
-    /// No body, or several: on the grid they would stick to each other; elements that erode.
+    /// No body, or several, which would stick to each other on the grid; elements that erode.
     pub fn on_the_grid(fem: Fem<D>) -> Result<Self, SceneError> {
         if fem.element_bodies().len() != 1 {
             return Err(SceneError::NotOneBody(fem.element_bodies().len()));
@@ -100,16 +100,15 @@ impl<const D: usize> Elements<D> {
         Self::new(fem, Way::Grid)
     }
 
-    /// They are a part of a body of particles of the scene, which was added before: bars and stirrups in concrete, a stiff core in rubber
-    /// (HFEMP, \[Lian2011b\]). Their nodes act on the grid with mass, momentum and force as particles of that body do, and move with its
-    /// matter (perfect bond): what meets the body meets both. Where elements are, particles may be, too; the mass and stiffness of both
-    /// add up.
+    /// Embed elements in a body of particles of the scene, which was added before: bars and stirrups in concrete, a stiff core in rubber
+    /// (HFEMP, \[Lian2011b\]). Their nodes contribute mass, momentum and force to the grid like particles of that body, and move with its
+    /// matter (perfect bond): contact of the body acts on both. Elements and particles may overlap; their mass and stiffness add up.
     ///
-    /// Elements may be larger than cells, which tie them at their nodes alone, or smaller. Where they erode, bars have failed: their mass stays
+    /// Elements may be smaller than cells, or larger, and are then tied at their nodes only. Erosion is failure of bars: their mass stays
     /// with the body's matter.
     ///
     /// # Errors
-    /// No body; conditions, velocities of nodes and a body force of their own: those of the scene hold and move what moves with it.
+    /// No body; boundary conditions, prescribed velocities or a body force of the elements: those of the scene act on them.
     pub fn within(mut fem: Fem<D>, body: impl Into<String>) -> Result<Self, SceneError> {
         if fem.element_bodies().is_empty() {
             return Err(SceneError::NoBodies);
@@ -129,20 +128,20 @@ impl<const D: usize> Elements<D> {
                 "that of the scene acts on all matter: give it to the scene",
             );
         }
-        // What matter carries along has no balance of its own; the scene watches over both.
+        // Carried matter has no balance of its own; the scene checks that of both.
         fem.set_watch(Watch::off());
         Self::new(fem, Way::Within(body.into()))
     }
 
-    /// Bars [within](Self::within) a body slip along their axes by a law of bond, on a perimeter, m (in plane strain per metre of depth, without a
-    /// unit). Across their axes bond is perfect. Nodes where bars meet at an angle of more than 30 degrees, and those of three or more,
-    /// are tied: hooks and crossings.
+    /// Enable slip of bars [within](Self::within) a body along their axes by a bond law, on a perimeter, m (in plane strain per metre of
+    /// depth, without a unit). Across their axes bond is perfect. Nodes where bars meet at an angle of more than 30 degrees, and nodes of
+    /// three or more bars, are tied: hooks and crossings.
     ///
-    /// The bar is to be within the body: there is no slip against what is not there. What bond stores is internal energy of the bars, what it
-    /// dissipates is booked as friction ([`Exchange::friction`]).
+    /// Bars must be inside the body: there is no slip without matter around them. Stored energy of the bond is internal energy of the bars;
+    /// dissipated energy is booked as friction ([`Exchange::friction`]).
     ///
     /// # Errors
-    /// Elements that are not within a body, or other than bars; a perimeter that is not positive and finite.
+    /// Elements that are not within a body, or are not bars; a perimeter that is not positive and finite.
     pub fn with_bond(mut self, law: impl BondLaw + 'static, perimeter: f64) -> Result<Self, SceneError> {
         if !matches!(self.way, Way::Within(_)) {
             return Err(SceneError::NotWith {
@@ -155,17 +154,17 @@ impl<const D: usize> Elements<D> {
         Ok(self)
     }
 
-    /// Their matter becomes particles, element by element, by the rules of a [`Conversion`]: where those are (AFEMP), or from the start in a
-    /// region (MPFEM). The particles are of a body of this name, which the scene makes with this one; the elements give them their mass,
-    /// momentum and states, and never come back. Elements that are left are tied to the particles beside them, as bars are that are
-    /// [within](Self::within) a body; the other nodes are none of the grid's, which is only where particles are.
+    /// Convert elements to particles, element by element, by the rules of a [`Conversion`]: by criteria (AFEMP), or from the start in a
+    /// region (MPFEM). The particles belong to a body of this name, which the scene creates; they inherit mass, momentum and states, and
+    /// are never converted back. Remaining elements are tied to the particles beside them, like bars [within](Self::within) a body; their
+    /// other nodes are not on the grid, which exists only around particles.
     ///
-    /// Conditions are those of the scene, which hold the elements too. A body force of the scene is refused.
+    /// Boundary conditions are those of the scene, which also act on the elements. A body force of the scene is refused.
     ///
-    /// The log tells what was converted while the scene has the elements.
+    /// The log reports conversions while the elements are in the scene.
     ///
     /// # Errors
-    /// Not one body; bars; conditions and a body force of their own; rules that cannot be.
+    /// Not exactly one body; bars; boundary conditions or a body force of the elements; invalid rules.
     pub fn converting(
         mut fem: Fem<D>,
         body: impl Into<String>,
@@ -211,7 +210,7 @@ impl<const D: usize> Elements<D> {
         Ok((Self::new(fem, Way::Converting(Box::new(converting)))?, log))
     }
 
-    /// Particles meet their surfaces one by one, with a law.
+    /// Couple by surface: point-to-surface contact of particles, by a contact law.
     ///
     /// # Errors
     /// No body, or one without facets (bars).
@@ -250,12 +249,12 @@ impl<const D: usize> Elements<D> {
         Ok(Elements { fem, name, embedding, edges, way, bond: None, most, steps: 1, step: 0.0, made: 0 })
     }
 
-    /// At most so many steps of the elements in one of the scene, by default 8; with 1 the scene makes those of the elements where they are
-    /// shorter. Each finds contact anew: an impulse stops no more than a facet's nodes, and what is behind them comes after in the time
-    /// that sound takes through an element.
+    /// Set the maximum number of element steps in one step of the scene, by default 8; with 1 the scene makes the steps of the elements if
+    /// they are shorter. Each element step solves contact anew: an impulse stops only the nodes of a facet, and the matter behind them
+    /// follows in the travel time of sound through an element.
     ///
     /// # Errors
-    /// [`SceneError::Parameter`] for none; more than one on the grid, where contact is found once a step.
+    /// [`SceneError::Parameter`] for zero; more than one on the grid, where contact is solved once a step.
     pub fn with_subcycles(mut self, most: u32) -> Result<Self, SceneError> {
         parameter(most > 0, "Elements", "most steps in one of the scene", f64::from(most), "at least 1")?;
         if most > 1 && !matches!(self.way, Way::Surface(_)) {
@@ -269,7 +268,7 @@ impl<const D: usize> Elements<D> {
         Ok(self)
     }
 
-    /// The elements.
+    /// Finite element solver of the elements.
     pub fn fem(&self) -> &Fem<D> {
         &self.fem
     }
@@ -280,7 +279,8 @@ impl<const D: usize> Elements<D> {
 }
 
 impl<const D: usize> Converting<D> {
-    /// Have elements become particles that left, and mark those that will. The number that each point on the grid had, where they are others.
+    /// Convert removed elements to particles, and mark the next ones. Returns the previous number of each point on the grid, if the points
+    /// changed.
     fn convert(
         &mut self,
         fem: &mut Fem<D>,
@@ -384,7 +384,7 @@ impl<const D: usize> Body for Elements<D> {
         totals
     }
     fn given_by_others(&self) -> Option<Exchange> {
-        // What matter carries along gets work that no impulse and velocity of its nodes tell.
+        // Work on carried matter does not follow from the impulses and velocities of its nodes.
         if matches!(self.way, Way::Within(_) | Way::Converting(_)) {
             return None;
         }
@@ -594,7 +594,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
             }
             given.work -= pushed.work;
             if matches!(self.way, Way::Surface(_)) {
-                // What contact gave to elements, of what it took from particles.
+                // Energy transferred by contact from particles to elements.
                 given.impacts -= pushed.work;
             }
         }
@@ -615,7 +615,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
 }
 
 impl<const D: usize> Elements<D> {
-    /// Contact of particles with the surfaces, beside the elements.
+    /// Elements, with their point-to-surface contact.
     pub(crate) fn parts(&mut self) -> Option<(&mut Fem<D>, &mut PointToSurface<D>)> {
         match &mut self.way {
             Way::Surface(surface) => Some((&mut self.fem, surface)),
@@ -623,7 +623,7 @@ impl<const D: usize> Elements<D> {
         }
     }
 
-    /// Is this step of the elements the last one in that of the scene?
+    /// True if this element step is the last one in the step of the scene.
     pub(crate) fn is_last(&self) -> bool {
         self.made + 1 >= self.steps
     }
@@ -637,14 +637,14 @@ impl<const D: usize> Elements<D> {
         }
     }
 
-    /// End a step of the elements that is not the last in that of the scene, and begin the one after.
+    /// End an element step that is not the last one in the step of the scene, and begin the next one.
     pub(crate) fn next(&mut self) -> Result<(), Stopped> {
         self.fem.finish().map_err(what)?;
         self.made += 1;
         self.begin()
     }
 
-    /// Where the surfaces are in this step.
+    /// Boxes swept by the surfaces in this step.
     pub(crate) fn swept(&self) -> Option<&SweptBoxes<D>> {
         match &self.way {
             Way::Surface(surface) => Some(&surface.swept),

@@ -1,20 +1,21 @@
-//! Bodies of finite elements and bodies of particles in one scene.
+//! Coupling of finite elements and particles in one scene.
 //!
-//! At small strain elements are cheaper and more accurate than particles; at large strain particles do not tangle. So bodies of small
-//! strain are elements, those of large strain particles, and contact joins them \[Zhang2017\]:
+//! At small strain elements are cheaper and more accurate than particles; at large strain particles avoid mesh tangling. Bodies of small
+//! strain are therefore elements, those of large strain particles, coupled by contact \[Zhang2017\]:
 //!
-//! | way | contact | sizes |
+//! | coupling | contact | element size |
 //! |---|---|---|
-//! | [`Elements::on_the_grid`] (CFEMP, \[Lian2011\]) | nodes of the mesh act on the grid of the scene as particles do, and meet others by its contact algorithm | elements about as large as cells: through wider meshes particles slip |
-//! | [`Elements::by_surface`] (ICFEMP, \[Chen2015\]) | particles meet the facets of the mesh one by one ([`mpm_contact::mesh`]) | any |
-//! | [`Elements::within`] (HFEMP, \[Lian2011b\]) | none: elements are a part of a body of particles, bars in concrete; nodes move with its matter | any |
-//! | [`Elements::converting`] (MPFEM \[Zhang2006\], AFEMP \[Lian2012\]) | none within a body: elements become particles, by the rules of a [`Conversion`]; on the grid with others | any |
+//! | [`Elements::on_the_grid`] (CFEMP, \[Lian2011\]) | grid contact of the scene | about a cell: particles slip through wider meshes |
+//! | [`Elements::by_surface`] (ICFEMP, \[Chen2015\]) | point to surface, particles against facets ([`mpm_contact::mesh`]) | any |
+//! | [`Elements::within`] (HFEMP, \[Lian2011b\]) | none: elements are embedded in a body of particles (bars in concrete) | any |
+//! | [`Elements::converting`] (MPFEM \[Zhang2006\], AFEMP \[Lian2012\]) | none within a body; grid contact with others | any |
 //!
-//! Bodies of elements of one client touch each other, and themselves, where their [`Fem`](fem::Fem) was told ([`fem::Fem::touch`]): at the end
-//! of its step, after particles pushed them.
+//! On the grid, mesh nodes contribute to the grid like particles; embedded nodes move with the matter of the body. Elements are converted
+//! to particles by the rules of a [`Conversion`]. Contact between bodies of elements of one client, and self-contact, is defined in their
+//! [`Fem`](fem::Fem) ([`fem::Fem::touch`]): it acts at the end of its step, after the impulses of particles.
 //!
-//! The review that describes both prints no numbers of cases; what is built is the principle, held to gates of our own (book,
-//! "Elements, particles, or both").
+//! The review \[Zhang2017\] prints no numbers of cases; the principles are implemented, with acceptance tests of our own (book, "Elements,
+//! particles, or both").
 //!
 //! ```
 //! use coupling::Elements;

@@ -1,4 +1,4 @@
-//! Particles of an element.
+//! Particles of a converted element.
 
 use fem::ConvertedElement;
 use impactite_geometry::ElementKind;
@@ -8,22 +8,22 @@ use nalgebra::Matrix3;
 use crate::conversion::Particles;
 use crate::element::{columns, determinant, divided, integration_point, matrix};
 
-/// Most particles along an axis of an element.
+/// Maximum number of particles along an axis of an element.
 const MOST: u32 = 8;
-/// Of half a cell, what is rounding.
+/// Rounding tolerance, over half a cell.
 const ROUNDING: f64 = 0.05;
 
-/// What an element became.
+/// Result of the conversion of an element.
 pub(crate) struct Became {
     pub particles: u64,
     pub mass: f64,
-    /// Kinetic energy that appeared, J.
+    /// Gain of kinetic energy, J.
     pub kinetic: f64,
-    /// Internal energy that appeared, J, by densities of energy of the states.
+    /// Gain of internal energy, J, by the energy densities of the states.
     pub internal: f64,
 }
 
-/// How an element is divided on a grid of cells of `spacing`, m.
+/// Number of particles along each axis of an element, on a grid of cells of `spacing`, m.
 fn counts<const D: usize>(element: &ConvertedElement<D>, particles: Particles, spacing: f64) -> [u32; 3] {
     let each = match particles {
         Particles::Each(count) => return [count; 3],
@@ -34,18 +34,18 @@ fn counts<const D: usize>(element: &ConvertedElement<D>, particles: Particles, s
     };
     let length = |c: &[f64; D]| c.iter().map(|x| x * x).sum::<f64>().sqrt();
     let simplex = element.kind.is_simplex();
-    // The length of an axis of a quadrilateral or brick is twice that of its column.
+    // An axis of a quadrilateral or brick is twice as long as its column.
     let scale = if simplex { 1.0 } else { 2.0 };
     let slopes = element.kind.shape_gradients([0.0; 3]);
     let slopes = &slopes[..element.nodes.len()];
     let now = columns(slopes, |n| element.positions[n]);
     let rest = columns(slopes, |n| element.rest[n]);
-    // What was drawn out has no more than twice the particles that it had.
+    // Stretched elements have at most twice their number of particles at rest.
     std::array::from_fn(|d| each(scale * length(&now[d])).min(2 * each(scale * length(&rest[d]))))
 }
 
-/// The particles of an element: its mass and momentum to rounding, states of the nearest points of integration, velocities and their
-/// gradient by its shape functions. `energy` says the density of internal energy of a state, J/m^3 of reference volume at `density`.
+/// Create the particles of an element: mass and momentum to rounding, states of the nearest integration points, velocities and velocity
+/// gradients by the shape functions. `energy` returns the internal energy density of a state, J/m^3 of reference volume at `density`.
 pub(crate) fn particles_of<const D: usize>(
     element: &ConvertedElement<D>,
     how: (Particles, f64, bool),
@@ -86,8 +86,8 @@ pub(crate) fn particles_of<const D: usize>(
         })
         .collect();
     let sum: f64 = made.iter().map(|(weight, ..)| weight).sum();
-    // Shares of the mass by volumes at rest give centre of mass and momentum of the nodes up to how the element is skewed: what is missing
-    // moves all alike.
+    // Mass shares by volumes at rest reproduce centre of mass and momentum of the nodes up to the skewness of the element: a uniform shift
+    // corrects the rest.
     let missing = |nodal: &[[f64; D]], own: &dyn Fn(usize) -> [f64; D]| -> [f64; D] {
         std::array::from_fn(|d| {
             let nodal: f64 = element.masses.iter().zip(nodal).map(|(m, x)| m * x[d]).sum();
@@ -126,7 +126,7 @@ pub(crate) fn particles_of<const D: usize>(
     became
 }
 
-/// The point of integration of so many whose part of the element a place is in.
+/// Integration point out of `points` whose part of the element contains `xi`.
 fn nearest(kind: ElementKind, xi: &[f64; 3], points: usize) -> usize {
     if points == 1 {
         return 0;
@@ -134,18 +134,18 @@ fn nearest(kind: ElementKind, xi: &[f64; 3], points: usize) -> usize {
     (0..kind.dimensions()).map(|d| usize::from(xi[d] > 0.0) << d).sum()
 }
 
-/// dv/dx from columns dx/dxi and dv/dxi; none of an element that is flat.
+/// Velocity gradient dv/dx from columns dx/dxi and dv/dxi; zero for a flat element.
 fn gradient<const D: usize>(now: &[[f64; D]; 3], speeds: &[[f64; D]; 3]) -> [[f64; D]; D] {
     let inverse = matrix(now).try_inverse().unwrap_or_else(Matrix3::zeros);
     let gradient = matrix(speeds) * inverse;
     std::array::from_fn(|c| std::array::from_fn(|d| gradient[(c, d)]))
 }
 
-/// Half edges of the part of an element, m: of simplices those of a cube of its volume.
+/// Half edges of a part of an element, m: for simplices those of a cube of its volume.
 fn half_edges<const D: usize>(kind: ElementKind, now: &[[f64; D]; 3], half: &[f64; 3]) -> [[f64; 3]; 3] {
     let mut edges = [[0.0; 3]; 3];
     if kind.is_simplex() {
-        // The element has half, or a sixth, of the volume of its columns.
+        // A simplex has half, or a sixth, of the volume of its columns.
         let whole = determinant(now).abs() / if D == 2 { 2.0 } else { 6.0 };
         let edge = half[0] * whole.powf(1.0 / D as f64);
         (0..D).for_each(|d| edges[d][d] = edge);

@@ -1,4 +1,4 @@
-//! Particles against the surfaces of elements.
+//! Point-to-surface contact of particles with elements.
 
 use fem::Fem;
 use impactite_scene::{Body, Solver, Stopped};
@@ -8,11 +8,11 @@ use mpm_core::{NearParticles, SurfaceClient, Taken};
 
 use crate::elements::{Elements, PointToSurface};
 
-/// Bits of a label that are the number of a particle in its body.
+/// Number of bits of a label for the number of a particle in its body.
 const NUMBERS: u32 = 40;
 
 impl<const D: usize> PointToSurface<D> {
-    /// Mark where the facets are in a step of `dt`, s.
+    /// Collect the boxes swept by the facets in a step of `dt`, s.
     pub(crate) fn sweep(&mut self, dt: f64) {
         let boxes = self.surfaces.iter().flat_map(|surface| {
             surface.facets().iter().map(move |facet| {
@@ -32,7 +32,7 @@ impl<const D: usize> PointToSurface<D> {
     }
 }
 
-/// Impulses times the mean of velocities before and after the step, J.
+/// Work of impulses on the mean of the velocities before and after the step, J.
 fn work<const D: usize>(impulse: &[f64; D], before: &[f64; D], after: &[f64; D]) -> f64 {
     (0..D).map(|d| 0.5 * impulse[d] * (before[d] + after[d])).sum()
 }
@@ -42,7 +42,8 @@ impl<const D: usize> SurfaceClient<f64, D> for Elements<D> {
         self.swept().is_some_and(|boxes| boxes.touches(low, high))
     }
 
-    /// In each step of the elements: all particles and nodes at once, particles as the nodes that carry them move and push each other.
+    /// Solve contact in each step of the elements, for all particles and nodes at once; particles move, and push each other, through the
+    /// nodes that carry them.
     fn meet(&mut self, particles: &mut NearParticles<D>, _: f64, team: &Team) -> Result<Taken, Stopped> {
         let (mut met, step) = (Met::of(particles), self.step);
         loop {
@@ -56,12 +57,12 @@ impl<const D: usize> SurfaceClient<f64, D> for Elements<D> {
     }
 }
 
-/// What particles and surfaces do to each other in a step of the scene.
+/// Contact of particles and surfaces in a step of the scene.
 struct Met<const D: usize> {
     labels: Vec<u64>,
-    /// Of the particles, now.
+    /// Present positions of the particles.
     positions: Vec<[f64; D]>,
-    /// On the particles so far, N s.
+    /// Impulses on the particles so far, N s.
     impulses: Vec<[f64; D]>,
     friction: f64,
 }
@@ -77,7 +78,7 @@ impl<const D: usize> Met<D> {
         }
     }
 
-    /// A step of the elements of `dt` seconds.
+    /// Solve contact in an element step of `dt` seconds.
     fn step(
         &mut self,
         fem: &mut Fem<D>,
@@ -125,8 +126,8 @@ impl<const D: usize> Met<D> {
         Ok(())
     }
 
-    /// What was taken from the particles: what impulses do in a step is their work on the mean velocities, so that what presses without
-    /// moving takes nothing. What of it the elements got is in their books ([`fem::ElementBody::pushed`]).
+    /// Energy taken from the particles: work of the impulses on the mean velocities, so that pressure without motion takes none. The part
+    /// transferred to elements is in their balance ([`fem::ElementBody::pushed`]).
     fn taken(&self, particles: &NearParticles<D>) -> Taken {
         let (mut before, mut after) = (Vec::new(), Vec::new());
         particles.velocities_before(&mut before);

@@ -9,36 +9,36 @@ use mpm_core::Surroundings;
 
 use crate::element::{NODES, box_around};
 
-/// Edges of elements in cells above which points between nodes of the border are tied, too: nodes closer to each other share nodes of the grid.
+/// Edge length, in cells, above which points between border nodes are tied, too: nodes closer to each other share nodes of the grid.
 const WIDE: f64 = 1.5;
-/// The same of elements that were stretched so far: what moves them is not what their force moves where points are between nodes, and where a
-/// foot that flowed was tied so, energy appeared (0.8 % of all of a steel bar at 224 m/s).
+/// Threshold for elements that are wide only by stretch, in cells. Points between nodes do not match the motion caused by nodal forces: a
+/// yielding foot that was tied in this way gained energy (0.8 % of the total of a steel bar at 224 m/s).
 const STRETCHED: f64 = 2.0;
-/// Cells behind the border within which elements are tied. Nodes of the grid that particles at the border reach stand for what is behind it, too:
-/// with the nodes of the border alone they are light and have the strain of one side, and two standing waves later a fifth of the
-/// energy is gone.
+/// Depth behind the border, in cells, within which elements are tied. Grid nodes reached by particles at the border also represent the
+/// matter behind it: with border nodes alone they lack mass and have one-sided strains, and two periods of a standing wave lose a fifth of
+/// the energy.
 const DEPTH: f64 = 1.5;
-/// Most parts along an edge.
+/// Maximum number of parts along an edge.
 const MOST_PARTS: f64 = 16.0;
 
-/// What tells a point from others.
+/// Identity of a point.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Key {
     Node(u32),
-    /// Nodes, sorted, with their shape functions in parts of 2^16.
+    /// Sorted nodes, with their shape functions in parts of 2^16.
     Between(Vec<(u32, u32)>),
 }
 
-/// A point on the grid as it is found, with parts of the mass, momentum and force of nodes.
+/// Point on the grid during the search, with parts of the mass, momentum and force of nodes.
 struct Point {
     key: Key,
-    /// Nodes with what of each it has: all parts of a node are one.
+    /// Nodes with the part of each at this point: the parts of a node sum to one.
     parts: Vec<(u32, f64)>,
-    /// Nodes with their shape functions.
+    /// Nodes with their shape functions at the point.
     place: Vec<(u32, f64)>,
 }
 
-/// Lists of nodes with numbers, one a point.
+/// Lists of nodes with numbers, one list per point.
 #[derive(Clone, Debug, Default)]
 struct Lists {
     starts: Vec<u32>,
@@ -62,12 +62,12 @@ impl Lists {
     }
 }
 
-/// The elements at each node of a mesh.
+/// Elements at each node of a mesh.
 #[derive(Clone, Debug, Default)]
 struct Around {
     starts: Vec<u32>,
     elements: Vec<u32>,
-    /// The number of the first element of each block.
+    /// Number of the first element of each block.
     blocks: Vec<u32>,
 }
 
@@ -97,7 +97,7 @@ impl Around {
         &self.elements[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
     }
 
-    /// An element by its number.
+    /// Kind and nodes of an element, by its number.
     fn element<'a, const D: usize>(&self, mesh: &'a ElementMesh<D>, number: u32) -> (ElementKind, &'a [u32]) {
         let block = self.blocks.partition_point(|&first| first <= number) - 1;
         let (kind, all) = (mesh.blocks[block].kind, &mesh.blocks[block].nodes);
@@ -106,39 +106,40 @@ impl Around {
     }
 }
 
-/// The points of a body, of elements beside those that became particles and of those that bars run through: at their nodes and, on facets
-/// between wide elements and particles, between these as well, about as many as there are cells: through these particles would pass otherwise.
+/// Tied points of a body, for elements beside converted ones and elements crossed by bars: at their nodes and, on facets between wide
+/// elements and particles, also between the nodes, about one per cell, so that particles do not pass through.
 ///
-/// A point s has the mass m_s = sum_a A_sa m_a of nodes a, and their momentum and force likewise, with sum_s A_sa = 1; what it gains in a step
-/// goes to the nodes by the same parts, dv_a = sum_s A_sa dv_s, so that sum_a m_a dv_a = sum_s m_s dv_s. That is all that a node gains: its own
-/// force moves it through the points alone, or what these do not see of it would speed it up for ever, since it moves with the matter.
+/// A point s has the mass m_s = sum_a A_sa m_a of nodes a, and momentum and force likewise, with sum_s A_sa = 1. Its velocity change in a
+/// step is distributed to the nodes by the same parts, dv_a = sum_s A_sa dv_s, so that sum_a m_a dv_a = sum_s m_s dv_s. Nodes have no other
+/// velocity change: their own force moves them through the points alone. Force components without effect on the points would otherwise
+/// accelerate a node for ever, since it moves with the matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tied<const D: usize> {
-    /// The nodes, sorted: the first points are at these.
+    /// Sorted nodes: the first points are at these.
     nodes: Vec<u32>,
     keys: Vec<Key>,
-    /// By place among the nodes.
+    /// Parts, by index among the nodes.
     parts: Lists,
-    /// By number in the body.
+    /// Shape functions, by node number in the body.
     places: Lists,
-    /// Nodes of elements that became particles, and of those that bars run through.
+    /// Nodes of converted elements, and of elements crossed by bars.
     touched: BTreeSet<u32>,
-    /// Found when it is asked for.
+    /// Elements at the nodes; built on first use.
     around: Option<Around>,
-    /// Before the step, m/s: velocities of the nodes, and of the points.
+    /// Velocities of the nodes, and of the points, before the step, m/s.
     before: [Vec<[f64; D]>; 2],
 }
 
 impl<const D: usize> Tied<D> {
-    /// Elements that became particles.
+    /// Register converted elements.
     pub fn add(&mut self, elements: &[ConvertedElement<D>]) {
         elements.iter().for_each(|element| self.touched.extend(&element.nodes));
     }
 
-    /// Tie the elements that bars run through, so that these move with their matter. Are there any that were not?
+    /// Tie the elements crossed by bars, so that bars move with their matter. Returns true if there are new ones.
     ///
     /// # Errors
-    /// Elements so wide that bars would miss the nodes that their force is at.
+    /// Elements so wide that bars would miss the nodes of their forces.
     pub fn join(&mut self, body: &ElementBody<D>, around: &Surroundings<D>) -> Result<bool, SceneError> {
         let known = self.touched.len();
         if around.within.is_empty() {
@@ -165,7 +166,7 @@ impl<const D: usize> Tied<D> {
         Ok(self.touched.len() > known)
     }
 
-    /// The elements that are tied, and their nodes, sorted.
+    /// Tied elements, and their nodes, sorted.
     fn zone(&self, body: &ElementBody<D>, around: &Around, layers: u32) -> (Vec<u32>, Vec<u32>) {
         let (mut nodes, mut elements) = (self.touched.clone(), BTreeSet::new());
         let mut front: Vec<u32> = nodes.iter().copied().collect();
@@ -182,8 +183,8 @@ impl<const D: usize> Tied<D> {
         (elements.into_iter().collect(), nodes.into_iter().collect())
     }
 
-    /// Find the points anew, on a grid of cells of `spacing`, m, of elements whose edges at rest have the mean length `edge`, m. Returns the
-    /// number that each had, `u32::MAX` of new ones.
+    /// Rebuild the points on a grid of cells of `spacing`, m; `edge` is the mean edge length of the elements at rest, m. Returns the
+    /// previous number of each point, `u32::MAX` for new ones.
     pub fn find(&mut self, body: &ElementBody<D>, [spacing, edge]: [f64; 2]) -> Vec<u32> {
         let known: BTreeMap<Key, u32> = self.keys.drain(..).zip(0..).collect();
         self.touched.retain(|&n| body.elements_at(n as usize) > 0);
@@ -243,7 +244,7 @@ impl<const D: usize> Tied<D> {
             }
         }
         for (n, part) in points.iter_mut().flat_map(|point| &mut point.parts) {
-            // Nodes that are on no such facet have themselves.
+            // Nodes on no such facet have a part of one.
             let sum = sums[*n as usize];
             *part = if sum > 0.0 { *part / sum } else { 1.0 };
         }
@@ -254,7 +255,7 @@ impl<const D: usize> Tied<D> {
         self.keys.iter().map(|key| known.get(key).copied().unwrap_or(u32::MAX)).collect()
     }
 
-    /// Facets between elements and particles.
+    /// Find the facets between elements and particles.
     fn border(&self, body: &ElementBody<D>) -> BTreeSet<[u32; 4]> {
         let facets = body.surface().iter().map(Facet::nodes);
         let tied = facets.filter(|nodes| nodes.iter().all(|n| self.touched.contains(n)));
@@ -273,19 +274,19 @@ impl<const D: usize> Tied<D> {
         (mass, momentum.map(|p| p / mass))
     }
 
-    /// Mass, kg, and velocity, m/s.
+    /// Masses, kg, and velocities, m/s, of the points.
     pub fn mass_points(&self, body: &ElementBody<D>) -> Vec<(f64, [f64; D])> {
         (0..self.keys.len()).map(|point| self.motion(body, point)).collect()
     }
 
-    /// Their velocities, m/s.
+    /// Write the velocities of the points, m/s.
     pub fn velocities(&self, body: &ElementBody<D>, out: &mut [[f64; 3]]) {
         for (point, to) in out.iter_mut().enumerate() {
             to[..D].copy_from_slice(&self.motion(body, point).1);
         }
     }
 
-    /// Where they are, m.
+    /// Positions of the points, m.
     pub fn positions<'a>(&'a self, body: &'a ElementBody<D>) -> impl Iterator<Item = [f64; D]> + 'a {
         (0..self.keys.len()).map(|point| {
             let mut x = [0.0; D];
@@ -297,7 +298,7 @@ impl<const D: usize> Tied<D> {
         })
     }
 
-    /// Note the velocities before a step.
+    /// Store the velocities before a step.
     pub fn remember(&mut self, body: &ElementBody<D>) {
         let mut before = std::mem::take(&mut self.before);
         before.iter_mut().for_each(Vec::clear);
@@ -306,8 +307,8 @@ impl<const D: usize> Tied<D> {
         self.before = before;
     }
 
-    /// Give the nodes, which moved by their own forces, what the points gained, as impulses: `changes`, m/s, are those of the velocities that these
-    /// had by then, none where there are none.
+    /// Apply the velocity changes of the points as impulses to the nodes, which moved by their own forces: `changes`, m/s, add to the trial
+    /// velocities of the points; zero where missing.
     pub fn push(&self, body: &mut ElementBody<D>, changes: &[[f64; 3]]) {
         let mut ends = self.before[0].clone();
         for (point, before) in self.before[1].iter().enumerate() {
@@ -324,19 +325,19 @@ impl<const D: usize> Tied<D> {
         }
     }
 
-    /// Move the nodes with the velocities, m/s, that matter has where they are.
+    /// Move the nodes with the velocities, m/s, of the matter at their positions.
     pub fn carry(&self, body: &mut ElementBody<D>, velocities: &[[f64; 3]]) {
         for (&n, v) in self.nodes.iter().zip(velocities) {
             body.carry(n as usize, std::array::from_fn(|d| v[d]));
         }
     }
 
-    /// What it is found from.
+    /// Nodes that define the points.
     pub fn touched(&self) -> Vec<u32> {
         self.touched.iter().copied().collect()
     }
 
-    /// Of such nodes.
+    /// Create from the nodes that define the points.
     pub fn of(touched: Vec<u32>) -> Self {
         Tied { touched: touched.into_iter().collect(), ..Tied::default() }
     }
@@ -357,7 +358,7 @@ impl<const D: usize> Tied<D> {
     }
 }
 
-/// Nodes at these places, sorted.
+/// Nodes at these corners, sorted.
 fn sorted(places: &[usize], nodes: &[u32]) -> [u32; 4] {
     let mut key = [Facet::NONE; 4];
     key.iter_mut().zip(places).for_each(|(to, &place)| *to = nodes[place]);
@@ -365,7 +366,7 @@ fn sorted(places: &[usize], nodes: &[u32]) -> [u32; 4] {
     key
 }
 
-/// Of an element whose nodes are at these places, m.
+/// Longest edge of an element with these node positions, m.
 fn longest_edge<const D: usize>(kind: ElementKind, nodes: &[u32], place: impl Fn(usize) -> [f64; D]) -> f64 {
     let square = |&[a, b]: &[usize; 2]| -> f64 {
         let [a, b] = [a, b].map(|n| place(nodes[n] as usize));
@@ -374,8 +375,7 @@ fn longest_edge<const D: usize>(kind: ElementKind, nodes: &[u32], place: impl Fn
     kind.edges().iter().map(square).fold(0.0, f64::max).sqrt()
 }
 
-/// Points of an element that is cut into so many parts along each edge: shape functions of its nodes there, and weights (trapezoidal rule), of all
-/// one.
+/// Points of an element divided into `parts` along each edge: shape functions of its nodes, and weights (trapezoidal rule) that sum to one.
 fn lattice(kind: ElementKind, parts: u32) -> Vec<([f64; NODES], f64)> {
     let dim = kind.dimensions();
     let at = |k: u32| f64::from(k) / f64::from(parts);
@@ -387,7 +387,7 @@ fn lattice(kind: ElementKind, parts: u32) -> Vec<([f64; NODES], f64)> {
         let (xi, weight) = if kind.is_simplex() {
             let Some(first) = parts.checked_sub(k.iter().sum()) else { continue };
             let zeros = k[..dim].iter().chain([&first]).filter(|&&k| k == 0).count();
-            // What of a small simplex around it lies within.
+            // Part of a small simplex around the point that is inside the element.
             (k.map(at), [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0][zeros])
         } else {
             let ends = k[..dim].iter().filter(|&&k| k == 0 || k == parts).count();

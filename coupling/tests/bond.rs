@@ -1,4 +1,4 @@
-//! Bars that slip within a body of particles.
+//! Bond with slip of bars within a body of particles.
 
 #![allow(missing_docs)]
 
@@ -16,7 +16,7 @@ use mpm_core::{
     Side, Usl,
 };
 
-/// A bar along a line of points, `parts` elements between two of them.
+/// Bar along a polyline, with `parts` elements per segment.
 fn bar(mesh: &mut ElementMesh<2>, points: &[[f64; 2]], parts: usize) {
     let mut links = Vec::new();
     for (k, ends) in points.windows(2).enumerate() {
@@ -36,8 +36,8 @@ fn empty() -> ElementMesh<2> {
     ElementMesh { nodes: Vec::new(), blocks: Vec::new(), ..ElementMesh::default() }
 }
 
-/// A bar in matter that is strained evenly: E A s'' = k p s, with no force at its ends, so that its stress is
-/// E eps (1 - cosh(kappa x) / cosh(kappa L)), kappa = sqrt(k p / E A) (shear lag, [Cox1952]).
+/// Shear lag of a bar in evenly strained matter [Cox1952]: E A s'' = k p s, with no force at its ends, so that its stress is E eps (1 -
+/// cosh(kappa x) / cosh(kappa L)), kappa = sqrt(k p / E A).
 #[test]
 fn a_bar_in_strained_matter_takes_the_stress_of_shear_lag() {
     const HALF: f64 = 0.25;
@@ -46,7 +46,7 @@ fn a_bar_in_strained_matter_takes_the_stress_of_shear_lag() {
     let (rate, end) = (0.2, 5e-3);
     for (kappa, elements) in [(8.0, 40), (8.0, 20), (20.0, 40)] {
         let lattice = Lattice::new([0.0; 2], 0.025).expect("lattice");
-        // So heavy that nothing slows it down: the bar takes 3e-3 of its velocity.
+        // Heavy matter, which the bar hardly decelerates: it takes 3e-3 of its velocity.
         let pulled = move |x: [f64; 2]| [rate * (x[0] - 0.5), 0.0];
         let method = Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain);
         let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -70,12 +70,12 @@ fn a_bar_in_strained_matter_takes_the_stress_of_shear_lag() {
             largest = largest.max(p.stress[0] / full);
         });
         println!("kappa {kappa}, {elements} elements: off by {worst:.4} of E eps, largest {largest:.4}");
-        // It swings about that by 1 / omega t = 5e-3, and elements of 0.25 / kappa are wrong by a part of kappa^2 h^2 / 12 = 2e-2.
+        // Oscillation about the solution: 1 / omega t = 5e-3; error of elements of 0.25 / kappa: kappa^2 h^2 / 12 = 5e-3.
         assert!(worst < 0.02, "kappa {kappa}, {elements} elements: {worst}");
     }
 }
 
-/// Concrete with a fiftieth of steel that sways in its first mode.
+/// Concrete with a fiftieth of steel that oscillates in its first mode.
 fn swaying(bond: LinearBond) -> Mpm<2> {
     const HEIGHT: f64 = 0.1;
     let lattice = Lattice::new([0.0; 2], 0.025).expect("lattice");
@@ -101,7 +101,7 @@ fn swaying(bond: LinearBond) -> Mpm<2> {
     mpm
 }
 
-/// The speed of its long waves over that of both together (`long_waves.rs`).
+/// Speed of long waves with stiff bond, over that of both materials together (`long_waves.rs`).
 #[test]
 fn stiff_bond_is_perfect_bond() {
     let mut mpm = swaying(LinearBond::new(1e13).expect("bond"));
@@ -113,7 +113,7 @@ fn stiff_bond_is_perfect_bond() {
     assert!((mpm.totals().momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale);
 }
 
-/// A block with bars that flies at a wall, and rises.
+/// Block with bars that flies at a wall, and rises.
 fn flying(bond: Option<LinearBond>, mesh: ElementMesh<2>) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.025).expect("lattice");
     let motion = |_: [f64; 2]| [-2.0, 0.5];
@@ -144,7 +144,7 @@ fn mean(mpm: &Mpm<2>, body: usize) -> [f64; 2] {
     [totals.momentum[0] / totals.mass, totals.momentum[1] / totals.mass]
 }
 
-/// Far along its axis, and with matter across it.
+/// Without bond a bar slides on along its axis, and moves with the matter across it.
 #[test]
 fn without_bond_a_bar_slides_and_is_carried_across() {
     let none = LinearBond::new(1.0).expect("bond");
@@ -153,13 +153,14 @@ fn without_bond_a_bar_slides_and_is_carried_across() {
         mpm.run_until(5e-3).expect("run");
     }
     println!("free {:?} in {:?}, tied {:?}", mean(&free, 1), mean(&free, 0), mean(&tied, 1));
-    // Matter turned back; what the last step's acceleration of it is wrong by is left: dt a.
+    // The matter has rebounded; the remaining error is that of its acceleration in the last step: dt a.
     assert!(mean(&free, 0)[0] > 0.0 && mean(&tied, 1)[0] > 0.0);
     assert!((mean(&free, 1)[0] + 2.0).abs() < 0.02, "{:?}", mean(&free, 1));
     assert!((mean(&free, 1)[1] - 0.5).abs() < 0.02, "{:?}", mean(&free, 1));
 }
 
-/// Steel and concrete sway against each other where bond is weak: a bar needs rho a dv/dt = 470 Pa to sway with the concrete, without its own stiffness.
+/// Relative oscillation of steel and concrete with weak bond: a bar needs rho a dv/dt = 470 Pa to move with the concrete, without its own
+/// stiffness.
 #[test]
 fn momentum_and_energy_are_kept_where_bars_slide_with_friction() {
     let bond = LinearBond::new(1e11).and_then(|bond| bond.with_strength(100.0, 100.0)).expect("bond");
@@ -176,8 +177,8 @@ fn momentum_and_energy_are_kept_where_bars_slide_with_friction() {
     );
     assert!(part > 0.01, "friction {part}");
     assert!(account.missing() < 1e-12 * account.momentum_scale, "momentum {}", account.missing());
-    // As bars break loose 1.2e-2 is lost, within 2e-4 s, which is not explained; the fifth of the energy that friction takes from then on is
-    // booked to a fortieth of it.
+    // Bars lose 1.2e-2 of the energy when they break loose, within 2e-4 s, for a reason not known; the fifth of the energy that friction
+    // dissipates afterwards is booked to a fortieth of it.
     assert!((error - first).abs() < 5e-3, "energy {first:+e}, {error:+e}");
     assert!(first.abs() < 1.5e-2 && error.abs() < 1.5e-2, "energy {first:+e}, {error:+e}");
 }
@@ -209,7 +210,7 @@ fn bits_are_the_same_for_threads_and_after_a_checkpoint() {
     let _ = std::fs::remove_file(&path);
 }
 
-/// The same length along the block, with an end that is bent: it goes with the matter, where a straight one slides on.
+/// Bar of the same length along the block with a hook: it moves with the matter, while a straight bar slides on.
 #[test]
 fn a_hook_holds() {
     let weak = LinearBond::new(1e11).and_then(|bond| bond.with_strength(1e3, 1e3)).expect("bond");
@@ -226,7 +227,7 @@ fn a_hook_holds() {
     assert!(hooked > 0.0, "hooked {hooked}");
 }
 
-/// The numbers of the curve by its formula, and a cycle by hand.
+/// Values of the curve by its formula, and a load cycle by hand.
 #[test]
 fn the_curve_of_the_model_code() {
     let law = ModelCodeBond::new(12e6, 4.8e6, [1e-3, 2e-3, 5e-3], 0.4, 2e11).expect("law");
@@ -237,7 +238,7 @@ fn the_curve_of_the_model_code() {
     // (1/32)^0.4 = 1/4.
     is(at(1e-3 / 32.0), 3e6);
     is(at(1.5e-3), 12e6);
-    // Unloading by 12 MPa / 2e11 Pa/m, then friction, and friction until 1.5 mm are reached again.
+    // Unloading by 12 MPa / 2e11 Pa/m, then friction backwards, and friction forwards until 1.5 mm are reached again.
     is(at(1.5e-3 - 3e-5), 6e6);
     is(at(1e-3), -4.8e6);
     is(at(1.4e-3), 4.8e6);

@@ -1,4 +1,4 @@
-//! Elements that become particles.
+//! Conversion of elements to particles.
 
 #![allow(missing_docs)]
 
@@ -33,7 +33,7 @@ fn methods() -> [(&'static str, Kernels2); 3] {
 
 const H: f64 = 0.01;
 
-/// A bar of elements of so many cells, of which those beyond the middle are particles.
+/// Bar of elements of `element` cells; those beyond `from` are particles.
 fn half_bar(
     method: Kernels2,
     element: f64,
@@ -58,7 +58,7 @@ fn pulse(x: f64) -> f64 {
     if s < 1.0 { 0.5 * (1.0 + (std::f64::consts::PI * s).cos()) * 1e-3 } else { 0.0 }
 }
 
-/// The largest mean velocity of pieces of the bar of 4 cells between two places.
+/// Largest mean velocity of pieces of 4 cells of the bar, between two positions.
 fn coherent(mpm: &Mpm<2>, from: f64, to: f64) -> f64 {
     let mut pieces = std::collections::BTreeMap::<i64, [f64; 2]>::new();
     for body in mpm.bodies() {
@@ -73,11 +73,11 @@ fn coherent(mpm: &Mpm<2>, from: f64, to: f64) -> f64 {
     pieces.values().map(|[mass, momentum]| (momentum / mass).abs()).fold(0.0, f64::max)
 }
 
-/// What a joint in the middle sends back of a pulse, and what comes through, over the pulse.
+/// Reflected and transmitted part of a pulse at a joint in the middle.
 fn at_the_joint(method: Kernels2, element: f64, shift: f64, from_elements: bool) -> [f64; 2] {
     let left: fn([f64; 2]) -> [f64; 2] = |x| [pulse(x[0] - 0.5), 0.0];
     let right: fn([f64; 2]) -> [f64; 2] = |x| [pulse(x[0] - 1.5), 0.0];
-    // Half of it goes to each side; what goes away from the joint is turned round by the end, and far enough behind.
+    // Half of the pulse goes to each side; the half away from the joint is reflected by the end, and stays far enough behind.
     let (mut mpm, log) = half_bar(method, element, shift, 1.0, if from_elements { left } else { right });
     let start = mpm.totals();
     mpm.run_until(0.75).expect("run");
@@ -86,7 +86,7 @@ fn at_the_joint(method: Kernels2, element: f64, shift: f64, from_elements: bool)
     let now = mpm.totals();
     assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale, "momentum");
     assert!((now.mass / start.mass - 1.0).abs() < 1e-12, "mass");
-    // Of the momentum of half a pulse.
+    // Relative to the momentum of half a pulse.
     let (whole, mut sums) = (0.08 * 0.5 * 0.15e-3, [0.0; 2]);
     for body in mpm.bodies() {
         body.for_each(&mut |p| {
@@ -112,7 +112,7 @@ fn a_joint_of_elements_and_particles_reflects_little() {
                     100.0 * back,
                     100.0 * through
                 );
-                // Where domains of cpGIMP reach nodes that wide elements do not, 2.3 % comes back: the gate is missed there.
+                // cpGIMP domains reach nodes that wide elements do not: 2.3 % is reflected, and the requirement is missed.
                 let missed = name.starts_with("cpGIMP") && shift != 0.0 && element > 1.0;
                 let most = if missed { &mut worst_aside } else { &mut worst };
                 *most = most.max(back);
@@ -124,7 +124,7 @@ fn a_joint_of_elements_and_particles_reflects_little() {
     assert!(worst_aside < 0.025, "{worst_aside}");
 }
 
-/// No node in the region.
+/// Region without nodes: no conversion.
 #[test]
 fn without_a_converted_element_it_is_finite_elements_bit_for_bit() {
     for (name, method) in methods() {
@@ -153,7 +153,7 @@ fn without_a_converted_element_it_is_finite_elements_bit_for_bit() {
     }
 }
 
-/// All nodes in the region.
+/// Region with all nodes: full conversion.
 #[test]
 fn with_all_elements_converted_it_is_the_material_point_method() {
     for (name, method) in methods() {
@@ -162,7 +162,7 @@ fn with_all_elements_converted_it_is_the_material_point_method() {
         let lattice = Lattice::new([0.0; 2], H).expect("lattice");
         let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
         let block = seeds(&boxed([0.0, 0.0], [2.0, 0.08]), &lattice);
-        // Velocities by the shape functions of the elements.
+        // Velocities interpolated by the shape functions of the elements.
         let nodal = |x: [f64; 2]| {
             let left = (x[0] / H).floor();
             let share = x[0] / H - left;
@@ -191,14 +191,14 @@ fn with_all_elements_converted_it_is_the_material_point_method() {
     }
 }
 
-/// A block of rubber that flies and spins, and becomes particles where it comes into a region.
+/// Flying and spinning block of rubber that is converted on entry into a region.
 fn spinning(method: Kernels2, particles: Particles, bend: f64) -> (Mpm<2>, ConversionLog) {
     const H: f64 = 0.05;
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let rubber = NeoHookean::new(1100.0, Moduli::young_poisson(1e7, 0.3).expect("moduli")).expect("rubber");
     let mesh = box_mesh(&boxed([0.7; 2], [1.3; 2]), [12, 12]).expect("mesh");
-    // Elements that are no parallelograms.
+    // Elements that are not parallelograms.
     let bent = move |x: [f64; 2]| {
         [x[0] + bend * (x[0] - 1.0) * (x[1] - 1.0), x[1] + bend * (x[0] - 1.0) * (x[1] - 1.0)]
     };
@@ -224,7 +224,7 @@ fn mass_and_momentum_are_kept_where_a_spinning_body_is_converted() {
             mpm.run_until(6e-3).expect("before");
             let start = mpm.totals();
             assert_eq!(log.book().elements, 0);
-            // About the middle of its mass.
+            // Angular momentum about the centre of mass.
             let (mut spin, mut middle) = (start.angular_momentum[2], [0.0; 2]);
             mpm.bodies()[1]
                 .for_each(&mut |p| (0..2).for_each(|d| middle[d] += p.mass / start.mass * p.position[d]));
@@ -250,9 +250,9 @@ fn mass_and_momentum_are_kept_where_a_spinning_body_is_converted() {
                 mpm.account().energy_error()
             );
             assert!(book.energy.abs() < 1e-3 * energy, "{book:?}");
-            // Nodes are further from the middle of their element than particles: m w h^2 (1/2 - 1/8) of squares of side h, which is 1.6 % of
-            // the 12 across (2.1 % where one point has all mass). FLIP without an affine field loses as much again in the part of a turn that
-            // follows, with one particle an element 6 %.
+            // Nodes are further from the centre of their element than particles: a loss of m w h^2 (1/2 - 1/8) for squares of side h, 1.6 %
+            // with 12 across (2.1 % if one point has all mass). FLIP without an affine field loses as much again in the rest of the turn,
+            // with one particle an element 6 %.
             let most = match particles {
                 _ if name.contains("AFLIP") => 0.022,
                 Particles::Points => 0.09,
@@ -263,7 +263,7 @@ fn mass_and_momentum_are_kept_where_a_spinning_body_is_converted() {
     }
 }
 
-/// Two blocks that meet: both become particles before they do.
+/// Collision of two blocks: both become particles before contact.
 fn meeting() -> (Mpm<2>, [ConversionLog; 2]) {
     const H: f64 = 0.05;
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
@@ -301,7 +301,7 @@ fn blocks_become_particles_before_they_meet_and_part_again() {
         println!("{book:?}");
         assert!(book.elements > 10 && book.elements < 150, "{book:?}");
     }
-    // Elastic blocks of equal mass: each flies back.
+    // Elastic blocks of equal mass: both rebound.
     let speed = |names: [&str; 2]| {
         let own = mpm.bodies().iter().filter(|b| names.contains(&b.name()));
         let sum = own.map(|b| b.totals()).fold(mpm_core::Totals::default(), |a, b| a.plus(&b));
@@ -310,7 +310,7 @@ fn blocks_become_particles_before_they_meet_and_part_again() {
     let speeds = [speed(["left", "left (particles)"]), speed(["right", "right (particles)"])];
     println!("{speeds:?} m/s, energy error {:+.2e}", mpm.account().energy_error());
     assert!(speeds[0] < -1.5 && speeds[1] > 1.5, "{speeds:?}");
-    // The transfer takes some: of particles alone -7.3 %.
+    // Loss by the transfer: -7.3 % with particles alone.
     assert!(mpm.account().energy_error().abs() < 0.073);
 }
 

@@ -1,4 +1,4 @@
-//! Elements and particles in one scene, by both ways of contact.
+//! Contact of elements and particles in one scene, on the grid and by surface.
 
 #![allow(missing_docs)]
 
@@ -57,7 +57,7 @@ fn contact(friction: f64) -> GridContact<SurfaceDistance<SeparatingPlane>, f64> 
 
 const H: f64 = 0.05;
 
-/// A block of elements, of edges `size` cells long, falls aslant on a block of particles.
+/// Oblique impact of a block of elements, with edges of `size` cells, on a block of particles.
 fn meeting(way: Way, size: f64, method: impl IntoKernels<f64, 2>) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let count = |length: f64| (length / (size * H)).round().max(1.0) as usize;
@@ -83,7 +83,8 @@ fn what_elements_give_the_particles_get() {
                 continue;
             }
             let mut mpm = meeting(way, size, flip());
-            // The step decides what FLIP gains: 5, 1.3, 0 % with factors of 0.8, 0.4, 0.2, whatever steps the elements make within it.
+            // The time step of the scene determines the energy gain of FLIP: 5, 1.3, 0 % with factors of 0.8, 0.4, 0.2, for any steps of
+            // the elements.
             mpm.set_time_control(TimeControl::Courant { factor: 0.4, growth: 1.1 }).expect("factor");
             let (start, own) = (mpm.totals(), mpm.bodies()[1].totals());
             let mut least = f64::INFINITY;
@@ -109,14 +110,14 @@ fn what_elements_give_the_particles_get() {
                 "{way:?} {size}: energy error {:.4}, least {least:.3}, {account:?}",
                 account.energy_error()
             );
-            // On the grid contact stops a part of what closes in each step, and loses as it does between particles.
+            // Grid contact stops a part of the closing velocity in each step, and loses as much energy as between particles.
             let most = if way == Way::Grid { 0.2 } else { 0.03 };
             assert!(account.energy_error().abs() < most, "{way:?} {size}: {account:?}");
         }
     }
 }
 
-/// With methods whose nodes know no accelerations, too, and where the grid has contact of its own, or none.
+/// Contact by surface with a method without nodal accelerations, on a grid with its own contact.
 #[test]
 fn surfaces_go_with_any_method() {
     let mut mpm = meeting(Way::Surface, 2.0, Method::impact(PlaneStrain));
@@ -124,11 +125,11 @@ fn surfaces_go_with_any_method() {
     mpm.run_until(0.05).expect("run");
     let now = mpm.totals();
     assert!((now.momentum[1] - start.momentum[1]).abs() < 1e-12 * start.momentum_scale);
-    // What AFLIP loses of an impact.
+    // Impact loss of AFLIP.
     assert!(mpm.account().energy_error().abs() < 0.25, "{:?}", mpm.account());
 }
 
-/// A last step of nothing would mend depths at any speed.
+/// Last two steps before an end time: a vanishing last step would correct penetrations at any speed.
 #[test]
 fn the_last_two_steps_to_an_end_share_what_is_left() {
     for maps_together in [true, false] {
@@ -148,7 +149,7 @@ fn the_last_two_steps_to_an_end_share_what_is_left() {
     }
 }
 
-/// No particle is in the elements, whatever their size.
+/// Penetration test: no particle enters the elements, for any element size.
 #[test]
 fn no_particle_comes_through_a_surface() {
     for size in [0.25, 1.0, 4.0, 8.0] {
@@ -156,7 +157,7 @@ fn no_particle_comes_through_a_surface() {
         let mut deepest = 0.0f64;
         while !mpm.reached(0.08) {
             mpm.step_towards(0.08).expect("step");
-            // The block does not turn much: its lower side is the lowest node of the surface near a particle.
+            // The block hardly rotates: its lower side is half an element below the lowest centre.
             let mut low = f64::INFINITY;
             mpm.bodies()[1].for_each(&mut |p| low = low.min(p.position[1]));
             mpm.bodies()[0].for_each(&mut |p| deepest = deepest.max(p.position[1] - low));
@@ -166,7 +167,7 @@ fn no_particle_comes_through_a_surface() {
     }
 }
 
-/// A pulse through the joint of a bar of elements and one of particles: what comes back, over what came.
+/// Reflected part of a pulse at the joint of a bar of elements and a bar of particles, over the incident pulse.
 fn reflected(way: Way, ratio: usize) -> f64 {
     let (h, cell) = (2.5e-3, 2.5e-3);
     let lattice = Lattice::new([0.0; 2], cell).expect("lattice");
@@ -191,7 +192,7 @@ fn reflected(way: Way, ratio: usize) -> f64 {
     );
     mpm.add("particles", steel(), &seeds.expect("seeds"), |_| [0.0; 2]).expect("body");
     mpm.add_client(client(fem, way, 0.0)).expect("client");
-    // The velocity at the middle of the elements: the pulse, then what comes back of it.
+    // Velocity at the middle of the elements: first the incident pulse, then its reflection.
     let middle = |mpm: &Mpm<2>| {
         let (mut sum, mut count) = (0.0, 0.0);
         mpm.bodies()[1].for_each(&mut |p| {
@@ -215,8 +216,8 @@ fn reflected(way: Way, ratio: usize) -> f64 {
     back / came
 }
 
-/// What is asked for is 2 %. Particles give what they get to their nodes, half a cell around; on the grid, the corner of the bar, where a
-/// separating plane is oblique, is left out.
+/// The requirement is 2 %. Particles spread their impulses to nodes, half a cell around; on the grid, the corner of the bar, where a
+/// separating plane is oblique, has no contact.
 #[test]
 fn a_pulse_passes_the_joint() {
     for (way, ratio, most) in [(Way::Grid, 1, 0.12), (Way::Surface, 1, 0.036), (Way::Surface, 2, 0.039)] {
@@ -248,7 +249,7 @@ fn runs_are_resumed_and_threads_change_nothing() {
     }
 }
 
-/// Elements of an eighth of a cell make steps of their own within those of the scene.
+/// Subcycling: elements of an eighth of a cell make their own steps within those of the scene.
 #[test]
 fn small_elements_do_not_shorten_the_steps_of_the_scene() {
     let block = || {
@@ -315,7 +316,7 @@ fn what_cannot_be_is_refused_or_warned_of() {
         Elements::by_surface(Fem::<2>::new(PlaneStrain), Frictionless),
         Err(SceneError::NoBodies)
     ));
-    // Elements that are inverted stop the scene and are named.
+    // Inverted elements stop the scene, and the error names them.
     let soft = elements(PlaneStrain, mesh(), 1e3, [0.0; 2]);
     let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
     let seeds =
@@ -328,7 +329,7 @@ fn what_cannot_be_is_refused_or_warned_of() {
     assert_eq!(body, "elements", "{stopped}");
 }
 
-/// A lid of elements lies on a block of elements, and a lump of particles falls on it: the lid hands on what it gets.
+/// Lid of elements on a block of elements, hit by a lump of particles: the lid transmits the impact.
 fn lid(touching: bool) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let mut fem = Fem::new(PlaneStrain);
@@ -374,7 +375,7 @@ fn elements_touch_each_other_in_a_client() {
         }
         println!("touching {touching}: lid down to {low:.4}, energy error {:.4}", account.energy_error());
         assert!(account.energy_error().abs() < 0.03, "{account:?}");
-        // Its centres are at 0.45, and the block below it gives way a little.
+        // The centres of the lid are at 0.45, and the block below deforms a little.
         assert_eq!(low > 0.40, touching, "{low}");
     }
 }

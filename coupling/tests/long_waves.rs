@@ -1,4 +1,4 @@
-//! Long waves of concrete with bars, in particles, in elements and across the border of both, and where bars lap.
+//! Long waves in reinforced concrete: in particles, in elements, across the border of both, and with lap splices.
 
 #![allow(missing_docs)]
 
@@ -23,7 +23,7 @@ const H: f64 = 0.025;
 /// Density, kg/m^3, and Young's modulus, Pa.
 const CONCRETE: [f64; 2] = [2440.0, 34e9];
 const STEEL: [f64; 2] = [7850.0, 200e9];
-/// Steel over concrete, which it is added to.
+/// Ratio of steel to the concrete to which it is added.
 const SHARE: f64 = 0.02;
 const ROWS: u32 = 4;
 
@@ -37,15 +37,15 @@ fn splines() -> Kernels2 {
     Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain).into_kernels()
 }
 
-/// What the concrete is made of.
+/// Discretisation of the concrete.
 #[derive(Clone, Copy, Debug)]
 enum Matrix {
     Particles,
-    /// Elements of so many cells, of which those between two places, parts of the length, are particles.
+    /// Elements of this number of cells; those between two positions, over the length, are particles.
     Elements(f64, [f64; 2]),
 }
 
-/// Bars along all of it.
+/// Bars over the full length.
 fn through() -> Vec<[f64; 2]> {
     vec![[0.0, LENGTH]]
 }
@@ -58,7 +58,7 @@ fn concrete() -> LinearElastic<f64> {
     elastic(CONCRETE[0], CONCRETE[1], 0.0)
 }
 
-/// Concrete of elements of so many cells, of which those between two places are particles.
+/// Concrete of elements of `size` cells; those between two positions are particles.
 fn elements(size: f64, [from, to]: [f64; 2]) -> Elements<2> {
     let counts = [LENGTH, HEIGHT].map(|edge| (edge / (size * H)).round() as usize);
     let mesh = box_mesh(&boxed([0.0, 0.0], [LENGTH, HEIGHT]), counts).expect("mesh");
@@ -68,7 +68,7 @@ fn elements(size: f64, [from, to]: [f64; 2]) -> Elements<2> {
     Elements::converting(fem, "concrete", Conversion::within(region)).expect("converting").0
 }
 
-/// Concrete with bars from one place to another in each row, before it moves.
+/// Concrete with bars between two positions in each row, in the initial state.
 fn strip(
     method: Kernels2,
     matrix: Matrix,
@@ -104,7 +104,7 @@ fn strip(
     Ok(mpm)
 }
 
-/// Half the period of the first mode, s, of which `guess` is one. `most` of the energy may go in three periods.
+/// Half period of the first mode, s, with the estimate `guess`. At most the part `most` of the energy may be lost in three periods.
 fn sways(mut mpm: Mpm<2>, guess: f64, most: f64) -> f64 {
     let start = mpm.totals();
     let found = half_period(&mut mpm, LENGTH, 8.0 * guess);
@@ -116,7 +116,7 @@ fn sways(mut mpm: Mpm<2>, guess: f64, most: f64) -> f64 {
     found
 }
 
-/// Density and modulus with so many bars in each row.
+/// Density and modulus with this number of bars in each row.
 fn both(bars: f64) -> [f64; 2] {
     [0, 1].map(|k| CONCRETE[k] + bars * SHARE * STEEL[k])
 }
@@ -126,11 +126,11 @@ fn speed(bars: f64) -> f64 {
     (modulus / density).sqrt()
 }
 
-/// The speed of long waves over what the stiffness and mass of both give.
+/// Speed of long waves, over that of the combined stiffness and mass.
 fn long_waves(method: Kernels2, matrix: Matrix, elements_a_cell: f64) -> f64 {
     let mpm = strip(method, matrix, &through(), elements_a_cell, None).expect("scene");
     let expected = LENGTH / speed(1.0);
-    // Where splines join elements as large as cells to particles a part goes: 6.3 %.
+    // Splines lose energy at a joint of particles and elements as large as cells: 6.3 %.
     let most = if matches!(matrix, Matrix::Particles) { 0.03 } else { 0.08 };
     expected / sways(mpm, expected, most)
 }
@@ -152,7 +152,7 @@ fn long_waves_of_reinforced_concrete_are_as_fast_as_both_together() {
     }
 }
 
-/// Bars through elements, through particles, and from ones to the others.
+/// Bars through elements, through particles, and across their border.
 #[test]
 fn bars_cross_the_border_of_particles_and_elements() {
     let nowhere = [5.0, 6.0];
@@ -167,8 +167,7 @@ fn bars_cross_the_border_of_particles_and_elements() {
     }
 }
 
-/// Bars that end and go on beside others for a part of the length, held by bond: the first mode of a rod of three pieces, sin within and cos
-/// without, with forces and velocities that meet.
+/// Lap splices of bars with bond: first mode of a rod of three pieces, sin inside and cos outside, with continuous forces and velocities.
 #[test]
 fn laps_carry_on_what_bars_hold() {
     let bond = LinearBond::new(1e13).expect("bond");
@@ -200,14 +199,14 @@ fn laps_carry_on_what_bars_hold() {
     }
 }
 
-/// Concrete of which one half is particles and the other elements: a standing wave has the largest stress where they meet. With nodes of the
-/// border alone on the grid it lost a fifth of its energy in two periods.
+/// Concrete, half particles and half elements: a standing wave has its largest stress at the joint. With border nodes alone on the grid it
+/// lost a fifth of its energy in two periods.
 #[test]
 fn a_joint_keeps_the_energy_of_a_standing_wave() {
     let worst = [("linear", linear()), ("splines", splines())].map(|(name, method)| {
         [0.5, 1.0, 2.0].map(|size| {
             let mut worst = 0.0f64;
-            // Not at quarters of a cell, where particles at rest across the edge of a bin lose 1e-8 of momentum to rounding.
+            // Without quarters of a cell, at which particles at rest across the edge of a bin lose 1e-8 of momentum to rounding.
             for shift in [0.0, 0.3, 0.5, 0.7] {
                 let lattice = Lattice::new([shift * H; 2], H).expect("lattice");
                 let mut mpm = Mpm::new(method.clone(), BlockGrid::new(lattice));
@@ -226,7 +225,7 @@ fn a_joint_keeps_the_energy_of_a_standing_wave() {
             worst
         })
     });
-    // Of wide elements the border alone is tied, and the strain of particles there is one-sided.
+    // Wide elements are tied at the border alone, and the strain of particles there is one-sided.
     for [half, one, two] in worst {
         assert!(half < 0.02 && one < 0.06 && two < 0.17, "{worst:?}");
     }

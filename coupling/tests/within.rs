@@ -1,4 +1,4 @@
-//! Elements within a body of particles: bars in concrete, by perfect bond.
+//! Elements within a body of particles: bars in concrete, with perfect bond.
 
 #![allow(missing_docs)]
 
@@ -19,7 +19,7 @@ use mpm_core::{
 };
 use mpm_materials::{J2, LogarithmicBulk, Moduli, NeoHookean, Solid};
 
-/// A block with a cross of bars, in so many parts, that spins and flies.
+/// Spinning and flying block with a cross of bars, `parts` elements each.
 fn spinning(separate: bool, parts: usize) -> Mpm<2> {
     const H: f64 = 0.05;
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
@@ -55,17 +55,17 @@ fn a_block_with_bars_flies_and_spins_as_one() {
         for d in 0..2 {
             assert!((now.momentum[d] - start.momentum[d]).abs() < 1e-11 * start.momentum_scale, "momentum");
         }
-        // About the middle, which flies along the x axis.
+        // Angular momentum about the centre, which moves along the x axis.
         let spin = |t: &mpm_core::Totals| t.angular_momentum[2] + t.momentum[0];
         let error = spin(&now) / spin(&start) - 1.0;
         let energy = (now.kinetic + now.internal) / (start.kinetic + start.internal) - 1.0;
         println!(
             "kept apart from others: {separate}, {parts} parts: angular momentum {error:+.2e}, energy {energy:+.2e}"
         );
-        // Without bars -6e-4 and -1.6e-3.
+        // Errors without bars: -6e-4 and -1.6e-3.
         assert!(error.abs() < 2e-3, "angular momentum {error:+e}");
         assert!(energy.abs() < 4e-3, "energy {energy:+e}");
-        // Bars are where matter is: both ends of the first lie on a line through the middle, at its length.
+        // Bars move with the matter: the first bar keeps its length.
         let mut ends = [[0.0; 2]; 2];
         mpm.bodies()[1].for_each(&mut |p| {
             for (n, end) in [(0, 0), (parts - 1, 1)] {
@@ -83,7 +83,7 @@ fn a_block_with_bars_flies_and_spins_as_one() {
     }
 }
 
-/// Threads, and a run broken off.
+/// Bitwise equality for several threads, and after a checkpoint.
 #[test]
 fn bits_are_the_same_for_threads_and_after_a_checkpoint() {
     let path = std::env::temp_dir().join(format!("impactite-within-{}", std::process::id()));
@@ -106,7 +106,7 @@ fn bits_are_the_same_for_threads_and_after_a_checkpoint() {
     let _ = std::fs::remove_file(&path);
 }
 
-/// What hits a body with bars meets both: a block of particles against a wall, with its mass in elements for a half.
+/// Contact of a body acts on its embedded elements: impact of a block with half its mass in elements on a target.
 #[test]
 fn what_meets_the_body_meets_its_elements() {
     const H: f64 = 0.05;
@@ -120,7 +120,7 @@ fn what_meets_the_body_meets_its_elements() {
     mpm.add("matrix", law(), &seeds(&boxed(low, high), &lattice), |_| [2.0, 0.0, 0.0]).expect("matrix");
     mpm.add("target", law(), &seeds(&boxed([0.8, 0.5, 0.5], [1.1, 0.8, 0.8]), &lattice), |_| [0.0; 3])
         .expect("target");
-    // Elements as heavy again as the matrix: a mesh of the same block.
+    // Mesh of the same block, as heavy as the matrix.
     let mut fem = Fem::new(FullSpace);
     let mesh = box_mesh(&boxed(low, high), [6; 3]).expect("mesh");
     fem.add(MeshBody::new("core", mesh, law()).moving(|_| [2.0, 0.0, 0.0])).expect("core");
@@ -129,7 +129,7 @@ fn what_meets_the_body_meets_its_elements() {
     mpm.run_until(0.03).expect("run");
     let now = mpm.totals();
     assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-11 * start.momentum_scale);
-    // A mass of two on one of one, elastic: the struck one leaves with at most 4/3 of the speed, with that of both at least.
+    // Elastic impact of mass two on mass one: the target leaves with at most 4/3 of the speed, and at least with the common speed.
     let body = |n: usize| mpm.bodies()[n].totals();
     let speed = |n: usize| body(n).momentum[0] / body(n).mass;
     println!("matrix {:.3}, target {:.3}, core {:.3} m/s", speed(0), speed(1), speed(2));
@@ -137,7 +137,7 @@ fn what_meets_the_body_meets_its_elements() {
     assert!((speed(0) - speed(2)).abs() < 0.1, "matrix {} and core {} m/s", speed(0), speed(2));
 }
 
-/// A bar that is drawn with rubber around it yields, and fails.
+/// Bar that is stretched with the rubber around it, yields and fails.
 #[test]
 fn bars_fail_and_their_mass_stays() {
     const H: f64 = 0.05;
@@ -172,14 +172,14 @@ fn bars_fail_and_their_mass_stays() {
     println!(
         "{whole} elements and {left} points; kinetic energy {slower:.3} and {faster:.3} J; errors {kept:+.1e}, {lost:+.1e}"
     );
-    // It is drawn the same all along, and fails so: what is left are the nodes, with its mass.
+    // The strain is uniform, and the whole bar fails: its nodes remain, with its mass.
     assert_eq!((whole, left), (16, 17));
-    // What failed holds the block back no more.
+    // The failed bar no longer decelerates the block.
     assert!(faster > slower, "kinetic energy {slower} with, {faster} without the bar");
     assert!(kept.abs() < 0.02 && lost.abs() < 0.02, "energy errors {kept}, {lost}");
 }
 
-/// Weight acts on all of it.
+/// Body force on elements and particles.
 #[test]
 fn a_block_with_bars_falls_as_one() {
     let mut mpm = spinning(false, 10);
@@ -191,7 +191,7 @@ fn a_block_with_bars_falls_as_one() {
     assert!((gained / (-10.0 * end) - 1.0).abs() < 1e-9, "{gained} m/s");
     for body in [0, 1] {
         let totals = mpm.bodies()[body].totals();
-        // It spins about the middle of both, and starts with 1 m/s along x.
+        // The block spins about the common centre, and starts with 1 m/s along x.
         assert!((totals.momentum[1] / totals.mass + 10.0 * end).abs() < 0.05, "body {body}: {totals:?}");
     }
     assert!(mpm.account().energy_error().abs() < 5e-3, "{:?}", mpm.account());

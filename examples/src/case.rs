@@ -1,4 +1,4 @@
-//! The contract of a case: options in; pictures, histories, a table and one JSON object out.
+//! Interface of a case: options in; pictures, histories, a table of checks and one JSON object out.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -31,7 +31,7 @@ pub enum Resolution {
 }
 
 impl Resolution {
-    /// One of three values, by resolution.
+    /// Select one of three values by resolution.
     pub fn choose<X>(self, smoke: X, standard: X, paper: X) -> X {
         match self {
             Resolution::Smoke => smoke,
@@ -65,20 +65,20 @@ pub struct Common {
     pub resume: Option<PathBuf>,
 }
 
-/// Options that a run may be resumed with others of: no result depends on them.
+/// Options that no result depends on: they may differ when a run is resumed.
 const OF_NO_RESULT: [&str; 7] = ["threads", "out", "json", "checkpoint", "resume", "help", "version"];
 
 impl Common {
-    /// The number of threads to use.
+    /// Return the number of threads to use.
     pub fn threads(&self) -> usize {
         let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
         self.threads.map_or_else(all, usize::from)
     }
 
-    /// The folder for the files of the case `name`, made if it does not exist.
+    /// Return the folder for the files of the case `name`; create it if it does not exist.
     ///
     /// # Errors
-    /// A folder that cannot be made.
+    /// Folder that cannot be created.
     pub fn folder(&self, name: &str) -> Result<PathBuf, CaseError> {
         let folder = self.out.clone().unwrap_or_else(|| Path::new("out").join(name));
         std::fs::create_dir_all(&folder)
@@ -86,57 +86,57 @@ impl Common {
         Ok(folder)
     }
 
-    /// Checkpoints of the case `name` with these options, in its folder, and the one that is resumed.
+    /// Set up the checkpoints of the case `name` with these options in its folder, and the one to resume from.
     ///
     /// # Errors
-    /// A folder that cannot be made; a checkpoint that cannot be resumed from.
+    /// Folder that cannot be created; checkpoint that cannot be resumed from.
     pub fn restart(&self, name: &str, options: Options) -> Result<Restart, CaseError> {
         let every = Duration::from_secs_f64(self.checkpoint);
         Restart::new(name, options, &self.folder(name)?, every, self.resume.as_deref())
     }
 }
 
-/// Why a case could not be run to its end.
+/// Error that stops a case.
 #[derive(Debug, thiserror::Error)]
 pub enum CaseError {
-    /// A material constant.
+    /// Invalid material constant.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A shape or lattice.
+    /// Invalid shape or lattice.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// A scene.
+    /// Invalid scene definition.
     #[error(transparent)]
     Scene(#[from] SceneError),
-    /// The run.
+    /// Error of the run.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// An observer.
+    /// Error of an observer.
     #[error(transparent)]
     Observe(#[from] ObserveError),
-    /// A picture or file.
+    /// Error of a picture or file.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A file or folder.
+    /// File or folder that cannot be written.
     #[error("cannot write `{}`: {source}", path.display())]
     File {
-        /// Which.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// A checkpoint that cannot be resumed from.
     #[error("--resume {}: {source}", path.display())]
     Resume {
-        /// The file.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Reason for the refusal.
         source: CheckpointError,
     },
-    /// The result as JSON.
+    /// Result that cannot be serialised as JSON.
     #[error("cannot write the result as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// Anything else.
+    /// Other error, as text.
     #[error("{0}")]
     Other(String),
 }
@@ -159,7 +159,7 @@ impl From<mpm_core::StepError> for CaseError {
     }
 }
 
-/// Options on the command line that are numbers from `low` to `high`: a parser for them.
+/// Return a parser for command-line numbers from `low` to `high`.
 pub fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match text.parse::<f64>() {
         Ok(x) if (low..=high).contains(&x) => Ok(x),
@@ -167,29 +167,29 @@ pub fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clo
     }
 }
 
-/// Sums over the runs of a case.
+/// Totals over the runs of a case.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
-    /// Particles of all runs.
+    /// Number of particles of all runs.
     pub particles: usize,
-    /// Steps of all runs.
+    /// Number of steps of all runs.
     pub steps: u64,
     /// Simulated time of all runs, s.
     pub simulated_seconds: f64,
-    /// Wall-clock time of all runs in steps alone, s: building the scene, observers, pictures are left out.
+    /// Wall-clock time of the steps of all runs, s, without scene construction, observers and pictures.
     pub wall_seconds: f64,
-    /// Particle updates of all runs.
+    /// Number of particle updates of all runs.
     pub updates: f64,
-    /// Memory of the largest run by its own count, bytes.
+    /// Memory of the largest run as counted by its solver, bytes.
     pub bytes: usize,
-    /// The energy error largest by amount.
+    /// Energy error of largest magnitude.
     pub energy_error: f64,
-    /// The largest momentum error.
+    /// Largest momentum error.
     pub momentum_error: f64,
 }
 
 impl Totals {
-    /// Of one run, its errors the worst that a ledger saw.
+    /// Collect the totals of one run, with the largest errors of its ledger.
     #[must_use]
     pub fn of(solver: &dyn Solver, run: &RunSummary, ledger: &Ledger) -> Totals {
         Totals {
@@ -204,7 +204,7 @@ impl Totals {
         }
     }
 
-    /// Sums, and the worst of the errors.
+    /// Add totals; keep the larger memory and the larger errors.
     #[must_use]
     pub fn plus(self, o: &Totals) -> Totals {
         let worse = |a: f64, b: f64| worst([a, b]);
@@ -221,57 +221,57 @@ impl Totals {
     }
 }
 
-/// The largest of these and zero; not a number if one is none.
+/// Return the largest of the values and zero; NaN if one is NaN.
 #[must_use]
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
 }
 
-/// The one of these that is largest by amount, with its sign; not a number if one is none, zero if there is none.
+/// Return the value of largest magnitude, with its sign; NaN if one is NaN, zero if there are none.
 #[must_use]
 pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |a: f64, b| if b.is_nan() || b.abs() > a.abs() { b } else { a })
 }
 
-/// The result of a case: the keys of its JSON object.
+/// Result of a case: the keys of its JSON object.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// Its name.
+    /// Name of the case.
     pub case: String,
-    /// Its resolution.
+    /// Resolution of the run.
     pub resolution: Resolution,
-    /// Its other options, and what follows from them.
+    /// Other options, and quantities derived from them.
     pub settings: serde_json::Value,
-    /// Particles, summed over the runs of the case.
+    /// Number of particles, summed over the runs of the case.
     pub particles: usize,
-    /// Steps, summed over runs.
+    /// Number of steps, summed over runs.
     pub steps: u64,
     /// Simulated time, summed over runs, s.
     pub simulated_seconds: f64,
-    /// Wall-clock time spent in steps, summed over runs, s. Observers, files and pictures are left out.
+    /// Wall-clock time of steps, summed over runs, s, without observers, files and pictures.
     pub wall_seconds: f64,
     /// Particle updates of all runs over `wall_seconds`, 1/s.
     pub particle_updates_per_second: f64,
-    /// Largest memory of the process so far, bytes (where the system does not tell, of the largest run).
+    /// Peak memory of the process so far, bytes (of the largest run where the system does not report it).
     pub peak_memory_bytes: usize,
-    /// What was compared with what: rows that are missed first, then those that are met, then those that are shown.
+    /// Checks: failed ones first, then passed ones, then those that are only shown.
     pub checks: Vec<Check>,
-    /// Rows with a reference that are met.
+    /// Number of rows with a reference that passed.
     pub met: usize,
-    /// Rows with a reference that are missed, declared ones included.
+    /// Number of rows with a reference that failed, known misses included.
     pub missed: usize,
-    /// Rows that are shown and not judged: from memory of the literature, or without a reference.
+    /// Number of rows that are shown and not judged: reference from memory of the literature, or none.
     pub shown: usize,
-    /// Rows that say nothing at this resolution; they are not among the checks.
+    /// Rows that are not judged at this resolution; they are not among the checks.
     pub not_judged: Vec<NotJudged>,
-    /// The energy error largest by amount, of all runs.
+    /// Energy error of largest magnitude of all runs.
     pub energy_error: f64,
-    /// The largest momentum error of all runs.
+    /// Largest momentum error of all runs.
     pub momentum_error: f64,
 }
 
 impl Report {
-    /// From sums over runs and all rows.
+    /// Assemble the report from the totals of the runs and all rows.
     pub fn new(
         case: &str,
         resolution: Resolution,
@@ -310,25 +310,25 @@ impl Report {
         }
     }
 
-    /// Is every row with a reference met, but for those that are declared as missed?
+    /// True if no check [fails](Check::fails) the run.
     pub fn passed(&self) -> bool {
         !self.checks.iter().any(Check::fails)
     }
 
-    /// Print the table of checks, missed ones first, how many are met and, if asked, the JSON object on the last line;
-    /// keep the JSON in the folder too. The exit code says whether the run [passed](Report::passed): what is declared as
-    /// missed counts as missed and does not fail the run.
+    /// Print the table of checks, failed ones first, the counts and, if requested, the JSON object on the last line; write
+    /// the JSON to the folder too. The exit code reports whether the run [passed](Report::passed): a known miss counts as
+    /// missed but does not fail the run.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// File that cannot be written.
     pub fn finish(&self, common: &Common, folder: &Path) -> Result<ExitCode, CaseError> {
         self.finish_in(common.json, folder)
     }
 
-    /// As [`Report::finish`], for binaries with options of their own.
+    /// Print and write the report as [`Report::finish`], for binaries with options of their own.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// File that cannot be written.
     pub fn finish_in(&self, print_json: bool, folder: &Path) -> Result<ExitCode, CaseError> {
         let json = serde_json::to_string(self)?;
         let path = folder.join("result.json");
@@ -348,7 +348,7 @@ impl Report {
         Ok(if self.passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
-    /// Rows that are judged, the missed ones first; those that are only shown; the counts.
+    /// Format the table: judged rows, failed ones first; rows that are only shown; counts.
     fn table(&self) -> String {
         let head = ["quantity", "this run", "reference", "difference", "source", "met or not"];
         let row = |c: &Check| {
@@ -382,7 +382,7 @@ impl Report {
         text + &format!("\n{}\n", self.counts())
     }
 
-    /// How many rows are met, in words.
+    /// Format the counts of rows by verdict.
     pub fn counts(&self) -> String {
         let known = self.checks.iter().filter(|c| c.pass() == Some(false) && !c.fails()).count();
         let unneeded = self.checks.iter().filter(|c| c.pass() == Some(true) && c.known().is_some()).count();
@@ -401,7 +401,7 @@ impl Report {
     }
 }
 
-/// Rows of text in columns; a rule under the first row. Numbers are set flush right. The last column may hold long text.
+/// Format rows of text in columns, with a rule under the first row. Numbers are right-aligned. The last column may be long.
 pub fn columns<const N: usize>(rows: &[[String; N]]) -> String {
     let widths: Vec<usize> =
         (0..N).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
@@ -410,7 +410,7 @@ pub fn columns<const N: usize>(rows: &[[String; N]]) -> String {
         let mut line = String::new();
         for (c, cell) in row.iter().enumerate() {
             let blank = " ".repeat(widths[c] - cell.chars().count());
-            // The first word of a cell says whether it is a number; the first column names things.
+            // A cell is a number if its first word parses as one; the first column has names.
             let number = c > 0 && cell.split(' ').next().is_some_and(|w| w.parse::<f64>().is_ok());
             line += &if number { format!("{blank}{cell}") } else { format!("{cell}{blank}") };
             line += "  ";
@@ -426,10 +426,10 @@ pub fn columns<const N: usize>(rows: &[[String; N]]) -> String {
     text
 }
 
-/// Characters of the last column that the rule goes on for.
+/// Characters of the last column under which the rule extends.
 const WIDEST: usize = 24;
 
-/// The largest resident memory of this process so far, bytes, where the system tells.
+/// Return the peak resident memory of this process, bytes; `None` if the system does not report it.
 pub fn peak_memory() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;
@@ -437,8 +437,7 @@ pub fn peak_memory() -> Option<usize> {
     Some(1024 * kilobytes)
 }
 
-/// Run a program with the options of the command line, in huge pages where there are any; errors go to the standard error
-/// stream.
+/// Run a program with its command-line options, in huge pages if available; print errors to the standard error stream.
 pub fn start<O: Parser>(run: impl FnOnce(&O) -> Result<ExitCode, CaseError>) -> ExitCode {
     machine::into_huge_pages();
     let mut command = command::<O>();
@@ -446,7 +445,7 @@ pub fn start<O: Parser>(run: impl FnOnce(&O) -> Result<ExitCode, CaseError>) -> 
     told(run(&parsed.unwrap_or_else(|error| error.format(&mut command).exit())))
 }
 
-/// The options of a program. Those with a value take a negative number for one, so that what is said of it is what is allowed.
+/// Build the command-line parser of a program. Negative numbers are values, so that an error states the allowed range.
 fn command<O: Parser>() -> Command {
     O::command().mut_args(|argument| {
         let negative = argument.get_action().takes_values();
@@ -454,7 +453,7 @@ fn command<O: Parser>() -> Command {
     })
 }
 
-/// The same for a case, whose options hold [`Common`] and whose simulations can be resumed.
+/// Run a case like [`start`]: its options include [`Common`] and its simulations can be resumed.
 pub fn start_case<O: Parser>(run: impl FnOnce(&O, &Restart) -> Result<ExitCode, CaseError>) -> ExitCode {
     machine::into_huge_pages();
     let mut command = command::<O>();
@@ -475,7 +474,7 @@ fn told(ended: Result<ExitCode, CaseError>) -> ExitCode {
     })
 }
 
-/// The options that results depend on, as they were given or are by default.
+/// Return the options that affect results, as given or by default.
 fn given(command: &Command, matches: &ArgMatches) -> Options {
     let of = |argument: &clap::Arg| {
         let name = argument.get_long().filter(|name| !OF_NO_RESULT.contains(name))?;
@@ -509,7 +508,7 @@ mod tests {
         assert!(!report(vec![good(), bad()]).passed());
     }
 
-    /// Whatever is said of a row that is missed, it counts.
+    /// A failed row counts as missed, whatever is declared.
     #[test]
     fn a_missed_row_always_counts() {
         for miss in

@@ -1,17 +1,18 @@
-//! A long charge of TNT in a case of copper, in one dimension and without grid or particles of the library: finite differences along the
-//! radius (von Neumann and Richtmyer), each zone with its own mass. Equations and constants are written out here.
+//! Reference solution of a long TNT charge in a copper case, independent of the library's grid and particles:
+//! one-dimensional finite differences along the radius (von Neumann and Richtmyer), each zone with its own mass. Equations
+//! and constants are written out here.
 
 /// Density of TNT and of the case, kg/m^3.
 const DENSITY: [f64; 2] = [1630.0, 8900.0];
 /// Chemical energy of TNT, J/m^3.
 const CHEMICAL: f64 = 6.993e9;
-/// A, B, Pa; R1, R2, omega of TNT's products, detonation speed, m/s, and V_CJ.
+/// JWL constants of TNT's products: A, B, Pa; R1, R2, omega; detonation speed, m/s; V_CJ.
 const JWL: [f64; 7] = [371.2e9, 3.21e9, 4.15, 0.95, 0.30, 6930.0, 0.7318];
-/// c0, m/s, s, gamma0; shear modulus, yield stress, hardening, Pa, and exponent of the case.
+/// Constants of the case: c0, m/s, s, gamma0; shear modulus, yield stress, hardening, Pa; hardening exponent.
 const METAL: [f64; 7] = [3300.0, 1.49, 1.96, 117e9 / 2.62, 90e6, 392e6, 0.5];
-/// Linear and quadratic coefficient of the bulk viscosity: little, the zones are many.
+/// Linear and quadratic coefficient of the bulk viscosity: low, since the zones are many.
 const VISCOSITY: [f64; 2] = [0.1, 1.5];
-/// Width of the burn, m, the same for any number of zones.
+/// Width of the burn front, m, independent of the number of zones.
 const BURN: f64 = 0.4e-3;
 const FACTOR: f64 = 0.25;
 
@@ -24,7 +25,7 @@ struct Zone {
     energy: f64,
     pressure: f64,
     viscous: f64,
-    /// Deviator: radial, hoop, axial.
+    /// Deviatoric stress, Pa: radial, hoop, axial.
     deviator: [f64; 3],
     plastic: f64,
     burnt: f64,
@@ -34,7 +35,7 @@ impl Zone {
     fn density(&self) -> f64 {
         DENSITY[usize::from(self.metal)]
     }
-    /// p = a + b e at volume ratio v.
+    /// Return a and b of p = a + b e at volume ratio v.
     fn terms(&self, v: f64) -> [f64; 2] {
         if self.metal {
             let [c0, s, gamma, ..] = METAL;
@@ -63,21 +64,21 @@ impl Zone {
     }
 }
 
-/// A charge in its case.
+/// Cylindrical charge in a case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cased {
     /// Radius of the charge, m.
     pub charge: f64,
     /// Thickness of the case, m.
     pub case: f64,
-    /// Does the charge burn from its axis outwards, or all at once at the start?
+    /// True if the charge burns from its axis outwards, false if all at once at the start.
     pub from_axis: bool,
-    /// Zones along the radius of the charge; those of the case are as wide.
+    /// Number of zones along the radius of the charge; those of the case have the same width.
     pub zones: usize,
 }
 
 impl Cased {
-    /// Mean speed of the case until `end`, s: rows of s, m/s, and outer radius over that at the start.
+    /// Compute the mean speed of the case until `end`, s: rows of time, s, speed, m/s, and outer radius over that at the start.
     #[must_use]
     pub fn speeds(&self, end: f64) -> Vec<[f64; 3]> {
         cylinder(self, end)
@@ -106,11 +107,11 @@ fn cylinder(setup: &Cased, end: f64) -> Vec<[f64; 3]> {
         let mut dt = (end - time).max(1e-15);
         for (j, z) in all.iter().enumerate() {
             let (now, first) = (0.5 * (r[j + 1] * r[j + 1] - r[j] * r[j]), z.mass / z.density());
-            // A zone that waits for the wave is ready for it.
+            // Unburnt zones must be stable when the detonation arrives: at least its speed.
             let c = z.sound(now / first).max(if z.metal { 0.0 } else { JWL[5] });
             dt = dt.min(FACTOR * (r[j + 1] - r[j]) / (c + (v[j + 1] - v[j]).abs()));
         }
-        // Forces by virtual work: r dr (sigma_r d(dv/dr) + sigma_h d(v/r)).
+        // Nodal forces by virtual work: r dr (sigma_r d(dv/dr) + sigma_h d(v/r)).
         let mut force = vec![0.0; r.len()];
         let mut mass = vec![0.0; r.len()];
         for (j, z) in all.iter().enumerate() {
@@ -167,7 +168,7 @@ fn advance(z: &mut Zone, r: [f64; 2], v: [f64; 2], time: f64, dt: f64) {
             z.deviator[i] += 2.0 * shear * (strain[i] - mean);
         }
         let equivalent = (1.5 * z.deviator.iter().map(|s| s * s).sum::<f64>()).sqrt();
-        // Return to A + B eps^n, by Newton's method.
+        // Return mapping to the yield stress A + B eps^n by Newton's method.
         let mut more = 0.0;
         if equivalent > a + b * z.plastic.powf(n) {
             for _ in 0..30 {

@@ -1,31 +1,31 @@
-//! A number of a run beside what it should be, and whether it is.
+//! Check of a computed number against its reference.
 //!
-//! | row | made by | judged |
+//! | row | constructor | verdict |
 //! |---|---|---|
-//! | with a reference | [`Check::gate`], [`Check::at_least`], [`Check::at_most`] | met or missed |
-//! | the same, known to be missed at present | `.known_miss(reason)` | missed, first in the table, does not fail the run |
-//! | the same, at a resolution that says nothing | `.judged_if(resolved, reason)` | no: not in the table, but named |
-//! | with a reference from memory \[M\] | [`Check::remembered`] | no: shown |
-//! | without a reference | [`Check::unreferenced`] | no: shown |
+//! | with a reference | [`Check::gate`], [`Check::at_least`], [`Check::at_most`] | passed or failed |
+//! | with a reference, known miss | `.known_miss(reason)` | failed, first in the table, does not fail the run |
+//! | with a reference, at too coarse a resolution | `.judged_if(resolved, reason)` | none: listed below the table |
+//! | with a reference from memory \[M\] | [`Check::remembered`] | none: shown |
+//! | without a reference | [`Check::unreferenced`] | none: shown |
 //!
-//! Whether a row is met is private, so that there is no other way out of the count.
+//! The verdict is private, so that no other code can remove a row from the count.
 
 use serde::Serialize;
 
-/// A number of a run, and what it should be.
+/// Computed number and its reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Check {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
-    /// This run's, in `unit`.
+    /// Value of this run, in `unit`.
     pub value: f64,
-    /// Its unit; "-" if it has none.
+    /// Unit; "-" if dimensionless.
     pub unit: String,
-    /// What it should be, or the bound that it keeps to.
+    /// Reference value, or bound.
     pub reference: Option<f64>,
-    /// How far from the reference it may be, relative to it (absolute where the reference is 0). `None` of bounds.
+    /// Tolerance relative to the reference (absolute where the reference is 0). `None` for bounds.
     pub tolerance: Option<f64>,
-    /// Where the reference is from. \[C\] computed independently, \[M\] from memory of the literature.
+    /// Source of the reference. \[C\] computed independently, \[M\] from memory of the literature.
     pub source: String,
     pass: Option<bool>,
     known: Option<String>,
@@ -33,24 +33,24 @@ pub struct Check {
     unjudged: Option<String>,
 }
 
-/// A row that says nothing at the resolution of its run.
+/// Row that is not judged at the resolution of its run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct NotJudged {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
-    /// This run's, in `unit`.
+    /// Value of this run, in `unit`.
     pub value: f64,
-    /// Its unit; "-" if it has none.
+    /// Unit; "-" if dimensionless.
     pub unit: String,
-    /// Why it says nothing.
+    /// Reason for not judging it.
     pub reason: String,
 }
 
-/// The mark of what is from memory of the literature.
+/// Mark of references from memory of the literature.
 const MEMORY: &str = "[M]";
 
 impl Check {
-    /// `value` within `tolerance` of `reference`.
+    /// Check that `value` is within `tolerance` of `reference`.
     pub fn gate(
         name: impl Into<String>,
         value: f64,
@@ -60,31 +60,30 @@ impl Check {
         source: &str,
     ) -> Self {
         let scale = if reference == 0.0 { 1.0 } else { reference.abs() };
-        // NaN is not within.
+        // NaN fails.
         let met = (value - reference).abs() <= tolerance * scale;
         Check { tolerance: Some(tolerance), ..Self::judged(name.into(), value, unit, reference, source, met) }
     }
 
-    /// `value` not below `reference`.
+    /// Check that `value` is not below `reference`.
     pub fn at_least(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
         let met = value.is_finite() && value >= reference;
         Self::judged(format!("{} (at least)", name.into()), value, unit, reference, source, met)
     }
 
-    /// `value` not above `reference`.
+    /// Check that `value` is not above `reference`.
     pub fn at_most(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
         let met = value.is_finite() && value <= reference;
         Self::judged(format!("{} (at most)", name.into()), value, unit, reference, source, met)
     }
 
-    /// Beside a reference from memory of the literature, which never decides: shown, not judged. The source is marked
-    /// \[M\] if it is not yet.
+    /// Show `value` beside a reference from memory of the literature; it is never judged. The source is marked \[M\] if it is not yet.
     pub fn remembered(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
         let source = if source.contains(MEMORY) { source.into() } else { format!("{source} {MEMORY}") };
         Self::judged(name.into(), value, unit, reference, &source, false)
     }
 
-    /// A number that nothing is known of which it could be held against: shown, not judged.
+    /// Show a number without a known reference; it is never judged.
     pub fn unreferenced(name: impl Into<String>, value: f64, unit: &str, remark: &str) -> Self {
         let (name, unit, source) = (name.into(), unit.into(), remark.into());
         Check {
@@ -105,38 +104,37 @@ impl Check {
         Check { reference: Some(reference), pass, ..Self::unreferenced(name, value, unit, source) }
     }
 
-    /// Declare that this row is missed at present, and why. It counts as missed and stands first in the table, with the
-    /// reason; it does not fail the run unless it is not a number. Where it is met after all the table says so, and the
-    /// declaration should go.
+    /// Declare this row as a known miss, with the reason. It counts as missed and stands first in the table, with the
+    /// reason; it does not fail the run unless it is not a number. If it passes, the table reports that, and the
+    /// declaration should be removed.
     #[must_use]
     pub fn known_miss(self, reason: &str) -> Self {
         Check { known: self.pass.map(|_| reason.into()), ..self }
     }
 
-    /// Judge this row only if the run is `resolved` enough for it to say something. That must follow from the set-up,
-    /// never from the value. Else it is named, with its value and the reason, below the table, and is not in it.
+    /// Judge this row only if the run is `resolved` enough. That must follow from the set-up, never from the value.
+    /// Otherwise the row is listed below the table, with its value and the reason, and is not in the table.
     #[must_use]
     pub fn judged_if(self, resolved: bool, reason: &str) -> Self {
         if resolved { self } else { Check { unjudged: Some(reason.into()), ..self } }
     }
 
-    /// Is it met? `None` without a reference, and of one from memory.
+    /// Verdict: true if passed; `None` without a reference, and for one from memory.
     pub fn pass(&self) -> Option<bool> {
         self.pass
     }
 
-    /// Why it is declared as missed.
+    /// Reason for the known miss.
     pub fn known(&self) -> Option<&str> {
         self.known.as_deref()
     }
 
-    /// Does it fail the run? It does if it is missed and not declared so, or is not a number.
+    /// True if the check fails the run: it failed and is no known miss, or failed as NaN.
     pub fn fails(&self) -> bool {
         self.pass == Some(false) && (self.known.is_none() || self.value.is_nan())
     }
 
-    /// Its place in the table: what fails the run, what is declared as missed, what is met against its declaration, what
-    /// is met, what is shown.
+    /// Sort key in the table: failures of the run, known misses, known misses that pass, passed rows, rows that are only shown.
     pub(crate) fn rank(&self) -> u8 {
         match (self.pass, self.known.is_some()) {
             (Some(false), _) if self.fails() => 0,
@@ -147,7 +145,7 @@ impl Check {
         }
     }
 
-    /// Itself, if it is to be judged or shown.
+    /// Return the check if it is judged or shown, otherwise its row of those that are not judged.
     pub(crate) fn sorted_out(self) -> Result<Check, NotJudged> {
         match self.unjudged {
             None => Ok(self),
@@ -182,7 +180,7 @@ impl Check {
     }
 }
 
-/// A number with its unit, readable.
+/// Format a number with its unit.
 pub(crate) fn shown(x: f64, unit: &str) -> String {
     let number = match x.abs() {
         0.0 => "0".to_string(),
@@ -207,7 +205,7 @@ mod tests {
         assert!(!pass(f64::NAN, 0.0, 0.01));
     }
 
-    /// Whichever way it is made, and whatever is said of it.
+    /// Holds for every constructor and declaration.
     #[test]
     fn a_reference_from_memory_cannot_decide() {
         let source = "experiment [M]";

@@ -1,4 +1,4 @@
-//! Plates of fragile points with a notch that tear: what the cases of cracks share. Compiled here, once for all binaries.
+//! Notched plates of fragile points that crack: shared code of the crack cases, compiled here once for all binaries.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -54,11 +54,11 @@ pub enum Plane {
     Stress,
 }
 
-/// What is said of speeds, m/s, over a time of this, s.
+/// Time window of a crack speed, s.
 pub const WINDOW: f64 = 8e-6;
 
 impl CrackOption {
-    /// In tables.
+    /// Name in tables.
     pub fn words(self) -> &'static str {
         match self {
             CrackOption::Strength => "strength",
@@ -69,10 +69,10 @@ impl CrackOption {
         }
     }
 
-    /// The criterion with a strength in tension and in shear, Pa, and fracture energy, J/m^2.
+    /// Return the criterion with a strength in tension and in shear, Pa, and fracture energy, J/m^2.
     ///
     /// # Errors
-    /// Numbers that the criterion refuses.
+    /// Invalid strength or fracture energy.
     pub fn criterion(
         self,
         tension: f64,
@@ -92,7 +92,7 @@ impl CrackOption {
         })
     }
 
-    /// Does a crack take an energy that is given?
+    /// True if cracks dissipate a given fracture energy.
     pub fn has_energy(self) -> bool {
         matches!(self, CrackOption::Cohesive | CrackOption::CohesiveMixed)
     }
@@ -108,7 +108,7 @@ impl Softening {
 }
 
 impl Plane {
-    /// In tables.
+    /// Name in tables.
     pub fn words(self) -> &'static str {
         match self {
             Plane::Strain => "plane strain",
@@ -116,12 +116,12 @@ impl Plane {
         }
     }
 
-    /// A linear elastic law in it.
+    /// Return a linear elastic law as a material of this plane state.
     pub fn elastic(self, law: LinearElastic<f64>) -> Arc<dyn Material<f64>> {
         self.law(law)
     }
 
-    /// Any law in it.
+    /// Return any law as a material of this plane state.
     pub fn law<C: Constitutive<f64> + IntoMaterial<f64>>(self, law: C) -> Arc<dyn Material<f64>>
     where
         PlaneStress<C>: IntoMaterial<f64>,
@@ -133,10 +133,11 @@ impl Plane {
     }
 }
 
-/// Random cells of a plate with a notch, along which points are lined up; about `spacing` (m, at a place) wide and `at_notch` there.
+/// Build random cells of a plate with a notch, along which points are aligned; cells are about `spacing`, m (a function of
+/// position), wide, and `at_notch`, m, at the notch.
 ///
 /// # Errors
-/// What cells refuse.
+/// Invalid cells.
 pub fn random_cells(
     domain: &Domain<2>,
     notch: &Notch<2>,
@@ -150,106 +151,106 @@ pub fn random_cells(
     Cells::voronoi(&points, domain).and_then(|cells| cells.with_notch(notch)).map_err(refused)
 }
 
-/// What acts on a plate.
+/// Load on a plate.
 pub enum Load {
-    /// On faces of the surface for which the rule holds a traction, Pa.
+    /// Traction, Pa, on the surface faces that the rule selects.
     Traction(fn(&OuterFace<2>) -> bool, TractionHistory<2>),
-    /// A velocity, m/s.
+    /// Velocity, m/s, of the surface faces that the rule selects.
     Velocity(fn(&OuterFace<2>) -> bool, FaceHistory<2>),
-    /// A plane of symmetry with the plate above it: axis and place, m.
+    /// Plane of symmetry with the plate above it: axis and position, m.
     Symmetry(usize, f64),
 }
 
-/// A plate that will tear.
+/// Definition of a plate that cracks.
 pub struct Torn<'a> {
-    /// Its label, and name in files.
+    /// Label of the simulation, and name in files.
     pub name: String,
-    /// In the line of progress.
+    /// Label of the progress bar.
     pub words: String,
-    /// With its notch.
+    /// Cells with the notch.
     pub cells: &'a Cells<2>,
-    /// In plane strain.
+    /// Material law for plane-strain kinematics.
     pub law: Arc<dyn Material<f64>>,
-    /// What joins cells.
+    /// Flux between cells.
     pub flux: Joint,
     /// Penalty over Young's modulus.
     pub eta: f64,
-    /// When faces open.
+    /// Crack criterion of faces.
     pub criterion: AnyCriterion,
-    /// Coulomb friction of cracks that close.
+    /// Coulomb friction of closed cracks.
     pub friction: f64,
-    /// What acts on it.
+    /// Loads on the plate.
     pub loads: Vec<Load>,
-    /// Where the notch ends, m: cracks are measured from there.
+    /// Tip of the notch, m: origin of crack lengths.
     pub tip: [f64; 2],
-    /// s.
+    /// End time, s.
     pub end: f64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Where files go.
+    /// Output folder.
     pub folder: &'a Path,
-    /// ParaView frames.
+    /// Number of ParaView frames.
     pub frames: u32,
 }
 
-/// A moment of a plate that tears.
+/// State of a cracking plate at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// Area of cracks in metres of length, for a depth of one metre.
+    /// Crack area a metre of depth, m.
     pub area: f64,
-    /// Energy that cracks took, J for a depth of one metre.
+    /// Energy dissipated by cracks, J a metre of depth.
     pub dissipated: f64,
     /// Kinetic energy, J/m.
     pub kinetic: f64,
-    /// By the law, J/m.
+    /// Internal energy by the law, J/m.
     pub internal: f64,
-    /// Of the penalty, J/m.
+    /// Penalty energy, J/m.
     pub penalty: f64,
-    /// Pieces.
+    /// Number of fragments.
     pub fragments: f64,
 }
 
-/// What became of it.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Faces that opened, in their order, without the notch.
+    /// Faces that opened, in the order of opening, without the notch.
     pub cracks: Vec<Crack<2>>,
-    /// Way of the tip from that of the notch: where faces that are broken through at the end began to open.
+    /// Path of the crack tip from the notch: faces that are broken through at the end, at the time of first opening.
     pub path: TipPath<2>,
-    /// The same of where faces bear nothing any more: ahead of it there is a cohesive zone.
+    /// Path of the traction-free tip; a cohesive zone lies ahead of it.
     pub parted: TipPath<2>,
-    /// Cells of the pieces, the largest first.
+    /// Number of cells of each fragment, the largest first.
     pub fragments: Vec<usize>,
-    /// Energy that cracks took, J a metre of depth.
+    /// Energy dissipated by cracks, J a metre of depth.
     pub dissipated: f64,
-    /// The area that they have, m^2 a metre of depth.
+    /// Crack area, m^2 a metre of depth.
     pub area: f64,
-    /// At the end, with a field `crack`.
+    /// Snapshot at the end, with a field `crack`.
     pub snapshot: Snapshot,
-    /// Sides of the open faces then, m.
+    /// Sides of the broken faces at the end, m.
     pub lines: Vec<[[f64; 2]; 2]>,
-    /// Its history.
+    /// History of the run.
     pub rows: Vec<Row>,
-    /// Of conserved quantities.
+    /// Ledger of conserved quantities.
     pub ledger: Vec<LedgerEntry>,
-    /// For the report.
+    /// Totals for the report.
     pub totals: Totals,
-    /// What the watch found.
+    /// Warnings of the watch.
     pub warnings: Vec<Warning>,
 }
 
 impl Outcome {
-    /// When the tip was this far from the notch, s, and where it was then, m.
+    /// Return the time, s, and position, m, of the tip when it passes this distance from the notch, m.
     pub fn reached(&self, distance: f64) -> Option<(f64, [f64; 2])> {
         self.path.tips().iter().find(|t| t.distance > distance).map(|t| (t.time, t.position))
     }
 
-    /// Write its history to a file.
+    /// Write the history to a file.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// File that cannot be written.
     pub fn write_history(&self, path: &Path) -> Result<(), CaseError> {
         let columns = [
             ("time", "s"),
@@ -269,7 +270,7 @@ impl Outcome {
     }
 }
 
-/// Speeds of a tip, every microsecond from the start to its last: time, s, and m/s.
+/// Compute the speeds of a crack tip at every microsecond up to its last advance: time, s, and speed, m/s.
 pub fn speeds(path: &TipPath<2>) -> Vec<[f64; 2]> {
     let last = path.tips().last().map_or(0.0, |t| t.time) * 1e6;
     let of = |t: u32| {
@@ -279,20 +280,20 @@ pub fn speeds(path: &TipPath<2>) -> Vec<[f64; 2]> {
     (0..=last as u32).filter_map(of).collect()
 }
 
-/// The fastest of them, m/s.
+/// Return the highest speed of a crack tip, m/s.
 pub fn fastest(path: &TipPath<2>) -> f64 {
     speeds(path).into_iter().map(|[_, speed]| speed).fold(0.0, f64::max)
 }
 
-/// Broken through: bears nothing unless it closes.
+/// True if a face is broken through: it transmits no traction unless closed.
 pub fn broken(crack: &Crack<2>) -> bool {
     crack.damage > 0.99
 }
 
-/// Run a plate to its end.
+/// Run a plate to its end time.
 ///
 /// # Errors
-/// A scene that is refused, a run that stops, files that cannot be written.
+/// Invalid scene definition, run that stops, file that cannot be written.
 pub fn tear(torn: &Torn, restart: &Restart) -> Result<Outcome, CaseError> {
     let penalty = Penalty::new(torn.eta)?;
     match torn.flux {
@@ -303,7 +304,7 @@ pub fn tear(torn: &Torn, restart: &Restart) -> Result<Outcome, CaseError> {
     }
 }
 
-/// Rows a run.
+/// Number of history rows of a run.
 const ROWS: f64 = 200.0;
 
 fn run<M: Composition<2>>(method: M, torn: &Torn, restart: &Restart) -> Result<Outcome, CaseError> {
@@ -353,7 +354,7 @@ fn run<M: Composition<2>>(method: M, torn: &Torn, restart: &Restart) -> Result<O
     })
 }
 
-/// Notes of a plate that tears.
+/// Observer of a cracking plate.
 struct Track<M> {
     pace: Pace,
     rows: Vec<Row>,

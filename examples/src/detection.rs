@@ -1,4 +1,4 @@
-//! A test of contact that is chosen at run time, so that a step is compiled once for all of them.
+//! Contact detector selected at run time, so that a step is compiled once for all detectors.
 
 use clap::ValueEnum;
 use mpm_contact::{
@@ -32,15 +32,15 @@ pub enum Detection {
 }
 
 impl Detection {
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
     }
 
-    /// The detector of this name, with the normals that it names or by `gradients`.
+    /// Return the detector of this option, with the normals that it prescribes, otherwise by `gradients`.
     ///
     /// # Errors
-    /// None of these settings is refused today.
+    /// None at present: all these settings are valid.
     pub fn detector(self, gradients: Gradients) -> Result<Detector, CaseError> {
         let gradients = Normals::Gradients(gradients);
         let distance = match self {
@@ -61,7 +61,7 @@ impl Detection {
     }
 }
 
-/// The test of a [`Detection`].
+/// Contact detector of a [`Detection`].
 #[derive(Debug)]
 pub struct Detector {
     test: Test,
@@ -103,14 +103,14 @@ impl<const D: usize> ContactDetector<f64, D> for Detector {
     }
 }
 
-/// A rule for the normal between two bodies.
+/// Rule for the contact normal between two bodies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Normals {
-    /// Of the separating plane.
+    /// Normal of the separating plane.
     Plane,
-    /// From gradients of mass or volume.
+    /// Normal from gradients of mass or volume.
     Gradients(Gradients),
-    /// By logistic regression.
+    /// Normal by logistic regression.
     Regression,
 }
 

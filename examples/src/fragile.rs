@@ -1,4 +1,4 @@
-//! What the cases of the fragile points method choose: cells, fluxes, the penalty.
+//! Options of the cases of the fragile points method: cells, fluxes, penalty.
 
 use clap::{Args, ValueEnum};
 use fpm::{Cells, Domain, Penalty, relaxed, scattered};
@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use crate::CaseError;
 
-/// Steps of Lloyd's that even out points at random.
+/// Number of Lloyd's relaxation steps of random points.
 const ROUNDS: usize = 3;
 
 /// Where the points of a box are.
@@ -59,7 +59,7 @@ pub struct Fragile {
 }
 
 impl Joint {
-    /// As in names of files and rows.
+    /// Name in files and rows.
     pub fn name(self) -> &'static str {
         match self {
             Joint::Incomplete => "incomplete",
@@ -69,7 +69,7 @@ impl Joint {
 }
 
 impl Fragile {
-    /// The fluxes that are run.
+    /// Return the fluxes to run.
     pub fn joints(&self) -> &'static [Joint] {
         match self.flux {
             Fluxes::Incomplete => &[Joint::Incomplete],
@@ -78,18 +78,18 @@ impl Fragile {
         }
     }
 
-    /// The penalty.
+    /// Return the penalty.
     ///
     /// # Errors
-    /// One that is none.
+    /// Invalid penalty.
     pub fn penalty(&self) -> Result<Penalty, CaseError> {
         Ok(Penalty::new(self.eta)?)
     }
 
-    /// Cells of a box with so many of them along each axis, or about as many at random.
+    /// Build cells of a box: `counts` along each axis, or about as many at random.
     ///
     /// # Errors
-    /// A box without an inside.
+    /// Empty box.
     pub fn cells(&self, low: [f64; 2], high: [f64; 2], counts: [usize; 2]) -> Result<Cells<2>, CaseError> {
         let refused = |error: fpm::CellsError| CaseError::Other(error.to_string());
         if self.points == Points::Lattice {
@@ -104,7 +104,7 @@ impl Fragile {
         random().map_err(refused)
     }
 
-    /// Is the penalty the usual one?
+    /// True if the penalty is the default one.
     pub fn has_usual_penalty(&self) -> bool {
         self.eta == Penalty::default().eta()
     }

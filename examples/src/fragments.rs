@@ -1,18 +1,18 @@
-//! In how many pieces a body is: particles nearer to each other than a given reach belong together.
+//! Fragments of a body: particles nearer to each other than a given reach belong together.
 
 use std::collections::HashMap;
 
-/// Pieces of a set of points.
+/// Fragments of a set of points.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fragments {
-    /// The piece of each point: 0 is the heaviest. Points that hold nothing have none.
+    /// Fragment of each point, 0 for the heaviest; `None` for points that connect to no other.
     pub of: Vec<Option<usize>>,
-    /// Masses of the pieces, kg, falling.
+    /// Masses of the fragments, kg, in descending order.
     pub masses: Vec<f64>,
 }
 
 impl Fragments {
-    /// Of points at these places (m) with these masses (kg), of which `holds` says which hold others; `reach` in m.
+    /// Group points at these positions, m, with these masses, kg, within `reach`, m; only points with `holds` connect.
     #[must_use]
     pub fn new(places: &[[f64; 3]], masses: &[f64], holds: &[bool], reach: f64) -> Self {
         let cell = |x: &[f64; 3]| x.map(|c| (c / reach).floor() as i64);
@@ -54,22 +54,22 @@ impl Fragments {
         Fragments { of, masses: sums.into_iter().map(|(mass, _)| mass).collect() }
     }
 
-    /// How many are heavier than this, kg.
+    /// Count the fragments heavier than `mass`, kg.
     #[must_use]
     pub fn heavier(&self, mass: f64) -> usize {
         self.masses.iter().filter(|&&m| m > mass).count()
     }
 }
 
-/// Strains at which `count` sections of a body fail by Mott: the hazard grows with the strain as exp(g eps), `rate` being g, and most sections
-/// fail near `mode`; none below a hundredth of it. The same ones for the same seed.
+/// Sample failure strains of `count` sections of a body after Mott: the hazard grows with the strain as exp(g eps), g =
+/// `rate`; most sections fail near `mode`, none below a hundredth of it. Deterministic for a given seed.
 #[must_use]
 pub fn mott_strains(mode: f64, rate: f64, seed: u64, count: usize) -> Vec<f64> {
     let strain = |k: usize| mode + (-random(seed, k as u64).ln()).ln() / rate;
     (0..count).map(|k| strain(k).max(0.01 * mode)).collect()
 }
 
-/// A number in (0, 1) of a seed and a place (SplitMix64).
+/// Return a pseudo-random number in (0, 1) from a seed and an index (SplitMix64).
 fn random(seed: u64, place: u64) -> f64 {
     let mut z = seed.wrapping_add((place + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -81,7 +81,7 @@ fn random(seed: u64, place: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Half of them fail below the median of Gumbel's law, ln(ln 2) / g from the mode.
+    /// Half of the strains lie below the median of Gumbel's distribution, ln(ln 2) / g from the mode.
     #[test]
     fn strains_are_scattered_as_mott_has_them() {
         let strains = mott_strains(0.5, 20.0, 7, 4000);
@@ -91,7 +91,7 @@ mod tests {
         assert!((below - 0.5).abs() < 1.5 / 4000f64.sqrt(), "{below}");
     }
 
-    /// A row of ten points, a distance of one apart, of which one holds nothing; and one far off.
+    /// Row of ten points at unit distance, one of which connects to no other, and a distant point.
     #[test]
     fn a_row_breaks_where_a_point_holds_nothing() {
         let mut places: Vec<[f64; 3]> = (0..10).map(|n| [f64::from(n) - 4.0, 0.0, 0.5]).collect();

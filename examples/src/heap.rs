@@ -1,21 +1,21 @@
-//! The surface of a heap of particles in the plane.
+//! Surface profile of a heap of particles in two dimensions.
 
 use mpm_core::output::Snapshot;
 
-/// Heights over a floor in columns of equal width, from the volume that stands in each.
+/// Heights above a floor in columns of equal width, from the particle volume in each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heap {
     /// Left edge of the first column, m.
     left: f64,
     width: f64,
-    /// Mean height of each column over the floor, m.
+    /// Mean height of each column above the floor, m.
     pub heights: Vec<f64>,
-    /// Area of it all, m^2.
+    /// Area of all particles, m^2.
     pub area: f64,
 }
 
 impl Heap {
-    /// Of all particles of a snapshot in the plane, between `left` and `right`, in columns about `width` wide, m.
+    /// Measure a plane snapshot: heights between `left` and `right` in columns of `width`, m, and the area of all particles.
     pub fn new(snapshot: &Snapshot, [left, right]: [f64; 2], width: f64) -> Self {
         let count = ((right - left) / width).ceil().max(1.0) as usize;
         let mut heights = vec![0.0; count];
@@ -30,23 +30,22 @@ impl Heap {
         Heap { left, width, heights, area }
     }
 
-    /// Middle of a column, m.
+    /// Centre of a column, m.
     pub fn middle(&self, column: usize) -> f64 {
         self.left + (column as f64 + 0.5) * self.width
     }
-    /// Where the heap ends, m: its height falls below `least`, going right from the column at `from`.
+    /// Return the position of the front, m: the height falls below `least`, m, going right from the column at `from`, m.
     pub fn front(&self, from: f64, least: f64) -> f64 {
         let start = ((from - self.left) / self.width).max(0.0) as usize;
         let end = (start..self.heights.len()).find(|&n| self.heights[n] < least);
         let end = end.unwrap_or(self.heights.len());
         let [a, b] = [end.checked_sub(1), Some(end)]
             .map(|n| n.and_then(|n| self.heights.get(n)).copied().unwrap_or(0.0));
-        // Between the middles of the last column above and the first below.
+        // Interpolate between the centres of the last column above and the first below.
         let part = if a > b { ((a - least) / (a - b)).clamp(0.0, 1.0) } else { 0.5 };
         self.left + (end as f64 - 0.5 + part) * self.width
     }
-    /// The steepest fall to the right, radians: of straight lines fitted to stretches of `length`, m, where the heap is
-    /// higher than `least`.
+    /// Return the steepest fall to the right, radians: lines fitted to stretches of `length`, m, higher than `least`, m, throughout.
     pub fn steepest(&self, length: f64, least: f64) -> f64 {
         let count = ((length / self.width).round() as usize).max(2);
         let fall = |stretch: &[f64]| {
@@ -69,7 +68,7 @@ mod tests {
 
     use super::*;
 
-    /// A triangle of slope 1 : 2 down from (0, 1), of particles 0.01 wide.
+    /// Triangle of particles 0.01 wide, with a slope of 1 : 2 down from (0, 1).
     fn triangle() -> Snapshot {
         let edge = 0.01;
         let mut places = Vec::new();
@@ -88,7 +87,7 @@ mod tests {
     fn a_triangle_has_its_area_front_and_slope() {
         let heap = Heap::new(&triangle(), [0.0, 3.0], 0.04);
         assert!((heap.area - 1.0).abs() < 0.01, "{}", heap.area);
-        // Columns are 0.04 wide, particles half as high as the least height.
+        // Columns are 0.04 wide; the particle height is half the least height.
         assert!((heap.front(0.0, 0.02) - 1.96).abs() < 0.03, "{}", heap.front(0.0, 0.02));
         assert!((heap.steepest(0.4, 0.02).tan() - 0.5).abs() < 0.02);
         assert!((heap.heights[0] - 0.99).abs() < 0.011);

@@ -2,13 +2,13 @@
 
 use mpm_core::output::{OutputError, Snapshot};
 
-/// The name of the field that [`immersed`] adds.
+/// Name of the field that [`immersed`] adds.
 pub const WATER_PRESSURE: &str = "pressure of the water";
 
-/// The snapshot with the pressure of its particles alone as [`WATER_PRESSURE`], Pa: elements have none there, and are drawn grey.
+/// Add the pressure of particles as the field [`WATER_PRESSURE`], Pa; it is NaN on elements, which are drawn grey.
 ///
 /// # Errors
-/// A snapshot without `pressure`.
+/// Snapshot without `pressure`.
 pub fn immersed(snapshot: &Snapshot) -> Result<Snapshot, OutputError> {
     let is_element = |n: usize| snapshot.cells().is_some_and(|cells| !cells.of(n).is_empty());
     let values = snapshot.scalar("pressure")?.iter().enumerate();

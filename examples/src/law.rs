@@ -1,4 +1,4 @@
-//! A law of contact that is chosen at run time.
+//! Contact law selected at run time.
 
 use clap::ValueEnum;
 use mpm_contact::{Coulomb, Frictionless, Pairs, Penalty, Stick};
@@ -21,19 +21,18 @@ pub enum Law {
 }
 
 impl Law {
-    /// The spring of [`Law::Penalty`]: its frequency over c / h, and its restitution (book, "Contact laws against the cases").
+    /// Spring of [`Law::Penalty`]: frequency over c / h, and restitution (book, "Contact laws against the cases").
     pub const SPRING: [f64; 2] = [0.9, 0.8];
 
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
     }
 
-    /// The law of all pairs, with this coefficient of friction, for bodies of this wave speed, m/s, in cells of
-    /// `spacing`, m.
+    /// Return the law of all pairs with this coefficient of friction, for bodies of this wave speed, m/s, in cells of `spacing`, m.
     ///
     /// # Errors
-    /// A coefficient that is negative, a speed or spacing that is not positive.
+    /// Negative coefficient; speed or spacing that is not positive.
     pub fn pairs(self, friction: f64, wave: f64, spacing: f64) -> Result<Pairs<f64>, CaseError> {
         let [frequency, restitution] = Law::SPRING;
         Ok(match self {

@@ -1,4 +1,4 @@
-//! How bodies of finite elements meet particles, chosen at run time.
+//! Coupling of finite element bodies and particles, selected at run time.
 
 use clap::ValueEnum;
 use coupling::Elements;
@@ -20,15 +20,15 @@ pub enum Coupling {
 }
 
 impl Coupling {
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
     }
 
-    /// A scene of elements as a body of a scene of particles that it slides along with this coefficient of friction.
+    /// Couple a scene of elements as a body of a scene of particles, with this coefficient of friction at its surface.
     ///
     /// # Errors
-    /// Elements that cannot be coupled so, a coefficient that is negative.
+    /// Elements that cannot be coupled in this way; negative coefficient.
     pub fn elements<const D: usize>(self, fem: Fem<D>, friction: f64) -> Result<Elements<D>, CaseError> {
         Ok(match self {
             Coupling::Surface => Elements::by_surface(fem, Coulomb::new(friction)?)?,
@@ -36,8 +36,8 @@ impl Coupling {
         })
     }
 
-    /// The usual edge of elements beside cells of this size, m: one of them, and half of one where nodes act on the grid, as far apart as
-    /// particles are.
+    /// Return the usual element edge for cells of this size, m: one cell, or half a cell, the particle spacing, where nodes
+    /// act on the grid.
     pub fn edge(self, cell: f64) -> f64 {
         match self {
             Coupling::Surface => cell,
@@ -45,11 +45,11 @@ impl Coupling {
         }
     }
 
-    /// An empty scene of particles in the plane: on the grid bodies are kept apart by the library's default detector with this
-    /// coefficient of friction; surfaces need one field alone.
+    /// Create an empty plane scene of particles. On the grid the library's default detector separates bodies, with this
+    /// coefficient of friction; surface coupling needs a single velocity field.
     ///
     /// # Errors
-    /// A coefficient that is negative.
+    /// Negative coefficient.
     pub fn plane_scene(
         self,
         method: Kernels<f64, 2>,

@@ -1,11 +1,11 @@
-//! Methods that cases compare with others and that `mpm-core` has no kernels of: compiled here, once for all binaries.
+//! Methods for comparison without kernels in `mpm-core`: compiled here once for all binaries.
 
 use mpm_core::{
     Axisymmetric, CpGimp, Flip, Fmpm, FullSpace, Gimp, IntoKernels, Kernels, Linear, Method, PlaneStrain,
     Usf, Usl,
 };
 
-/// Uniform GIMP, USL, FLIP, in space.
+/// Uniform GIMP, USL, FLIP, in three dimensions.
 pub fn gimp_usl_in_space() -> Kernels<f64, 3> {
     Method::new(Gimp, Flip, Usl, FullSpace).compiled().into_kernels()
 }

@@ -1,4 +1,4 @@
-//! Ogive rods as particles in rings.
+//! Ogive rods as rings of particles and as meshes.
 
 use std::f64::consts::PI;
 
@@ -9,14 +9,14 @@ use mpm_core::geometry::{ElementMesh, GeometryError, Metric, OgiveRod, Seeds, Sh
 struct Ring {
     low: f64,
     high: f64,
-    /// Where its particles lie.
+    /// Radius of its particles.
     r: f64,
     /// Distance from the tail.
     s: f64,
     depth: f64,
 }
 
-/// Seeds of these volumes, all scaled by one factor so that they add up to `exact`.
+/// Build seeds of these volumes, scaled by one factor to the total volume `exact`.
 fn scaled<const D: usize>(
     positions: Vec<[f64; D]>,
     mut volumes: Vec<f64>,
@@ -41,7 +41,7 @@ fn scaled<const D: usize>(
 pub struct Ogive {
     /// Diameter of the shank, m.
     pub diameter: f64,
-    /// From tail to tip, m.
+    /// Length from tail to tip, m.
     pub length: f64,
     /// Calibre-radius-head: radius of the arc over the diameter.
     pub crh: f64,
@@ -71,22 +71,22 @@ impl Ogive {
     /// Volume, m^3.
     ///
     /// # Errors
-    /// Sizes that make no rod.
+    /// Invalid dimensions.
     pub fn volume(&self) -> Result<f64, GeometryError> {
         let rod = OgiveRod::new([0.0; 3], [0.0, 0.0, 1.0], self.diameter, self.length, self.crh)?;
         Ok(rod.measure().unwrap_or(f64::NAN))
     }
 
-    /// The rod as layers of concentric rings of particles `edge` apart (m), so that its surface is as smooth as one of
-    /// a rod: a lattice has steps, on which contact rattles. The outermost ring lies half an `edge` inside the surface,
-    /// where particles of that half size touch it.
+    /// Fill the rod with layers of concentric rings of particles `edge` apart, m: its surface is smooth, while that of a
+    /// lattice has steps on which contact rattles. The outermost ring lies half an `edge` inside the surface, where
+    /// particles of that half size touch it.
     ///
-    /// The rod flies along (sin `angle`, 0, -cos `angle`), its tip at `tip`. Of it the part that turns by `sector`
-    /// (radians; PI a half, PI/2 a quarter) from the x-z plane towards y is filled. The second number of each particle
-    /// is its distance from the tail, m.
+    /// The rod flies along (sin `angle`, 0, -cos `angle`), its tip at `tip`. Only the sector from the x-z plane towards y
+    /// by `sector` (radians; PI for a half, PI/2 for a quarter) is filled. The second result is the distance of each
+    /// particle from the tail, m.
     ///
     /// # Errors
-    /// Sizes that make no rod.
+    /// Invalid dimensions.
     pub fn rings(
         &self,
         tip: [f64; 3],
@@ -100,7 +100,7 @@ impl Ogive {
             let around = (sector * r / edge).round().max(1.0);
             for n in 0..around as usize {
                 let (sin, cos) = (sector * (n as f64 + 0.5) / around).sin_cos();
-                // Across the rod in the plane of flight, along y, back from the tip.
+                // Coordinates across the rod in the plane of flight, along y, and back from the tip.
                 let (across, side, back) = (r * cos, r * sin, self.length - s);
                 positions.push([
                     tip[0] + across * cosine - back * sine,
@@ -116,11 +116,12 @@ impl Ogive {
         Ok((seeds, from_tail))
     }
 
-    /// The same rod of bricks with edges of about `edge`, m, its section widened so that it has its volume; of it `keep` tells the parts to keep by a position in its own coordinates
-    /// (across it in the plane of flight, along y, from the tail), m. The second number of each brick is its distance from the tail, m.
+    /// Mesh the rod with bricks with edges of about `edge`, m; the section is widened to the volume of the rod. `keep`
+    /// selects bricks by their centre in coordinates of the rod (across it in the plane of flight, along y, from the tail),
+    /// m. The second result is the distance of each brick from the tail, m.
     ///
     /// # Errors
-    /// Sizes that make no rod, or no element.
+    /// Invalid dimensions or edge.
     pub fn bricks(
         &self,
         tip: [f64; 3],
@@ -130,7 +131,7 @@ impl Ogive {
     ) -> Result<(ElementMesh<3>, Vec<f64>), GeometryError> {
         let rod = OgiveRod::new([0.0; 3], [0.0, 0.0, 1.0], self.diameter, self.length, self.crh)?;
         let whole = ogive_rod_mesh(&rod, Butterfly::of_edge(self.radius(), edge)?, self.along(edge))?;
-        // Chords cut off what bows out between nodes: 4.5 % with 12 of them around.
+        // Factor for the section outside the chords between nodes: 4.5 % of it with 12 nodes around.
         let wider = (self.volume()? / whole.measure(Metric::Cartesian)?).sqrt();
         let centre = |nodes: &[u32]| {
             let mut sum = [0.0; 3];
@@ -155,11 +156,11 @@ impl Ogive {
         Ok((mesh, from_tail))
     }
 
-    /// The same rod of quadrilaterals with edges of about `edge`, m, as [`Ogive::profile`] lies, its section widened so that it has its
-    /// volume.
+    /// Mesh the section of the rod with quadrilaterals with edges of about `edge`, m, in the position of
+    /// [`Ogive::profile`]; it is widened to the volume of the rod.
     ///
     /// # Errors
-    /// Sizes that make no rod, or no element.
+    /// Invalid dimensions or edge.
     pub fn quadrilaterals(&self, tip: f64, edge: f64) -> Result<ElementMesh<2>, GeometryError> {
         let rod = OgiveRod::new([0.0, tip + self.length], [0.0, -1.0], self.diameter, self.length, self.crh)?;
         let mesh = ogive_rod_section_mesh(&rod, Butterfly::of_edge(self.radius(), edge)?, self.along(edge))?;
@@ -167,16 +168,16 @@ impl Ogive {
         mesh.mapped(|[r, z]| [wider * r, z])
     }
 
-    /// Elements of an edge along the shank.
+    /// Return the number of elements of an edge along the shank.
     fn along(&self, edge: f64) -> usize {
         ((self.length - self.nose()) / edge).round().max(1.0) as usize
     }
 
-    /// The same rod in the half plane of (r, z), flying along -z on the axis r = 0 with its tip at the height `tip`, m;
+    /// Fill the rod in the half plane of (r, z), flying along -z on the axis r = 0 with its tip at the height `tip`, m;
     /// volumes are per radian.
     ///
     /// # Errors
-    /// Sizes that make no rod.
+    /// Invalid dimensions.
     pub fn profile(&self, tip: f64, edge: f64) -> Result<Seeds<2>, GeometryError> {
         let rings = self.cut(edge);
         let positions = rings.iter().map(|ring| [ring.r, tip + self.length - ring.s]).collect();
@@ -185,7 +186,7 @@ impl Ogive {
         Ok(scaled(positions, volumes, edge, self.volume()? / (2.0 * PI)))
     }
 
-    /// The rod cut into layers and these into rings about `edge` wide.
+    /// Cut the rod into layers and these into rings about `edge` wide.
     fn cut(&self, edge: f64) -> Vec<Ring> {
         let layers = (self.length / edge).round().max(1.0);
         let depth = self.length / layers;
@@ -193,7 +194,7 @@ impl Ogive {
         for layer in 0..layers as usize {
             let s = (layer as f64 + 0.5) * depth;
             let outer = self.radius_at(s);
-            // Inside the outermost ring, rings of equal width.
+            // Rings of equal width inside the outermost ring.
             let inner = (outer - edge).max(0.0);
             let count = (inner / edge).round().max(if inner > 0.25 * edge { 1.0 } else { 0.0 });
             let core = if count > 0.0 { inner } else { 0.0 };
@@ -226,7 +227,7 @@ mod tests {
             let angle = 0.5;
             let (seeds, from_tail) = ROD.rings([0.01, 0.0, 0.02], angle, PI, edge).expect("a rod");
             assert!((seeds.measure() / (0.5 * 1.0352e-5) - 1.0).abs() < 1e-4);
-            // Layers of finite thickness: the correction is of second order in them.
+            // The correction is of second order in the layer thickness.
             assert!((seeds.correction - 1.0).abs() < 2e-3, "{}", seeds.correction);
             let direction = [angle.sin(), 0.0, -angle.cos()];
             let tail = [0, 1, 2].map(|d| [0.01, 0.0, 0.02][d] - ROD.length * direction[d]);
@@ -236,7 +237,7 @@ mod tests {
                 assert!(x[1] > 0.0 && shape.contains(*x));
                 let along: f64 = (0..3).map(|d| (x[d] - tail[d]) * direction[d]).sum();
                 assert!((along - s).abs() < 1e-12);
-                // On the shank no particle reaches out, and some reach the surface.
+                // Along the shank no particle crosses the surface, and some touch it.
                 if *s < ROD.length - ROD.nose() && *s > edge {
                     nearest = nearest.max(shape.signed_distance(*x));
                 }

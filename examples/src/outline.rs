@@ -1,23 +1,23 @@
-//! The outline of a body of elements in the plane, and how deep points are inside.
+//! Outline of a body of elements in the plane, and depth of points in it.
 
 use std::collections::BTreeMap;
 
 use mpm_core::scene::Body;
 
-/// The outline of a body of elements in the plane as it stands: the edges that one element has alone, the body on their left.
+/// Present outline of a body of elements in the plane: edges of a single element, with the body on their left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline {
     edges: Vec<[[f64; 2]; 2]>,
     low: [f64; 2],
     high: [f64; 2],
-    /// Its line of symmetry x = 0, if it has one, is no surface.
+    /// True if x = 0 is a line of symmetry, which is no surface.
     symmetric: bool,
 }
 
 impl Outline {
-    /// Of a body whose points are elements. Where x = 0 is its line of symmetry, edges on that are no surface: behind them it goes on.
+    /// Build the outline of a body of elements. Edges on a line of symmetry x = 0 are no surface.
     pub fn of(body: &dyn Body, symmetric: bool) -> Self {
-        // Elements share nodes, and so the same bits.
+        // Elements share nodes, so that their coordinates are equal bit by bit.
         let mut seen: BTreeMap<[u64; 4], ([[f64; 2]; 2], u32)> = BTreeMap::new();
         body.for_each(&mut |element| {
             let corners = &element.corners;
@@ -38,7 +38,8 @@ impl Outline {
         Outline { edges, low, high, symmetric }
     }
 
-    /// How deep a point is inside, m: the distance from the surface, negative outside. Of points further outside than `near`, m, a bound.
+    /// Return the depth of a point inside, m: distance from the surface, negative outside; an upper bound if the point is
+    /// more than `near`, m, outside.
     pub fn depth(&self, x: [f64; 2], near: f64) -> f64 {
         let apart = [0, 1].map(|d| (self.low[d] - x[d]).max(x[d] - self.high[d]).max(0.0));
         let apart = apart[0].hypot(apart[1]);
@@ -50,7 +51,7 @@ impl Outline {
         if self.holds(x) { distance } else { -distance }
     }
 
-    /// Is it inside? By how often a line to the right crosses edges.
+    /// True if a point is inside: a line to the right crosses an odd number of edges.
     fn holds(&self, x: [f64; 2]) -> bool {
         let crosses = |[a, b]: &&[[f64; 2]; 2]| {
             (a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
@@ -59,7 +60,7 @@ impl Outline {
     }
 }
 
-/// From an edge to a point, m.
+/// Return the distance from an edge to a point, m.
 fn distance([a, b]: &[[f64; 2]; 2], x: [f64; 2]) -> f64 {
     let [along, to] = [[b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]];
     let square = along[0] * along[0] + along[1] * along[1];
@@ -67,17 +68,17 @@ fn distance([a, b]: &[[f64; 2]; 2], x: [f64; 2]) -> f64 {
     (to[0] - part * along[0]).hypot(to[1] - part * along[1])
 }
 
-/// Particles beside a body of elements.
+/// Penetration of particles into a body of elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inside {
-    /// How many have their centre in it.
+    /// Number of particles with their centre inside.
     pub count: usize,
-    /// How deep the deepest centre is, m; negative: how far away the nearest one is.
+    /// Depth of the deepest centre, m; if none is inside, the negative distance of the nearest one.
     pub deepest: f64,
 }
 
 impl Inside {
-    /// Of these particles in this outline; `near` is the distance, m, beyond which a particle does not matter.
+    /// Measure the penetration of particles into an outline; beyond `near`, m, distances are bounds only.
     pub fn of(particles: &dyn Body, outline: &Outline, near: f64) -> Self {
         let mut inside = Inside { count: 0, deepest: f64::NEG_INFINITY };
         particles.for_each(&mut |p| {

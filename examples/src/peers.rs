@@ -1,4 +1,4 @@
-//! Programs of ours for packages that anybody can install (`benchmarks/peers`), run as children.
+//! Benchmark programs of this project for public packages (`benchmarks/peers`), run as child processes.
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -10,10 +10,10 @@ use serde_json::Value;
 use crate::CaseError;
 use crate::throughput::Kernel;
 
-/// Where the programs are.
+/// Folder of the programs.
 pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../benchmarks/peers");
 
-/// A package of Python that can run a scene of ours on the processor.
+/// Python package that can run a scene of this project on the processor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub enum Peer {
     /// Taichi.
@@ -23,10 +23,10 @@ pub enum Peer {
 }
 
 impl Peer {
-    /// All.
+    /// All packages.
     pub const ALL: [Peer; 2] = [Peer::Taichi, Peer::Warp];
 
-    /// Its name.
+    /// Name of the package.
     pub fn name(self) -> &'static str {
         match self {
             Peer::Taichi => "Taichi",
@@ -34,7 +34,7 @@ impl Peer {
         }
     }
 
-    /// How Python imports it, and the beginning of its programs' names.
+    /// Name of the Python module, and prefix of its programs.
     fn module(self) -> &'static str {
         match self {
             Peer::Taichi => "taichi",
@@ -42,7 +42,7 @@ impl Peer {
         }
     }
 
-    /// What brings it.
+    /// Command that installs the package.
     pub fn remedy(self) -> &'static str {
         match self {
             Peer::Taichi => "pip install taichi numpy",
@@ -50,7 +50,7 @@ impl Peer {
         }
     }
 
-    /// The most threads that it runs a kernel on.
+    /// Maximum number of threads of a kernel.
     pub fn most_threads(self) -> usize {
         match self {
             Peer::Taichi => usize::MAX,
@@ -58,7 +58,7 @@ impl Peer {
         }
     }
 
-    /// Its version; none, with a message on standard error, if Python or the package is absent.
+    /// Return the version; `None`, with a message on standard error, if Python or the package is absent.
     pub fn version(self, python: &Path) -> Option<String> {
         let module = self.module();
         let script = format!(
@@ -66,7 +66,7 @@ impl Peer {
         );
         let output = Command::new(python).args(["-c", &script]).output().ok().filter(|o| o.status.success());
         let said = output.map(|o| String::from_utf8_lossy(&o.stdout).into_owned());
-        // Taichi greets before.
+        // Taichi prints a greeting first.
         let version = said.and_then(|text| text.lines().last().map(|line| line.trim().to_string()));
         if version.is_none() {
             let (name, python, remedy) = (self.name(), python.display(), self.remedy());
@@ -75,10 +75,10 @@ impl Peer {
         version
     }
 
-    /// Run one of its programs, `throughput` or `axes`, and hand every object that it prints to `each`.
+    /// Run a program of the package, `throughput` or `axes`, and pass each object that it prints to `each`.
     ///
     /// # Errors
-    /// A program that does not run or fails, and the first error of `each`, which ends the program.
+    /// Program that does not run or fails; first error of `each`, which stops the program.
     pub fn run(
         self,
         python: &Path,
@@ -98,7 +98,7 @@ impl Peer {
         let (Some(said), Some(mut trouble)) = (child.stdout.take(), child.stderr.take()) else {
             return Err(fail("its output cannot be read"));
         };
-        // Beside the other one, so that neither pipe fills.
+        // Read in a thread of its own, so that neither pipe fills.
         let trouble = std::thread::spawn(move || {
             let mut text = Vec::new();
             let _ = trouble.read_to_end(&mut text);
@@ -117,11 +117,11 @@ impl Peer {
         if ended.success() { Ok(()) } else { Err(fail(&trouble.join().unwrap_or_default())) }
     }
 
-    /// Particle updates a second of its own program for a kernel, each repeat: on a cube of about so many particles
-    /// ([`crate::throughput::cube`]), or on two blocks. And all else that the program says.
+    /// Measure the particle updates a second of the package's program for a kernel, for each repeat: on a cube of about so many particles
+    /// ([`crate::throughput::cube`]), or on two blocks. The second result is the object that the program prints.
     ///
     /// # Errors
-    /// As [`Peer::run`]; a kernel that it has no program for; a program that prints no rates.
+    /// Errors of [`Peer::run`]; kernel without a program; program that prints no rates.
     pub fn throughput(self, python: &Path, asked: &Asked) -> Result<(Vec<f64>, Value), CaseError> {
         let scheme = match asked.kernel {
             Kernel::LinearMuslElastic => "musl",
@@ -153,22 +153,22 @@ impl Peer {
     }
 }
 
-/// What a program of throughput is asked for; in double precision.
+/// Options of a throughput program, in double precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
-    /// What a step computes.
+    /// Kernel of a step.
     pub kernel: Kernel,
-    /// About so many particles in a cube; two blocks of 200 000 where there is none.
+    /// Approximate number of particles in a cube; two blocks of 200 000 together if `None`.
     pub cube: Option<u64>,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Steps that are timed.
+    /// Number of timed steps.
     pub steps: u64,
-    /// Runs.
+    /// Number of runs.
     pub repeat: u32,
 }
 
-/// The object that a line holds; none of what packages say of themselves.
+/// Parse the object in a line; `None` for other output of packages.
 pub fn object(line: &str) -> Option<Value> {
     serde_json::from_str::<Value>(line).ok().filter(Value::is_object)
 }

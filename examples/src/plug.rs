@@ -9,47 +9,48 @@ use crate::CaseError;
 pub const PROJECTILE: [f64; 2] = [10e-3, 80e-3];
 /// Radius and thickness of the plate, m. Its front is z = 0; the projectile flies along z.
 pub const PLATE: [f64; 2] = [250e-3, 8e-3];
-/// Radius within which the plate is as fine as the projectile, m.
+/// Radius of the fine region of the plate, m.
 const FINE: f64 = 2.0 * PROJECTILE[0];
-/// Spacing at the rim, m, and growth from column to column on the way there.
+/// Spacing at the rim, m, and growth factor of columns towards it.
 const COARSE: f64 = 1e-3;
 const GROWTH: f64 = 1.0105;
 
-/// Both by so many spacings on the radius of the projectile: 100 as printed, which make 104 008 particles; printed are 104 047, but not
-/// how spacings grow.
+/// Layout of both by the number of spacings on the radius of the projectile. The original 100 make 104 008 particles here;
+/// the paper has 104 047 and does not state the growth of spacings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Plug {
-    /// Spacings on the radius of the projectile.
+    /// Number of spacings on the radius of the projectile.
     pub cells: usize,
 }
 
 impl Plug {
-    /// As printed.
+    /// Original layout \[Xiao2015\].
     pub const PRINTED: Plug = Plug { cells: 100 };
 
-    /// The spacing in the projectile and before it, m.
+    /// Spacing in the projectile and in front of it, m.
     pub fn fine(self) -> f64 {
         PROJECTILE[0] / self.cells as f64
     }
 
-    /// The spacing at the rim of the plate, m.
+    /// Spacing at the rim of the plate, m.
     pub fn coarse(self) -> f64 {
         COARSE.max(self.fine())
     }
 
-    /// Particles of the projectile.
+    /// Build the particles of the projectile.
     ///
     /// # Errors
-    /// No cells.
+    /// `cells` is zero.
     pub fn projectile(self) -> Result<Layout<2>, CaseError> {
         let edges: Vec<f64> = (0..=self.cells).map(|n| n as f64 * self.fine()).collect();
         Ok(Layout::of_columns(Axisymmetric, &edges, [-PROJECTILE[1], 0.0])?)
     }
 
-    /// Particles of the plate: as fine as the projectile within twice its radius, then in columns whose widths grow to a millimetre.
+    /// Build the particles of the plate: as fine as the projectile within twice its radius, then in columns whose widths
+    /// grow to a millimetre.
     ///
     /// # Errors
-    /// No cells.
+    /// `cells` is zero.
     pub fn plate(self) -> Result<Layout<2>, CaseError> {
         let mut edges: Vec<f64> = (0..=2 * self.cells).map(|n| n as f64 * self.fine()).collect();
         edges[2 * self.cells] = FINE;

@@ -1,10 +1,11 @@
-//! Runs of a case that can be broken off and resumed.
+//! Checkpoints and restart of a case.
 //!
-//! A case is a number of simulations, each of segments: runs to given times, between which it takes snapshots and notes numbers. Every
-//! simulation writes checkpoints, `LABEL.checkpoint` in the folder of the case. One that is resumed skips the segments before the
-//! one that was broken off, whose snapshots and notes come from the checkpoint; that segment goes on from where the checkpoint was
-//! written, solver, observers and all. What it leaves is the same, byte for byte, as if it had never been broken off. The other
-//! simulations of the case run again, and so does what a case does without a [`Simulation`].
+//! A case is a number of simulations, each of segments: runs to given times, between which the case takes snapshots and
+//! notes numbers. Every simulation writes checkpoints, `LABEL.checkpoint` in the folder of the case. A resumed simulation
+//! skips the segments before the interrupted one and loads their snapshots and notes from the checkpoint; the interrupted
+//! segment continues from the checkpoint, including solver and observers. The output is the same, byte for byte, as without
+//! interruption. The other simulations of the case run again, and so does everything that a case does without a
+//! [`Simulation`].
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,26 +18,27 @@ use mpm_core::{Archive, CheckpointError, Run, RunError, RunSummary, Solver};
 
 use crate::CaseError;
 
-/// Where the simulations of a case leave their checkpoints, and the one that is resumed.
+/// Checkpoints of the simulations of a case, and the one to resume from.
 #[derive(Debug)]
 pub struct Restart {
     folder: PathBuf,
     every: Duration,
     heading: Heading,
-    /// The checkpoint to resume from, and the simulation that it is of.
+    /// Checkpoint to resume from, and label of its simulation.
     resumed: Option<(PathBuf, String)>,
-    /// How often each label was taken.
+    /// Number of simulations with each label.
     labels: Mutex<BTreeMap<String, u32>>,
 }
 
-/// What a case is run with: options by name, as they were given or are by default.
+/// Options of a case by name, as given or by default.
 pub type Options = Vec<(String, String)>;
 
 impl Restart {
-    /// Of a case with these options, which a checkpoint to be resumed from must have, too. `every` is the time between two checkpoints.
+    /// Create the checkpoints of a case with these options, which a checkpoint to resume from must share. `every` is the time
+    /// between two checkpoints.
     ///
     /// # Errors
-    /// A checkpoint that cannot be read, is damaged, or is of another case or of other options.
+    /// Checkpoint that cannot be read, is damaged, or is of another case or of other options.
     pub fn new(
         case: &str,
         options: Options,
@@ -56,11 +58,11 @@ impl Restart {
         Ok(Restart { folder: folder.into(), every, heading, resumed, labels: Mutex::default() })
     }
 
-    /// Begin a simulation with a label, the name of its checkpoint. One that was taken before gets a number, too: simulations that
-    /// run beside each other need labels of their own, since their order may change.
+    /// Begin a simulation with a label, the name of its checkpoint. A repeated label gets a number: simulations that run in
+    /// parallel need distinct labels, since their order may change.
     ///
     /// # Errors
-    /// A label that holds a path separator; a checkpoint that cannot be read.
+    /// Label with a path separator; checkpoint that cannot be read.
     pub fn scene(&self, label: impl Into<String>) -> Result<Simulation, CaseError> {
         let mut label = label.into();
         if label.contains(['/', '\\']) {
@@ -96,8 +98,8 @@ fn refused(path: &Path) -> impl Fn(CheckpointError) -> CaseError + use<> {
     move |source| CaseError::Resume { path: path.clone(), source }
 }
 
-/// Frames for ParaView that were written before the run was broken off are beside its checkpoint: have them in the folder of this
-/// run, too. Later ones are written anew.
+/// Copy the ParaView frames written before the interruption from beside the checkpoint to the folder of this run. Later
+/// frames are written again.
 fn frames_beside(checkpoint: &Path, folder: &Path) -> Result<(), CaseError> {
     let from = checkpoint.parent().unwrap_or(Path::new("")).join("paraview");
     let to = folder.join("paraview");
@@ -119,7 +121,7 @@ fn frames_beside(checkpoint: &Path, folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// What a checkpoint of a case begins with.
+/// Heading of a checkpoint of a case.
 #[derive(Clone, Debug, Default)]
 struct Heading {
     case: String,
@@ -128,7 +130,7 @@ struct Heading {
 }
 
 impl Heading {
-    /// To a checkpoint, or from one, with which all but the label is compared.
+    /// Store in a checkpoint, or load from one and compare all but the label.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("case", &self.case)?;
         file.same("version of the program", env!("CARGO_PKG_VERSION"))?;
@@ -150,7 +152,7 @@ impl Heading {
         file.text(&mut self.label)
     }
 
-    /// The simulation that a checkpoint is of, if the file is whole and of this case.
+    /// Return the label of the simulation of a checkpoint, if the file is intact and of this case.
     fn label_of(&mut self, path: &Path) -> Result<String, CheckpointError> {
         let mut file = Run::preface_of(path)?;
         self.archive(&mut file)?;
@@ -160,10 +162,10 @@ impl Heading {
     }
 }
 
-/// What is kept of the segments of a simulation.
+/// Stored results of the segments of a simulation.
 #[derive(Clone, Debug, Default)]
 struct Kept {
-    /// What the segments took that are over.
+    /// Summaries of the finished segments.
     segments: Vec<RunSummary>,
     snapshots: Vec<Snapshot>,
     notes: Vec<Vec<f64>>,
@@ -179,18 +181,18 @@ impl Kept {
 
 /// One simulation of a case, in segments.
 pub struct Simulation {
-    /// Where they are written and how often, if they are.
+    /// Path of the checkpoints and time between them, if any.
     checkpoints: Option<(PathBuf, Duration)>,
-    /// When the last checkpoint was written, or the simulation began.
+    /// Time of the last checkpoint, or of the start of the simulation.
     last: Instant,
     heading: Heading,
     kept: Kept,
-    /// While segments are skipped: the checkpoint, and what it has of them.
+    /// Checkpoint and its stored results, while segments are skipped.
     saved: Option<(PathBuf, Kept)>,
 }
 
 impl Simulation {
-    /// Without checkpoints.
+    /// Create a simulation without checkpoints.
     #[must_use]
     pub fn alone() -> Self {
         Simulation {
@@ -202,13 +204,13 @@ impl Simulation {
         }
     }
 
-    /// Run a segment to `end` (s) with these observers, of which there must be the same ones whenever this segment is run.
+    /// Run a segment to `end` (s) with these observers, which must be the same in every run of this segment.
     ///
-    /// A segment that is skipped leaves solver and observers as they are: what decides of the segments must come from
-    /// [`Simulation::note`], or be as it is at the start.
+    /// A skipped segment leaves solver and observers unchanged: decisions about segments must depend on
+    /// [`Simulation::note`] or on the initial state.
     ///
     /// # Errors
-    /// Those of [`Run::until`] and [`Run::resume`]. What the segment took until then is in [`Simulation::summary`].
+    /// Errors of [`Run::until`] and [`Run::resume`]. [`Simulation::summary`] includes the segment up to the error.
     pub fn until<'a>(
         &mut self,
         solver: &'a mut (dyn Solver + 'static),
@@ -245,10 +247,10 @@ impl Simulation {
         result.map(|_| ())
     }
 
-    /// Keep a snapshot.
+    /// Store a snapshot, or load it from the checkpoint while segments are skipped.
     ///
     /// # Errors
-    /// Those of `take`.
+    /// Errors of `take`; checkpoint with too few snapshots.
     pub fn keep<E: Into<CaseError>>(
         &mut self,
         take: impl FnOnce() -> Result<Snapshot, E>,
@@ -262,10 +264,10 @@ impl Simulation {
         Ok(&self.kept.snapshots[place])
     }
 
-    /// Keep numbers that are taken from solver or observers between segments.
+    /// Store numbers of solver or observers between segments, or load them from the checkpoint while segments are skipped.
     ///
     /// # Errors
-    /// Those of `take`.
+    /// Errors of `take`; checkpoint with too few notes.
     pub fn note<const N: usize>(
         &mut self,
         take: impl FnOnce() -> Result<[f64; N], CaseError>,
@@ -282,19 +284,19 @@ impl Simulation {
         Ok(note)
     }
 
-    /// The snapshots kept so far.
+    /// Snapshots stored so far.
     #[must_use]
     pub fn snapshots(&self) -> &[Snapshot] {
         &self.kept.snapshots
     }
 
-    /// All snapshots, when the simulation is over.
+    /// Return all snapshots at the end of the simulation.
     #[must_use]
     pub fn into_snapshots(self) -> Vec<Snapshot> {
         self.kept.snapshots
     }
 
-    /// What the segments took so far, skipped ones included.
+    /// Return the summary of the segments so far, skipped ones included.
     #[must_use]
     pub fn summary(&self) -> RunSummary {
         self.kept.segments.iter().fold(RunSummary::default(), |mut sum, segment| {

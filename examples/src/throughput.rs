@@ -1,4 +1,4 @@
-//! The scenes and kernels of the yardstick, composed from the framework's parts.
+//! Scenes and kernels of the yardstick benchmark, composed from the framework's parts.
 
 use std::path::Path;
 use std::process::Command;
@@ -33,7 +33,7 @@ pub enum Kernel {
 }
 
 impl Kernel {
-    /// The name in tables and JSON.
+    /// Name in tables and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Kernel::LinearMuslElastic => "linear-musl-elastic",
@@ -42,24 +42,24 @@ impl Kernel {
         }
     }
 
-    /// Its scene.
+    /// Name of the scene.
     pub fn scene(self) -> &'static str {
         if self == Kernel::LinearMuslJohnsonCook { "S2" } else { "S1" }
     }
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Job {
-    /// What a step computes.
+    /// Kernel of a step.
     pub kernel: Kernel,
-    /// Particles wanted; the scene has about as many.
+    /// Requested number of particles; the scene has about as many.
     pub particles: usize,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Steps that are timed.
+    /// Number of timed steps.
     pub steps: u64,
-    /// How passes reach the law.
+    /// Call of the law in passes over particles.
     pub way: Way,
 }
 
@@ -74,7 +74,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// A body of a law in a method.
+    /// Build a body of a law for a method.
     pub fn body<'a, T, M, C>(
         self,
         name: &str,
@@ -92,42 +92,42 @@ impl Way {
     }
 }
 
-/// What a run measured: the keys of the yardstick, and two more.
+/// Result of a run: the keys of the yardstick, and two more.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measured {
-    /// Its name.
+    /// Name of the kernel.
     pub kernel: String,
     /// Name of the scene.
     pub scene: &'static str,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
     /// Cells with particles at the end.
     pub cells: usize,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Steps timed.
+    /// Number of timed steps.
     pub steps: u64,
-    /// Wall-clock time of the steps, s. Building the scene and the first step are not timed.
+    /// Wall-clock time of the steps, s, without scene construction and first step.
     pub seconds: f64,
-    /// What the grid took of it, with contact, s: all but passes over particles and bringing them to their bins.
+    /// Part of `seconds` spent on the grid, with contact, s: all but particle passes and sorting of particles into bins.
     pub grid_seconds: f64,
-    /// Particles times steps over seconds.
+    /// Particles times steps over `seconds`, 1/s.
     pub particle_updates_per_second: f64,
-    /// Numbers stored a particle, times their size.
+    /// Storage of a particle, bytes.
     pub bytes_per_particle: usize,
-    /// Bytes of a node.
+    /// Size of a node, bytes.
     pub bytes_per_node: usize,
-    /// Of positions, velocities and stresses at the end; the same for any number of threads.
+    /// Checksum of positions, velocities and stresses at the end; independent of the number of threads.
     pub checksum: String,
-    /// |p - p0 - impulse of the wall| over sum of m |v|.
+    /// Momentum error: |p - p0 - impulse of the wall| over sum of m |v|.
     pub momentum_drift: f64,
-    /// Relative, over the whole run; negative is lost.
+    /// Relative energy change over the whole run; negative for a loss.
     pub energy_drift: f64,
-    /// All memory of the solver, grid and scratch included, a particle.
+    /// Memory of the solver per particle, grid and scratch included, bytes.
     pub total_bytes_per_particle: f64,
-    /// Bytes of the grid.
+    /// Memory of the grid, bytes.
     pub grid_bytes: usize,
-    /// Bits of a number.
+    /// Bits of a floating-point number.
     pub bits: usize,
 }
 
@@ -137,7 +137,7 @@ pub type HeatedCopper<T> = Solid<AdiabaticJohnsonCook<T>, MieGruneisen<T>, NoFai
 /// Run a job in the precision `T`.
 ///
 /// # Errors
-/// What a scene refuses, and a step that breaks.
+/// Invalid scene definition; step that fails.
 pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError>
 where
     Method<Linear, Flip, Musl, FullSpace>: IntoKernels<T, 3>,
@@ -175,7 +175,7 @@ where
     }
 }
 
-/// Particles on a 2 x 2 x 2 lattice in the cells `low..high` of edge `h` that are `inside` (in cells).
+/// Place particles on a 2 x 2 x 2 lattice in the cells `low..high` of edge `h` that are `inside` (in cells).
 pub fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f64; 3]) -> bool) -> Seeds<3> {
     let mut positions = Vec::new();
     for k in 2 * low[2]..2 * high[2] {
@@ -192,10 +192,10 @@ pub fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f6
     Seeds::placed(positions, volumes, [0.25 * h; 3])
 }
 
-/// S1: a cube of about so many particles in a smooth field of velocity, h = 1, to be run with dt = 0.19.
+/// Build S1: a cube of about so many particles in a smooth velocity field, h = 1, dt = 0.19.
 ///
 /// # Errors
-/// What a scene refuses.
+/// Invalid scene definition.
 pub fn cube<T, M, C>(particles: usize, method: M, law: C, way: Way) -> Result<Mpm<3, T>, CaseError>
 where
     T: Float,
@@ -205,10 +205,10 @@ where
     cube_of(particles, method, |seeds| way.body("cube", method, law, seeds))
 }
 
-/// The same with a body of any law at the cube's particles, whose velocity is set here.
+/// Build S1 with a body of any law on the particles of the cube; its velocity is set here.
 ///
 /// # Errors
-/// What a scene refuses.
+/// Invalid scene definition.
 pub fn cube_of<T: Float, L: IntoMaterial<T>>(
     particles: usize,
     method: impl IntoKernels<T, 3>,
@@ -226,10 +226,10 @@ pub fn cube_of<T: Float, L: IntoMaterial<T>>(
     Ok(mpm)
 }
 
-/// S2: a cylinder 25.4 mm long, four radii, hits a wall at 190 m/s; dt = h / 20 km/s.
+/// Build S2: a cylinder 25.4 mm long, four radii, hits a wall at 190 m/s; dt = h / 20 km/s.
 ///
 /// # Errors
-/// What a scene refuses.
+/// Invalid scene definition.
 pub fn cylinder<T, M, C>(particles: usize, method: M, law: C, way: Way) -> Result<Mpm<3, T>, CaseError>
 where
     T: Float,
@@ -251,14 +251,14 @@ where
     Ok(mpm)
 }
 
-/// Run a scene for the steps of a job, and measure.
+/// Time the steps of a job on a scene.
 ///
 /// # Errors
-/// A step that breaks.
+/// Step that fails.
 pub fn timed<T: Float>(job: &Job, mut mpm: Mpm<3, T>) -> Result<Measured, CaseError> {
     mpm.set_team(Team::new(job.threads)?);
     let before = mpm.totals();
-    mpm.step()?; // the first step maps the particles, which later ones find done
+    mpm.step()?; // not timed: the first step maps the particles, later ones reuse that
     let (clock, at_particles) = (Instant::now(), mpm.particle_seconds());
     for _ in 0..job.steps {
         mpm.step()?;
@@ -293,7 +293,7 @@ pub fn timed<T: Float>(job: &Job, mut mpm: Mpm<3, T>) -> Result<Measured, CaseEr
     })
 }
 
-/// The number of cells with particles, and a hash of what the particles carry (FNV-1a).
+/// Return the number of cells with particles, and a hash of position, velocity and stress of all particles (FNV-1a).
 fn fingerprint<T: Float>(mpm: &Mpm<3, T>) -> (usize, u64) {
     let h = mpm.grid().lattice().spacing();
     let (mut cells, mut hash) = (Vec::with_capacity(mpm.particles()), 0xcbf2_9ce4_8422_2325_u64);
@@ -310,12 +310,12 @@ fn fingerprint<T: Float>(mpm: &Mpm<3, T>) -> (usize, u64) {
     (cells.len(), hash)
 }
 
-/// Run the kernel `K1` to `K4` (`K3f` in single precision) of a built yardstick of hand-written kernels once, on its
-/// scene `S1` to `S3`: the object it prints, which has the numbers `particles`, `seconds`, `particle_updates_per_second` and
-/// `bytes_per_particle`.
+/// Run the kernel `K1` to `K4` (`K3f` in single precision) of a built yardstick of hand-written kernels once, on its scene
+/// `S1` to `S3`. Return the object that it prints, with the numbers `particles`, `seconds`, `particle_updates_per_second`
+/// and `bytes_per_particle`.
 ///
 /// # Errors
-/// A program that does not run, or prints no such object.
+/// Program that does not run, or prints no such object.
 pub fn hand_written(
     program: &Path,
     kernel: &str,
@@ -335,10 +335,10 @@ pub fn hand_written(
     Ok(value)
 }
 
-/// The object that a program prints as its last line.
+/// Run a program and parse the JSON object on its last line.
 ///
 /// # Errors
-/// A program that does not run, or prints no object.
+/// Program that does not run, or prints no object.
 pub fn printed(command: &mut Command) -> Result<serde_json::Value, CaseError> {
     let program = command.get_program().to_os_string();
     let fail = |what: String| CaseError::Other(format!("{}: {what}", program.display()));
@@ -348,19 +348,19 @@ pub fn printed(command: &mut Command) -> Result<serde_json::Value, CaseError> {
     Ok(serde_json::from_str(line)?)
 }
 
-/// Median, least and most.
+/// Median, minimum and maximum.
 #[derive(Clone, Copy, Debug)]
 pub struct Spread {
     /// Median.
     pub median: f64,
-    /// Least.
+    /// Minimum.
     pub least: f64,
-    /// Most.
+    /// Maximum.
     pub most: f64,
 }
 
 impl Spread {
-    /// Of some values.
+    /// Compute the spread of values.
     pub fn of(values: impl Iterator<Item = f64>) -> Self {
         let mut v: Vec<f64> = values.collect();
         v.sort_by(f64::total_cmp);
@@ -370,7 +370,7 @@ impl Spread {
         }
         Spread { median: 0.5 * (v[(n - 1) / 2] + v[n / 2]), least: v[0], most: v[n - 1] }
     }
-    /// As text, with so many digits after the point.
+    /// Format with this number of digits after the point.
     pub fn text(&self, digits: usize) -> String {
         format!("{:.digits$} [{:.digits$} - {:.digits$}]", self.median, self.least, self.most)
     }

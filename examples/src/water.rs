@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::CaseError;
 
-/// Water whose sound speed is chosen: fast enough that it hardly changes its density, slow enough for long steps \[Zhang2017\].
+/// Water with an artificial sound speed: high enough for small changes of density, low enough for long steps \[Zhang2017\].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Water {
     /// Density at rest, kg/m^3.
@@ -16,19 +16,19 @@ pub struct Water {
     pub sound: f64,
 }
 
-/// What a point of [`Water`] remembers.
+/// State variables of a material point of [`Water`].
 pub type WaterState = <Fluid<Tait<f64>> as Constitutive<f64>>::State<<f64 as mpm_materials::Real>::Single>;
 
 impl Water {
     /// Density of water, kg/m^3.
     pub const DENSITY: f64 = 1000.0;
 
-    /// With this sound speed, m/s.
+    /// Create water with this sound speed, m/s.
     pub fn of(sound: f64) -> Self {
         Water { density: Self::DENSITY, sound }
     }
 
-    /// Its law: Tait, inviscid.
+    /// Return the law: Tait equation of state, inviscid.
     ///
     /// # Errors
     /// Constants that are not positive.
@@ -36,14 +36,14 @@ impl Water {
         Ok(Fluid::new(Tait::new(self.density, self.sound)?))
     }
 
-    /// A point of that law under a pressure, Pa: J = (1 + 7 p / (rho c^2))^(-1/7).
+    /// Return the state of a material point under a pressure, Pa: J = (1 + 7 p / (rho c^2))^(-1/7).
     pub fn under(&self, law: &Fluid<Tait<f64>>, pressure: f64) -> WaterState {
         let ratio = (1.0 + 7.0 * pressure / (self.density * self.sound.powi(2))).powf(-1.0 / 7.0);
         WaterState { volume_ratio: Lane::splat(ratio), ..law.virgin() }
     }
 
-    /// What moves it in the plane: quadratic B-splines and affine transfers, stress last, and the mean dilatation of a cell, without which the
-    /// pressure alternates from particle to particle by more than itself.
+    /// Return the kernels in plane strain: quadratic B-splines and affine transfers, USL, and mean dilatation of a cell,
+    /// without which the pressure alternates between particles by more than its value.
     pub fn method(transfer: Transfer) -> Kernels<f64, 2> {
         match transfer {
             Transfer::Apic => {

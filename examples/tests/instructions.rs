@@ -1,12 +1,12 @@
-//! Instructions a particle and step of the kernels of `throughput`, with their laws behind a call and inlined, counted by
-//! callgrind: they stay within 2 % of the counts in `instructions.csv`. Counts do not depend on the load of a machine; they do depend on the compiler, which
-//! `rust-toolchain.toml` fixes. After a change that is meant:
+//! Instruction counts per particle and step of the kernels of `throughput`, with called and inlined laws, by callgrind:
+//! within 2 % of the counts in `instructions.csv`. Counts do not depend on the load of a machine but on the compiler, which
+//! `rust-toolchain.toml` fixes. After an intended change:
 //!
 //! ```text
 //! IMPACTITE_STORE_COUNTS=1 cargo test --release --workspace --all-features --test instructions
 //! ```
 //!
-//! Without valgrind, or on a processor without AVX2, nothing is counted, and the test says so.
+//! Without valgrind, or on a processor without AVX2, the test counts nothing and prints that.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -21,12 +21,13 @@ const TOLERANCE: f64 = 0.02;
 const TUNABLES: &str =
     "glibc.cpu.x86_rep_stosb_threshold=1000000000:glibc.cpu.x86_rep_movsb_threshold=1000000000";
 
-/// Instructions of a whole run.
+/// Count the instructions of a whole run.
 fn count(kernel: &str, way: &str, steps: u32, folder: &Path) -> f64 {
     let file = folder.join(format!("{kernel}-{way}-{steps}"));
     let status = Command::new("valgrind")
-        // With any tunables the program does not begin anew, where valgrind would lose it. Callgrind counts a repeated instruction as often as
-        // it repeats, and whether memory is cleared by one depends on what the compiler makes a call of: no repeats.
+        // With any tunables set the program does not restart itself, which valgrind cannot follow. Callgrind counts a
+        // repeated instruction once per repeat, and it depends on the compiler whether memory is cleared by one: these
+        // thresholds disable them.
         .env("GLIBC_TUNABLES", TUNABLES)
         .arg("--tool=callgrind")
         .arg(format!("--callgrind-out-file={}", file.display()))

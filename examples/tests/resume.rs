@@ -1,5 +1,5 @@
-//! A case that is killed at any moment and resumed from its last checkpoint leaves what one leaves that was never killed, byte for
-//! byte; what cannot be resumed from is refused by what is wrong with it.
+//! Restart of cases: a case that is killed at any moment and resumed from its last checkpoint leaves the output of an
+//! uninterrupted run, byte for byte. Checkpoints that cannot be resumed from are refused with the reason.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use std::time::{Duration, SystemTime};
 
 use serde_json::Value;
 
-/// A case, small enough to write a checkpoint after every step.
+/// Case small enough to write a checkpoint after every step.
 #[derive(Clone, Copy)]
 struct Case {
     name: &'static str,
@@ -16,29 +16,29 @@ struct Case {
     options: &'static [&'static str],
 }
 
-/// By the material point method: a hundred segments with notes, snapshots, frames for ParaView and a ledger; three simulations.
+/// MPM: a hundred segments with notes, snapshots, frames for ParaView and a ledger; three simulations.
 const COLUMN: Case = Case {
     name: "granular_column",
     program: env!("CARGO_BIN_EXE_granular_column"),
     options: &["--cells", "6,7", "--aspect", "0.5", "--end", "3", "--frames"],
 };
-/// By the particle-contact method: two bodies, segments with snapshots, an observer of the case.
+/// Particle-contact method: two bodies, segments with snapshots, an observer of the case.
 const BULLET: Case = Case {
     name: "tungsten_bullet",
     program: env!("CARGO_BIN_EXE_tungsten_bullet"),
     options: &["--method", "pcmm", "--space", "plane-strain", "--refine", "0.2"],
 };
-/// By the particle-contact method: a body alone, histories and frames; two simulations.
+/// Particle-contact method: a single body, histories and frames; two simulations.
 const BAR: Case =
     Case { name: "elastic_bar", program: env!("CARGO_BIN_EXE_elastic_bar"), options: &["--cells", "3"] };
-/// By smoothed particles: a body on a wall of mirror images, and one on a wall; histories and frames; two simulations.
+/// SPH: a body on a wall of mirror images, and one on a wall; histories and frames; two simulations.
 const STEEL: Case = Case {
     name: "taylor_4340",
     program: env!("CARGO_BIN_EXE_taylor_4340"),
     options: &["--cells", "4", "--speed", "224", "--form", "printed,total"],
 };
 
-/// A folder of its own, empty.
+/// Create an empty folder.
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("impactite-resume-{name}-{}", std::process::id()));
     let _ = std::fs::remove_dir_all(&folder);
@@ -58,8 +58,8 @@ impl Case {
         self.command(out, more).output().expect("it starts")
     }
 
-    /// Kill it after so many checkpoints have been seen, and a little: none but the operating system knows where it is then. Says whether it
-    /// was killed before its end.
+    /// Kill the case a short delay after so many checkpoints have been seen, at an arbitrary moment of a step. Return true
+    /// if it was killed before its end.
     fn killed(&self, out: &Path, checkpoints: u64, delay: Duration) -> bool {
         let mut child = self
             .command(out, &["--checkpoint", "0", "--threads", "1"])
@@ -79,20 +79,20 @@ impl Case {
             std::thread::sleep(Duration::from_micros(200));
         }
         std::thread::sleep(delay);
-        // SIGKILL, where there are signals.
+        // SIGKILL on systems with signals.
         child.kill().expect("killed");
         !child.wait().expect("its state").success()
     }
 }
 
-/// The checkpoint that was written last, after when.
+/// Return the latest checkpoint and its time of modification.
 fn newest(out: &Path) -> Option<(SystemTime, PathBuf)> {
     let of = |path: PathBuf| Some((path.metadata().ok()?.modified().ok()?, path));
     let files = std::fs::read_dir(out).ok()?.flatten().map(|entry| entry.path());
     files.filter(|path| path.extension().is_some_and(|e| e == "checkpoint")).filter_map(of).max()
 }
 
-/// The object on the last line, without what is a matter of time and memory.
+/// Parse the object on the last line, without entries that depend on time, memory and threads.
 fn result(output: &Output) -> Value {
     let text = String::from_utf8_lossy(&output.stdout);
     let last = text.lines().next_back().unwrap_or_else(|| panic!("{}", errors(output)));
@@ -113,7 +113,7 @@ fn errors(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// All files of a case by their names, without the result and the checkpoints.
+/// Read all output files of a case by name, without the result and the checkpoints.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
     let mut folders = vec![folder.to_path_buf()];
@@ -130,7 +130,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     all
 }
 
-/// A number below `end` from a seed.
+/// Return a pseudo-random number below `end` from a seed.
 fn random(seed: u64, end: u64) -> u64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -138,7 +138,7 @@ fn random(seed: u64, end: u64) -> u64 {
     (z ^ (z >> 31)) % end
 }
 
-/// Kill and resume a case, and compare with one that was not killed.
+/// Kill and resume a case, and compare with an uninterrupted run.
 fn comes_back(case: Case, kills: u64) {
     let (whole, killed, resumed) = (
         folder(&format!("{}-whole", case.name)),
@@ -153,9 +153,9 @@ fn comes_back(case: Case, kills: u64) {
     assert!(["csv", "png"].iter().all(|end| suffix(end)), "{:?}", left.keys());
     for kill in 0..kills {
         let seed = 100 * kill + case.name.len() as u64;
-        // Not all checkpoints are seen: fewer than were written.
+        // The loop sees fewer checkpoints than are written.
         let mut most = 1 + random(seed, steps * 3 / 4);
-        // A step takes about a millisecond: killed right after a checkpoint, in the next step, or while the next one is written.
+        // A step takes about a millisecond: the kill comes right after a checkpoint, in the next step, or during the next write.
         let delay = Duration::from_micros(random(seed + 1, 3000));
         loop {
             for folder in [&killed, &resumed] {
@@ -169,7 +169,7 @@ fn comes_back(case: Case, kills: u64) {
             most /= 2;
         }
         let (_, last) = newest(&killed).expect("a checkpoint");
-        // The file says what it is of; its name does not matter.
+        // The heading identifies the simulation; the name of the file does not matter.
         let file = killed.join("moved away");
         std::fs::rename(&last, &file).expect("renamed");
         let again = case.run(&resumed, &["--threads", "2", "--resume", file.to_str().expect("a name")]);
@@ -227,7 +227,7 @@ fn what_cannot_be_resumed_from_is_refused_by_name() {
 
     let short = said(BAR, &written("short", &bytes[..bytes.len() / 2]), &[]);
     assert!(short.contains("short: ") && short.contains("no checkpoint that can be read"), "{short}");
-    // A bit that turned over in the middle of a number is found by the checksum, before anything is run.
+    // The checksum detects a flipped bit within a number before anything is run.
     let mut turned = bytes.clone();
     turned[bytes.len() / 2] ^= 4;
     let turned = said(BAR, &written("turned", &turned), &[]);
@@ -246,7 +246,7 @@ fn what_cannot_be_resumed_from_is_refused_by_name() {
     let frames = said(BAR, &file, &["--frames", "4"]);
     assert!(frames.contains("--frames is `9` there and `4` here"), "{frames}");
 
-    // Clap says how it wants it.
+    // Clap rejects the value.
     let negative = BAR.run(&out, &["--checkpoint", "-1"]);
     assert_eq!(negative.status.code(), Some(2));
     for folder in [folder, out] {

@@ -1,4 +1,4 @@
-//! Bodies of elements: how they are given, and what they hold.
+//! Bodies of elements: definition and state.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,35 +21,35 @@ use crate::surface::surface_of;
 use crate::sweep::Record;
 use crate::technology::Technology;
 
-/// A node: a place, a velocity and a mass.
+/// Node of a mesh: position, velocity and lumped mass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node<const D: usize> {
     /// Position, m.
     pub position: [f64; D],
-    /// Velocity, m/s: between steps that of the middle of the last one, in a [`Trial`](crate::Trial) the one tried.
+    /// Velocity, m/s: between steps that at the middle of the last step, in a [`Trial`](crate::Trial) the trial velocity.
     pub velocity: [f64; D],
     /// Lumped mass, kg: the integral of density times shape function. Per metre of depth in plane strain, per radian around an axis.
     pub mass: f64,
-    /// Directions in which something else than elements and body forces moved it in the last step, a bit each: [`Node::HELD`],
+    /// Bit set of the directions in which conditions, contact or couplings moved the node in the last step: [`Node::HELD`],
     /// [`Node::TOUCHED`].
     pub(crate) held: u8,
 }
 
 impl<const D: usize> Node<D> {
-    /// The first direction, where conditions or others moved it.
+    /// Bit of the first direction for motion by conditions or couplings.
     pub(crate) const HELD: u8 = 1;
-    /// The first direction, where only contact in the scene did.
+    /// Bit of the first direction for motion by contact in the scene alone.
     pub(crate) const TOUCHED: u8 = 8;
 
-    /// Did conditions or others move it in a direction?
+    /// True if conditions or couplings moved the node in direction `d`.
     pub(crate) fn is_held(&self, d: usize) -> bool {
         self.held & Self::HELD << d != 0
     }
-    /// Did only contact in the scene, beside elements and body forces?
+    /// True if contact in the scene moved the node in direction `d`, and neither conditions nor couplings did.
     pub(crate) fn is_touched(&self, d: usize) -> bool {
         self.held & Self::TOUCHED << d != 0
     }
-    /// Did only elements and body forces?
+    /// True if neither conditions, couplings nor contact moved the node in direction `d`.
     pub(crate) fn is_free(&self, d: usize) -> bool {
         !self.is_held(d) && !self.is_touched(d)
     }
@@ -57,7 +57,7 @@ impl<const D: usize> Node<D> {
 
 type Velocity<const D: usize> = Box<dyn Fn([f64; D]) -> [f64; D] + Send + Sync>;
 
-/// What a body is made of, to be added to a scene ([`Fem::add`](crate::Fem::add)).
+/// Definition of a body, to be added to a scene ([`Fem::add`](crate::Fem::add)).
 pub struct MeshBody<const D: usize> {
     name: String,
     mesh: ElementMesh<D>,
@@ -69,7 +69,7 @@ pub struct MeshBody<const D: usize> {
 }
 
 impl<const D: usize> MeshBody<D> {
-    /// A body of this name, at rest, with the technologies of [`Technology::default_of`] and without erosion.
+    /// Create a body at rest, with the technologies of [`Technology::default_of`] and without erosion.
     pub fn new(name: impl Into<String>, mesh: ElementMesh<D>, law: impl IntoMaterial<f64>) -> Self {
         MeshBody {
             name: name.into(),
@@ -81,23 +81,23 @@ impl<const D: usize> MeshBody<D> {
             section: 1.0,
         }
     }
-    /// Move at first with this velocity, m/s, of the position, m.
+    /// Set the initial velocity, m/s, as a function of the position, m.
     #[must_use]
     pub fn moving(self, velocity: impl Fn([f64; D]) -> [f64; D] + Send + Sync + 'static) -> Self {
         MeshBody { velocity: Box::new(velocity), ..self }
     }
-    /// Integrate elements of a kind so.
+    /// Set the integration technology of a kind of element.
     #[must_use]
     pub fn with(mut self, kind: ElementKind, technology: Technology) -> Self {
         self.technologies.insert(kind, technology);
         self
     }
-    /// Let elements leave.
+    /// Set the erosion criteria.
     #[must_use]
     pub fn eroding(self, erosion: Erosion) -> Self {
         MeshBody { erosion, ..self }
     }
-    /// Section of bars at rest, m^2 (in plane strain per metre of depth, m); 1 unless told.
+    /// Set the cross-section of bars at rest, m^2 (in plane strain per metre of depth, m); default 1.
     #[must_use]
     pub fn section(self, section: f64) -> Self {
         MeshBody { section, ..self }
@@ -160,7 +160,7 @@ impl<const D: usize> MeshBody<D> {
         self.technologies.get(&kind).copied().unwrap_or_else(|| Technology::default_of(kind, hoop))
     }
 
-    /// The body.
+    /// Build the body.
     pub(crate) fn build(self, hoop: bool) -> Result<ElementBody<D>, SceneError> {
         self.check(hoop)?;
         let probe = Probe::of(&*self.material)?;
@@ -251,12 +251,12 @@ impl<const D: usize> MeshBody<D> {
     }
 }
 
-/// How far the surface of a bar with a section is from its middle, m: in the plane it is a plate, in space it is round.
+/// Half thickness of a bar, m: of a plate in the plane, of a round bar in space.
 fn half_thickness<const D: usize>(section: f64) -> f64 {
     if D == 3 { (section / std::f64::consts::PI).sqrt() } else { 0.5 * section }
 }
 
-/// For each node the slots that hold what elements give it, ascending.
+/// Incidence of nodes and slots: for each node the slots of its element contributions, ascending.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Incidence {
     starts: Vec<u32>,
@@ -289,147 +289,147 @@ impl Incidence {
     }
 }
 
-/// What erosion took since the start.
+/// Totals of the elements eroded since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Eroded {
-    /// Elements.
+    /// Number of elements.
     pub elements: u64,
-    /// Their mass, which stays on nodes, kg.
+    /// Mass of these elements, which stays on the nodes, kg.
     pub mass: f64,
-    /// Internal energy that went with them, that of hourglass forces included, J.
+    /// Internal energy removed with them, hourglass energy included, J.
     pub energy: f64,
-    /// That of hourglass forces, J.
+    /// Hourglass energy removed with them, J.
     pub hourglass: f64,
 }
 
-/// Nodes with a velocity that is prescribed.
+/// Node set with a prescribed velocity.
 pub(crate) struct Prescribed {
     pub set: String,
     pub nodes: Vec<u32>,
     pub velocity: VelocityHistory,
 }
 
-/// A body of elements in a scene.
+/// Body of finite elements in a scene.
 pub struct ElementBody<const D: usize> {
     pub(crate) name: String,
-    /// As it was given: node positions are those at rest.
+    /// Mesh in the reference configuration: node positions at rest.
     pub(crate) mesh: ElementMesh<D>,
     pub(crate) material: Arc<dyn Material<f64>>,
     pub(crate) probe: Probe,
     pub(crate) virgin: Vec<f64>,
     pub(crate) nodes: Vec<Node<D>>,
     pub(crate) sets: Vec<Set>,
-    /// What the elements of each batch give to its nodes: forces, N.
+    /// Contributions of the elements of each batch to its nodes: internal forces, N.
     pub(crate) slots: Vec<Record>,
     pub(crate) incidence: Incidence,
-    /// A number a node, where volumes are averaged.
+    /// Nodal averages, for averaged volumes.
     pub(crate) averages: Vec<f64>,
     pub(crate) elements: usize,
-    /// Of bars, m.
+    /// Half thickness of bars, m.
     pub(crate) half_thickness: f64,
-    /// Smallest of some element sizes: what is small against it lies on a plane.
+    /// Length scale of geometric tolerances, m: least size of the first elements of the batches.
     pub(crate) spacing: f64,
-    /// How far elements reach around each node along the axes, m; empty unless a condition asks.
+    /// Mean extent of the elements around each node along the axes, m; empty unless a condition needs it.
     pub(crate) extents: Vec<[f64; D]>,
     pub(crate) pace: Pace,
     /// Half the largest frequency bound of the elements, 1/s.
     pub(crate) rate: f64,
-    /// The same in the states that it was given, 1/s.
+    /// Half the largest frequency bound in the initial states, 1/s.
     pub(crate) first_rate: f64,
-    /// Of the body force in the present step, m/s^2.
+    /// Acceleration by the body force in the present step, m/s^2.
     pub(crate) acceleration: [f64; D],
     pub(crate) exchange: Exchange,
-    /// What of it came by impulses of others.
+    /// Part of `exchange` by impulses of couplings.
     pub(crate) pushed: Exchange,
-    /// What came by contact in the scene, which is not in `exchange`.
+    /// Exchange by contact in the scene, not included in `exchange`.
     pub(crate) touched: Exchange,
     pub(crate) erosion: Resolved,
     pub(crate) eroded: Eroded,
-    /// The largest energy that it had at a look: kinetic and internal, without that of hourglass forces, J.
+    /// Largest energy of the body at a check, J: kinetic and internal, without hourglass energy.
     pub(crate) largest_energy: f64,
-    /// Mass of elements that left, by node; empty before the first does.
+    /// Mass of eroded elements by node, kg; empty before the first erosion.
     pub(crate) debris: Vec<f64>,
     pub(crate) surface: Vec<Facet>,
     pub(crate) revision: u64,
     pub(crate) prescribed: Vec<Prescribed>,
     pub(crate) loads: Vec<SurfaceLoad<D>>,
-    /// Impulses of others and of contact in the present step.
+    /// Impulses of couplings, contact and loads in the present step.
     pub(crate) pushes: Vec<Push<D>>,
-    /// Positions at the start of a step that is made of several, and mean velocities over it.
+    /// Positions at the start of a subcycled step, m; `flow`: velocities that strain elements in place of the nodes' own, m/s.
     pub(crate) from: Vec<[f64; D]>,
     pub(crate) flow: Vec<[f64; D]>,
-    /// Velocities that nodes move with in this step in place of their own, m/s, of those that do; empty where none does.
+    /// Velocity of the matter that carries a node in this step, m/s, by node; empty if no node is carried.
     pub(crate) carried: Vec<Option<[f64; D]>>,
-    /// What makes elements become something else; boxed, for most bodies have none.
+    /// Conversion of elements; boxed, because most bodies have none.
     pub(crate) converting: Option<Box<Converting<D>>>,
 }
 
 impl<const D: usize> ElementBody<D> {
-    /// The nodes.
+    /// Nodes of the body.
     pub fn nodes(&self) -> &[Node<D>] {
         &self.nodes
     }
-    /// The mesh as it was given, with the positions at rest.
+    /// Mesh in the reference configuration, with the positions at rest.
     pub fn mesh(&self) -> &ElementMesh<D> {
         &self.mesh
     }
-    /// The facets of the surface of the elements that are left; none of bars.
+    /// Surface facets of the remaining elements; none for bars.
     pub fn surface(&self) -> &[Facet] {
         &self.surface
     }
-    /// How often the surface changed.
+    /// Number of changes of the surface.
     pub fn surface_revision(&self) -> u64 {
         self.revision
     }
-    /// The law.
+    /// Material law.
     pub fn material(&self) -> &dyn Material<f64> {
         &*self.material
     }
-    /// The same, to be shared.
+    /// Shared pointer to the material law.
     pub fn shared_material(&self) -> Arc<dyn Material<f64>> {
         self.material.clone()
     }
-    /// What erosion took.
+    /// Totals of the eroded elements.
     pub fn eroded(&self) -> Eroded {
         self.eroded
     }
-    /// The largest stable step of its elements, s.
+    /// Critical time step of the elements, s.
     pub fn stable_step(&self) -> f64 {
         1.0 / self.rate
     }
-    /// What boundaries, body forces, contact and others gave to it since the start: impulses to the time of the velocities, work to that
-    /// of the positions.
+    /// Exchange with boundaries, body forces, contact and couplings since the start: impulses to the time of the velocities, work to the
+    /// time of the positions.
     pub fn exchange(&self) -> Exchange {
         self.given().plus(&self.touched())
     }
-    /// The same without contact in the scene.
+    /// Exchange without contact in the scene.
     pub(crate) fn given(&self) -> Exchange {
         Exchange { work: self.exchange.work + self.work_to_come(Node::is_held), ..self.exchange }
     }
-    /// What of [`ElementBody::exchange`] came by contact in the scene ([`Fem::touch`](crate::Fem::touch)): impulses and their work on
-    /// velocities, heat of friction and what impacts take included.
+    /// Part of [`ElementBody::exchange`] by contact in the scene ([`Fem::touch`](crate::Fem::touch)): impulses and their work, frictional
+    /// heat and impact losses included.
     pub fn touched(&self) -> Exchange {
         Exchange { work: self.touched.work + self.work_to_come(Node::is_touched), ..self.touched }
     }
-    /// What of [`ElementBody::exchange`] came by impulses of others ([`ElementBody::add_impulse`]).
+    /// Part of [`ElementBody::exchange`] by impulses of couplings ([`ElementBody::add_impulse`]).
     pub fn pushed(&self) -> Exchange {
         self.pushed
     }
-    /// May its elements erode?
+    /// True if elements may erode.
     pub fn erodes(&self) -> bool {
         self.erosion.is_on()
     }
-    /// Energy in hourglass forces, J: a part of the internal energy.
+    /// Hourglass energy, J: a part of the internal energy.
     pub fn hourglass_energy(&self) -> f64 {
         self.sets.iter().flat_map(|s| s.alive().map(|(b, e, _)| s.hourglass(b, e))).sum()
     }
-    /// Note its energy, if it never had more: what hourglass forces are measured against.
+    /// Update the largest energy, the reference of the hourglass energy check.
     pub(crate) fn note_energy(&mut self) {
         let totals = self.totals();
         let energy = totals.kinetic.max(totals.kinetic + totals.internal - self.hourglass_energy());
         self.largest_energy = self.largest_energy.max(energy);
     }
-    /// The sum of the forces of the elements on a node, N.
+    /// Internal force on a node, N: sum over its elements.
     ///
     /// # Panics
     /// There is no such node.

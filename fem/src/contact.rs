@@ -1,4 +1,4 @@
-//! Contact of the bodies of a scene with each other, and with themselves.
+//! Contact between the bodies of a scene, and self-contact.
 
 use impactite_geometry::Facet;
 use impactite_scene::{Archive, Boundary, CheckpointError, Clock, ContactPoint, Exchange, PairContact};
@@ -10,15 +10,15 @@ use mpm_contact::mesh::{ContactBody, MeshContact, MeshStep};
 use crate::body::ElementBody;
 use crate::motion::Motion;
 
-/// Nodes that a task looks at.
+/// Number of nodes per task.
 const CHUNK: usize = 256;
-/// Of the edge of a facet, how far its nodes may be from a plane that it lies on.
+/// Tolerance for facets on a plane, over the longest edge of the facet.
 const ON_PLANE: f64 = 1e-6;
 
-/// Who may touch whom, and what comes of it.
+/// Contact of a scene: mesh contact, surfaces and results.
 pub(crate) struct Contacts<const D: usize> {
     mesh: MeshContact<D>,
-    /// Of each body.
+    /// Contact surface of each body.
     surfaces: Vec<ContactSurface<D>>,
     /// Work of friction since the start, J.
     friction: f64,
@@ -32,7 +32,7 @@ impl<const D: usize> Contacts<D> {
         Contacts { mesh, surfaces: Vec::new(), friction: 0.0, last: MeshStep::default() }
     }
 
-    /// With the bodies that are new in the scene: each touches all others, but bars do not touch bars.
+    /// Add the new bodies of the scene: contact with all others, but not between bars.
     pub fn with(mut self, bodies: &[ElementBody<D>]) -> Self {
         let is_bars = |n: usize| bodies[n].surface.is_empty();
         for n in self.surfaces.len()..bodies.len() {
@@ -43,18 +43,18 @@ impl<const D: usize> Contacts<D> {
         self
     }
 
-    /// With a body that touches itself.
+    /// Enable self-contact of a body.
     pub fn within(mut self, body: usize) -> Self {
         self.mesh = self.mesh.within(body);
         self
     }
 
-    /// Look for the surfaces again: there is another plane of symmetry.
+    /// Invalidate the surfaces after a new plane of symmetry.
     pub fn forget(&mut self) {
         self.surfaces.iter_mut().for_each(|surface| surface.revision = None);
     }
 
-    /// Impulses on the nodes of bodies that would meet in a step of `dt`, s.
+    /// Apply contact impulses to the nodes of bodies that would penetrate in a step of `dt`, s.
     pub fn meet(
         &mut self,
         bodies: &mut [ElementBody<D>],
@@ -77,8 +77,8 @@ impl<const D: usize> Contacts<D> {
         Ok(())
     }
 
-    /// What of the energy of these bodies became heat of friction and was lost in impacts since the start: all that contact took with
-    /// one hand and did not give with the other.
+    /// Exchange by contact since the start: heat of friction, and impact losses, which are the rest of the energy that contact removed from
+    /// these bodies.
     pub fn exchange(&self, bodies: &[ElementBody<D>]) -> Exchange {
         let given: f64 = bodies.iter().map(|body| body.touched().work).sum();
         Exchange { friction: self.friction, impacts: -given - self.friction, ..Exchange::default() }
@@ -87,7 +87,7 @@ impl<const D: usize> Contacts<D> {
     pub fn last(&self) -> &MeshStep {
         &self.last
     }
-    /// Those that ever touched.
+    /// Pairs that ever were in contact.
     pub fn pairs(&self) -> Vec<PairContact> {
         let did = |pair: &&PairContact| pair.places > 0 || pair.friction != 0.0 || pair.taken != 0.0;
         self.mesh.pairs().iter().filter(did).copied().collect()
@@ -104,7 +104,7 @@ impl<const D: usize> Contacts<D> {
     }
 }
 
-/// Look at the surfaces of all bodies.
+/// Update the contact surfaces of all bodies.
 pub(crate) fn look<const D: usize>(
     surfaces: &mut [ContactSurface<D>],
     bodies: &[ElementBody<D>],
@@ -122,16 +122,16 @@ pub(crate) fn look<const D: usize>(
     Ok(())
 }
 
-/// The nodes of a body that may touch others in a step that was begun, and the facets they make: [`Fem::surfaces`](crate::Fem::surfaces).
+/// Contact surface of a body in an open step: nodes and facets ([`Fem::surfaces`](crate::Fem::surfaces)).
 #[derive(Clone, Debug)]
 pub struct ContactSurface<const D: usize> {
-    /// Of the surface that it is of.
+    /// Revision of the body surface from which this surface was built.
     revision: Option<u64>,
-    /// By place on the surface, numbers in the body.
+    /// Node numbers in the body, by index on the surface.
     nodes: Vec<u32>,
-    /// Their nodes are places on the surface.
+    /// Facets, whose nodes are indices on the surface.
     facets: Vec<Facet>,
-    /// Of bars, m.
+    /// Half thickness of bars, m.
     half_sizes: Vec<f64>,
     positions: Vec<[f64; D]>,
     velocities: Vec<[f64; D]>,
@@ -153,7 +153,7 @@ impl<const D: usize> Default for ContactSurface<D> {
 }
 
 impl<const D: usize> ContactSurface<D> {
-    /// Look for it again where elements left.
+    /// Rebuild the surface if that of the body has changed.
     fn update(&mut self, body: &ElementBody<D>, boundaries: &[Boundary<D>]) {
         if self.revision == Some(body.revision) {
             return;
@@ -184,8 +184,8 @@ impl<const D: usize> ContactSurface<D> {
         self.masses.resize(count, 0.0);
     }
 
-    /// Where its nodes are and how they would move if nobody met, held by conditions; those that these alone move have a mass without
-    /// end. The first node whose velocity is not a number.
+    /// Update positions and velocities of the nodes, without contact and with boundary conditions applied; nodes prescribed by conditions
+    /// have infinite mass. Returns the first node whose velocity is not finite.
     fn look(&mut self, motion: &Motion<'_, D>, team: &Team) -> Option<usize> {
         let mut rows: Vec<_> = self
             .positions
@@ -209,11 +209,11 @@ impl<const D: usize> ContactSurface<D> {
         rows.iter().find_map(|(_, trouble)| *trouble)
     }
 
-    /// Numbers of its nodes in the body, ascending.
+    /// Node numbers in the body, ascending.
     pub fn nodes(&self) -> &[u32] {
         &self.nodes
     }
-    /// Its facets, whose nodes are places among those of the surface; none of bars.
+    /// Facets, whose nodes are indices on the surface; none for bars.
     pub fn facets(&self) -> &[Facet] {
         &self.facets
     }
@@ -221,18 +221,18 @@ impl<const D: usize> ContactSurface<D> {
     pub fn positions(&self) -> &[[f64; D]] {
         &self.positions
     }
-    /// Velocities that the nodes will have if nobody meets them, as conditions hold them, m/s.
+    /// Velocities of the nodes without contact, with boundary conditions applied, m/s.
     pub fn velocities(&self) -> &[[f64; D]] {
         &self.velocities
     }
 
-    /// As contact of meshes sees it: masses of nodes that conditions alone move are infinite.
+    /// View for mesh contact: nodes prescribed by conditions have infinite mass.
     pub fn as_body<'a>(&'a self, name: &'a str) -> ContactBody<'a, D> {
         ContactBody::of_mesh(name, &self.positions, &self.velocities, &self.masses, &self.facets)
             .with_half_sizes(&self.half_sizes)
     }
 
-    /// Bytes of its memory.
+    /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         self.nodes.capacity() * 4
             + self.facets.capacity() * size_of::<Facet>()
@@ -242,8 +242,7 @@ impl<const D: usize> ContactSurface<D> {
 }
 
 impl<const D: usize> ElementBody<D> {
-    /// The facets that others may meet under these conditions: not those that lie at rest on planes of symmetry, behind which the body
-    /// goes on.
+    /// Facets for contact under these conditions: without those on planes of symmetry at rest, behind which the body continues.
     fn facets_to_meet(&self, boundaries: &[Boundary<D>]) -> Vec<Facet> {
         let rest = &self.mesh.nodes;
         let goes_on = |facet: &Facet| {
@@ -259,7 +258,7 @@ impl<const D: usize> ElementBody<D> {
     }
 }
 
-/// The longest edge of a facet, m.
+/// Longest edge of a facet, m.
 fn edge_of<const D: usize>(facet: &Facet, nodes: &[[f64; D]]) -> f64 {
     let corners = facet.nodes();
     let edge = |i: usize| {

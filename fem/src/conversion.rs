@@ -1,4 +1,4 @@
-//! Elements that leave their mesh to become something else: particles, in a coupling.
+//! Conversion of elements to particles by a coupling: removal from the mesh.
 
 use impactite_geometry::{ElementKind, ElementMesh, Facet};
 use impactite_scene::SceneError;
@@ -11,10 +11,10 @@ use crate::set::wide;
 use crate::solver::Fem;
 use crate::sweep::{BATCH, Left};
 
-/// Most facets of an element.
+/// Maximum number of facets of an element.
 const MOST_FACETS: usize = 6;
 
-/// For each facet of each element what lies beyond.
+/// Find the neighbour across each facet of each element.
 fn beyond<const D: usize>(mesh: &ElementMesh<D>, elements: usize) -> Vec<Option<(u32, u8)>> {
     let (mut keyed, mut number) = (Vec::new(), 0);
     for block in &mesh.blocks {
@@ -39,12 +39,12 @@ fn beyond<const D: usize>(mesh: &ElementMesh<D>, elements: usize) -> Vec<Option<
 }
 
 impl<const D: usize> Fem<D> {
-    /// Let elements of a body leave to become something else: those that meet one of these criteria, at the end of a step, or are
-    /// marked ([`ElementBody::mark`]). Those that left are given by [`ElementBody::take_converted`], and who takes them must: with them
-    /// the mesh loses their mass, momentum and energy.
+    /// Enable conversion of elements of a body: at the end of a step, elements that satisfy one of these criteria, or are marked
+    /// ([`ElementBody::mark`]), leave the mesh with their mass, momentum and energy. The caller must collect them
+    /// ([`ElementBody::take_converted`]).
     ///
     /// # Errors
-    /// No such body; a body that has criteria already, or bars; criteria that its law does not know.
+    /// No such body; a body with criteria already, or with bars; criteria on state variables that its law does not have.
     pub fn convert_by(&mut self, body: usize, criteria: &[Criterion]) -> Result<(), SceneError> {
         let there = body < self.bodies.len();
         parameter(there, "conversion", "body", body as f64, "the number of a body of the scene")?;
@@ -68,7 +68,7 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Have the elements that are marked leave now, and not at the end of the next step: before a run.
+    /// Convert the marked elements at once, before a run, instead of at the end of the next step.
     pub fn convert_marked(&mut self) {
         let (team, memory) = (self.team.clone(), self.memory.clone());
         for body in self.bodies.iter_mut().filter(|b| b.converting.is_some()) {
@@ -78,10 +78,10 @@ impl<const D: usize> Fem<D> {
 }
 
 impl<const D: usize> ElementBody<D> {
-    /// Have an element leave by the criterion of this number, at the end of the next step.
+    /// Mark an element for conversion by the criterion of this number, at the end of the next step.
     ///
     /// # Panics
-    /// There is no such element, or the body's elements do not leave ([`Fem::convert_by`]).
+    /// There is no such element, or conversion of the body is not enabled ([`Fem::convert_by`]).
     pub fn mark(&mut self, element: usize, criterion: usize) {
         assert!(element < self.elements, "element {element} of {}", self.elements);
         let converting = self.converting.as_mut().expect("a body whose elements leave");
@@ -90,35 +90,35 @@ impl<const D: usize> ElementBody<D> {
         converting.marked = true;
     }
 
-    /// The elements that left since this was asked last, by number.
+    /// Take the elements converted since the last call, sorted by number.
     pub fn take_converted(&mut self) -> Vec<ConvertedElement<D>> {
         let mut left = self.converting.as_mut().map_or(Vec::new(), |c| std::mem::take(&mut c.left));
         left.sort_by_key(|element| element.number);
         left
     }
 
-    /// Energy that appeared or went where elements became something else, J: it is booked as one of conversion.
+    /// Book energy gained or lost in the conversion of elements, J, as conversion.
     pub fn book_conversion(&mut self, joules: f64) {
         self.exchange.conversion += joules;
     }
 
-    /// How many elements of a body whose elements leave are at a node; of others none is counted.
+    /// Number of elements at a node; zero if conversion of the body is not enabled.
     pub fn elements_at(&self, node: usize) -> usize {
         self.converting.as_ref().map_or(0, |c| c.elements_at.get(node).map_or(0, |&n| n as usize))
     }
 
-    /// Is an element still there? Of a body whose elements do not leave ([`Fem::convert_by`]) it says nothing.
+    /// True if conversion of the body is enabled ([`Fem::convert_by`]) and the element was not removed.
     pub fn is_there(&self, element: usize) -> bool {
         self.converting.as_ref().is_some_and(|c| c.gone.get(element) == Some(&false))
     }
 
-    /// The number in the body of the element of a facet.
+    /// Number in the body of the element of a facet.
     pub fn element_of(&self, facet: &Facet) -> usize {
         let before: usize = self.mesh.blocks[..facet.block as usize].iter().map(|block| block.len()).sum();
         before + facet.element as usize
     }
 
-    /// The surface without the elements that left now, as [`find_surface`](Self::find_surface) would find it anew.
+    /// Update the surface after the removal of elements; the result equals that of [`find_surface`](Self::find_surface).
     pub(crate) fn uncover(&mut self, left: &[u32]) {
         let Some(mut converting) = self.converting.take() else { return self.find_surface() };
         left.iter().for_each(|&number| converting.gone[number as usize] = true);
@@ -140,7 +140,7 @@ impl<const D: usize> ElementBody<D> {
             let n = block.kind.facets().iter().position(is).unwrap_or(0);
             keyed.push(((number, n as u8), *facet));
         }
-        // What lay beyond their facets, and is there, is bare.
+        // Facets of remaining neighbours become surface facets.
         for &number in left {
             for (there, n) in
                 converting.beyond[number as usize * MOST_FACETS..][..MOST_FACETS].iter().flatten().copied()
@@ -177,7 +177,7 @@ impl<const D: usize> ElementBody<D> {
         self.converting = Some(converting);
     }
 
-    /// Take what an element of a set had from its nodes: a node without elements has nothing left.
+    /// Convert an element of a set: subtract its mass from its nodes; a node without elements keeps only the mass of eroded ones.
     pub(crate) fn convert(&mut self, s: usize, b: usize, left: Left, criterion: u32) {
         let Some(mut converting) = self.converting.take() else { return };
         let (set, e) = (&self.sets[s], left.element);
@@ -202,7 +202,7 @@ impl<const D: usize> ElementBody<D> {
             node.mass -= mass;
             converting.elements_at[n] -= 1;
             if converting.elements_at[n] == 0 {
-                // What is left is rounding, or the mass of elements that eroded.
+                // The remaining mass is rounding, or that of eroded elements.
                 node.mass = self.debris.get(n).copied().unwrap_or(0.0);
                 if node.mass == 0.0 {
                     (node.velocity, node.held) = ([0.0; D], 0);

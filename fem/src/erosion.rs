@@ -1,4 +1,4 @@
-//! Erosion: elements that leave.
+//! Erosion: removal of elements.
 
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
@@ -6,69 +6,69 @@ use mpm_materials::material::Material;
 
 use crate::sweep::{Batch, OCTET, Scratch, lane};
 
-/// When an element leaves. Its mass stays on its nodes, which fly on when no element is left at them; its internal energy is booked as
-/// one of conversion ([`Exchange::conversion`](impactite_scene::Exchange)), negative; the surface of the body is that of what is left.
+/// Criterion for the removal of an element. Its mass stays on its nodes, which fly on without elements; its internal energy is booked as
+/// negative [`Exchange::conversion`](impactite_scene::Exchange); the surface of the body is updated.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Criterion {
-    /// A number of the state of the law, by its name ([`Body::state_names`](impactite_scene::Body::state_names)), is at least this in half
-    /// of the integration points: `plastic_strain`, `damage` and others.
+    /// State variable of the law, by name ([`Body::state_names`](impactite_scene::Body::state_names)), at or above a threshold in half of
+    /// the integration points: `plastic_strain`, `damage` and others.
     State {
-        /// The name.
+        /// Name of the state variable.
         name: String,
-        /// The number.
+        /// Threshold.
         at_least: f64,
     },
-    /// The law says of half of the integration points that they failed.
+    /// Failure by the law in half of the integration points.
     Failed,
-    /// A point has at most this part of its reference volume. It is looked at before the law is asked, so that elements about to
-    /// turn inside out leave instead of stopping the run. In (0, 1).
+    /// Volume ratio of an integration point, at most this part of the reference volume. It is checked before the law is evaluated, so that
+    /// elements about to turn inside out are removed instead of stopping the run. In (0, 1).
     Volume(f64),
-    /// The stable step of the element is at most this, s.
+    /// Stable time step of the element, at most this, s.
     Step(f64),
-    /// All of these; not [`Criterion::Volume`].
+    /// Conjunction of these criteria; not [`Criterion::Volume`].
     All(Vec<Criterion>),
 }
 
-/// The criteria of a body: an element leaves by any of them.
+/// Erosion criteria of a body: an element is removed if any is satisfied.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Erosion {
     criteria: Vec<Criterion>,
 }
 
 impl Erosion {
-    /// No element leaves.
+    /// Empty set of criteria: no erosion.
     #[must_use]
     pub fn none() -> Self {
         Erosion::default()
     }
-    /// Also by this criterion.
+    /// Add a criterion.
     #[must_use]
     pub fn or(mut self, criterion: Criterion) -> Self {
         self.criteria.push(criterion);
         self
     }
-    /// By accumulated plastic strain, the law's number of that name.
+    /// Erosion by accumulated plastic strain, the state variable of that name.
     #[must_use]
     pub fn plastic_strain(at_least: f64) -> Self {
         Erosion::none().or(Criterion::State { name: "plastic_strain".into(), at_least })
     }
-    /// Of points that failed.
+    /// Erosion by failure of the law.
     #[must_use]
     pub fn failed() -> Self {
         Erosion::none().or(Criterion::Failed)
     }
-    /// Of elements squeezed to this part of their volume, or turned inside out.
+    /// Erosion by volume ratio: elements compressed to this part of their volume, or turned inside out.
     #[must_use]
     pub fn volume(part: f64) -> Self {
         Erosion::none().or(Criterion::Volume(part))
     }
-    /// Of elements whose stable step is at most this, s.
+    /// Erosion by stable time step: elements at or below this, s.
     #[must_use]
     pub fn step(at_most: f64) -> Self {
         Erosion::none().or(Criterion::Step(at_most))
     }
 
-    /// With places of numbers of a law for their names.
+    /// Resolve names of state variables to indices in a law, and check the parameters.
     pub(crate) fn resolve(&self, material: &dyn Material<f64>) -> Result<Resolved, SceneError> {
         let names = material.state_names();
         let tests = self.criteria.iter().filter(|c| !matches!(c, Criterion::Volume(_)));
@@ -85,16 +85,16 @@ impl Erosion {
     }
 }
 
-/// Criteria of a body with a law.
+/// Resolved criteria of a body with its law.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Resolved {
-    /// Part of the volume at which points count as gone, or zero.
+    /// Volume ratio at which an element is removed, or zero.
     pub least: f64,
     tests: Vec<Test>,
 }
 
 impl Resolved {
-    /// May elements erode?
+    /// True if elements may erode.
     pub fn is_on(&self) -> bool {
         !self.tests.is_empty() || self.least > 0.0
     }
@@ -102,14 +102,14 @@ impl Resolved {
 
 #[derive(Clone, Debug)]
 pub(crate) enum Test {
-    /// A number of the state, by place.
+    /// State variable by index, and its threshold.
     State(usize, f64),
     Failed,
     Rate(f64),
     All(Vec<Test>),
 }
 
-/// A criterion with places of numbers of a law for their names; for erosion without that of volume.
+/// Resolve a criterion: indices of state variables for their names. `Criterion::Volume` is refused.
 pub(crate) fn test(
     criterion: &Criterion,
     names: &[String],
@@ -144,12 +144,12 @@ pub(crate) fn test(
 }
 
 impl Resolved {
-    /// Is there nothing to look at after a sweep?
+    /// True if there is no criterion to check after a sweep.
     pub fn is_idle(&self) -> bool {
         self.tests.is_empty()
     }
 
-    /// The elements of a batch that leave.
+    /// Elements of a batch to erode, by index.
     pub fn gone(
         &self,
         material: &dyn Material<f64>,
@@ -166,7 +166,7 @@ impl Resolved {
     }
 }
 
-/// Does an element of a batch meet a criterion, after a sweep?
+/// True if an element of a batch satisfies a criterion, after a sweep.
 pub(crate) fn met(
     test: &Test,
     e: usize,

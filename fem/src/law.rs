@@ -1,11 +1,11 @@
-//! What elements must know of a law beside its stresses.
+//! Initial moduli and wave speed of a law, for frequency bounds and hourglass control.
 
 use impactite_scene::SceneError;
 use mpm_materials::material::{Deformation, Length, Material, Motion, Response, States, StatesMut};
 
 use crate::sweep::Row;
 
-/// Moduli and wave speed of a law at rest, found by straining a virgin point.
+/// Initial moduli and wave speed of a law, found by straining a virgin point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Probe {
     /// Reference density, kg/m^3.
@@ -16,22 +16,22 @@ pub(crate) struct Probe {
     pub bulk: f64,
     /// Speed of longitudinal waves, m/s.
     pub speed: f64,
-    /// [`Material::shock_viscosity`].
+    /// Bulk viscosity coefficients ([`Material::shock_viscosity`]).
     pub shock: [f64; 2],
-    /// Is its change of volume not that of the motion, as that of plates that become thinner?
+    /// True if the volume change by the law differs from that of the motion, as for plates that become thinner.
     pub apart: bool,
 }
 
-/// Compression of the point, so that laws that carry no tension carry shear, and the shear strain.
+/// Probe strains: compression, so that laws without tensile strength carry shear; and shear.
 const STRAINS: [f64; 2] = [1e-8, 1e-9];
-/// What the change of volume may differ by from that of the motion by rounding, over it.
+/// Relative tolerance of the volume change by the law against that of the motion.
 const APART: f64 = 1e-3;
 
 impl Probe {
-    /// Of this law.
+    /// Probe a law.
     ///
     /// # Errors
-    /// A density that is not positive.
+    /// Density that is not positive and finite.
     pub fn of(material: &dyn Material<f64>) -> Result<Self, SceneError> {
         let density = material.density();
         if !(density > 0.0 && density.is_finite()) {
@@ -53,7 +53,7 @@ impl Probe {
             deformation[0].gradient[place].0[0] = row(strain);
         }
         deformation[0].step.0[0] = row(1.0);
-        // In a long step, so that what is viscous has no part in it.
+        // A long step makes viscous stresses negligible.
         let motion = Motion { deformation: &deformation, dt: 1.0, length: Length::Same(1.0) };
         let states = StatesMut { all: &mut rows, stride, first: 0, groups };
         material.advance(&motion, states, false, &mut response);
@@ -64,7 +64,7 @@ impl Probe {
         Ok(Probe { density, shear, bulk, speed, shock: material.shock_viscosity(), apart })
     }
 
-    /// The modulus of hourglass springs: that of shear, or of a law without one a hundredth of the bulk modulus, Pa.
+    /// Modulus of hourglass springs, Pa: the shear modulus, or a hundredth of the bulk modulus for a law without one.
     pub fn hourglass_modulus(&self) -> f64 {
         if self.shear > 1e-6 * self.bulk { self.shear } else { 0.01 * self.bulk }
     }

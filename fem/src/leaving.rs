@@ -1,4 +1,4 @@
-//! Which elements of a body leave their mesh, and what they take with them.
+//! Elements removed from their mesh by conversion, and their data.
 
 use impactite_geometry::ElementKind;
 use mpm_materials::material::Material;
@@ -6,54 +6,54 @@ use mpm_materials::material::Material;
 use crate::erosion::{Test, met};
 use crate::sweep::{Batch, Reason, Scratch};
 
-/// An element that left its mesh, as it was then.
+/// Converted element: its data at the time of removal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvertedElement<const D: usize> {
-    /// Its number in the body.
+    /// Number in the body.
     pub number: usize,
-    /// Its kind.
+    /// Kind of element.
     pub kind: ElementKind,
-    /// The number of the criterion that it met, or was marked with ([`ElementBody::mark`](crate::ElementBody::mark)).
+    /// Number of the criterion: the one satisfied, or that of the mark ([`ElementBody::mark`](crate::ElementBody::mark)).
     pub criterion: usize,
-    /// Its nodes.
+    /// Node numbers.
     pub nodes: Vec<u32>,
-    /// Where they were at rest, m.
+    /// Node positions at rest, m.
     pub rest: Vec<[f64; D]>,
-    /// Where they are, m.
+    /// Node positions, m.
     pub positions: Vec<[f64; D]>,
-    /// Their velocities, m/s.
+    /// Node velocities, m/s.
     pub velocities: Vec<[f64; D]>,
-    /// What they weigh by this element, kg: they weigh that less from then on.
+    /// Lumped masses of the element at its nodes, kg, which were subtracted from the nodes.
     pub masses: Vec<f64>,
     /// Reference volume of each integration point, m^3 (per metre of depth, per radian): of 2^D points the first axis changes fastest.
     pub volumes: Vec<f64>,
-    /// The states of those, one behind the other.
+    /// State variables of the integration points, one point after another.
     pub states: Vec<f64>,
-    /// Internal energy by the law and of hourglass forces, J.
+    /// Internal energy, hourglass energy included, J.
     pub energy: f64,
-    /// That of hourglass forces, J.
+    /// Hourglass energy, J.
     pub hourglass: f64,
 }
 
-/// What makes elements of a body leave, and those that did.
+/// Conversion criteria and marks of a body, and its converted elements.
 #[derive(Debug, Default)]
 pub(crate) struct Converting<const D: usize> {
     pub tests: Vec<Test>,
-    /// Of each element: zero, or one more than the criterion it is to leave by.
+    /// Mark of each element: zero, or one plus the number of its conversion criterion.
     pub marks: Vec<u32>,
     pub marked: bool,
-    /// Which elements are not there any more.
+    /// True for each removed element.
     pub gone: Vec<bool>,
-    /// Elements at each node.
+    /// Number of elements at each node.
     pub elements_at: Vec<u32>,
-    /// Beyond each facet of each element, six an element: the element and its facet, or nobody.
+    /// Neighbour across each facet of each element, six entries an element: the element and its facet, or none.
     pub beyond: Vec<Option<(u32, u8)>>,
-    /// Those that left and were not taken yet.
+    /// Converted elements that were not collected yet.
     pub left: Vec<ConvertedElement<D>>,
 }
 
 impl<const D: usize> Converting<D> {
-    /// The elements of a batch that leave, with their criterion.
+    /// Elements of a batch to convert, each with its criterion.
     pub fn leaving(
         &self,
         material: &dyn Material<f64>,
@@ -76,13 +76,13 @@ impl<const D: usize> Converting<D> {
         alive.filter_map(|e| Some((e, Reason::Conversion(first(e)?)))).collect()
     }
 
-    /// Bytes of its memory.
+    /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         (self.marks.capacity() + self.elements_at.capacity()) * 4
             + self.beyond.capacity() * size_of::<Option<(u32, u8)>>()
     }
 
-    /// After marks were read.
+    /// Update `marked` after a change of the marks.
     pub(crate) fn see_marks(&mut self) {
         self.marked = self.marks.iter().any(|mark| *mark > 0);
     }

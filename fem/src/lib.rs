@@ -1,6 +1,6 @@
-//! Explicit finite elements on the shared house: bars, quadrilaterals, bricks, triangles and tetrahedra with the laws of
-//! [`mpm_materials`], and the conditions, run loop, observers and checkpoints of [`impactite_scene`]. At small strain one-point elements
-//! are cheaper and more accurate than particles; at large strain they turn inside out, which stops a run with the remedy.
+//! Explicit finite elements: bars, quadrilaterals, bricks, triangles and tetrahedra with the laws of [`mpm_materials`], and the boundary
+//! conditions, run loop, observers and checkpoints of [`impactite_scene`]. At small strain one-point elements are cheaper and more accurate
+//! than particles; at large strain they turn inside out, which stops a run with the remedy.
 //!
 //! ```
 //! use fem::{Fem, MeshBody};
@@ -37,31 +37,32 @@
 //! | part | choices |
 //! |---|---|
 //! | [`Technology`] of quadrilaterals and bricks | [`OnePoint`](Technology::OnePoint) with [`Hourglass`] springs or dashpots, [`MeanDilatation`](Technology::MeanDilatation), [`Full`](Technology::Full) |
-//! | of triangles and tetrahedra | [`AveragedVolumes`](Technology::AveragedVolumes), [`Full`](Technology::Full) |
-//! | bars | stress along them alone; laws are asked for the strain across at which there is none |
-//! | mass | row sums |
-//! | bulk viscosity | that of the laws (`with_bulk_viscosity`), with the edge of a square (cube) of the element at rest for its length |
-//! | [`Erosion`] | by a number of the state, failure, volume, stable step, all of several |
-//! | contact of bodies | [`Fem::touch`] with the laws of [`mpm_contact`] that need no memory; with itself, [`Fem::touch_itself`] |
-//! | space | `FullSpace`, `PlaneStrain`, `Axisymmetric`; `Line` of bars |
-//! | conditions | those of [`Boundary`](impactite_scene::Boundary) but periodic ones ([`Boundary::hold`](impactite_scene::Boundary::hold)); sets of nodes ([`Fem::prescribe`]) |
+//! | [`Technology`] of triangles and tetrahedra | [`AveragedVolumes`](Technology::AveragedVolumes), [`Full`](Technology::Full) |
+//! | bars | uniaxial stress; iteration of the law for the lateral strain at zero lateral stress |
+//! | mass | lumped by row sums |
+//! | bulk viscosity | by the law (`with_bulk_viscosity`); length: edge of a square (cube) of the element at rest |
+//! | [`Erosion`] | by a state variable, failure, volume ratio, stable time step, or several of these at once |
+//! | contact of bodies | [`Fem::touch`] with the laws of [`mpm_contact`] without memory; self-contact: [`Fem::touch_itself`] |
+//! | space | `FullSpace`, `PlaneStrain`, `Axisymmetric`; `Line` for bars |
+//! | conditions | [`Boundary`](impactite_scene::Boundary) except periodic ([`hold`](impactite_scene::Boundary::hold)); [`Fem::prescribe`] |
 //!
 //! # The step
-//! Central differences: velocities belong to the middle of steps. Laws get the gradient of the displacement with respect to the
-//! configuration half way through the step, in which a rotation has no strain. A step is in public parts, so that a coupling can act:
+//! Central difference time integration: velocities are those of half steps. Laws receive the displacement gradient with respect to the
+//! midpoint configuration, in which a rotation has no strain. The parts of a step are public, so that a coupling can act between them:
 //!
 //! | part | |
 //! |---|---|
-//! | [`Fem::trial`] | forces of the elements and the body force make trial velocities |
-//! | [`Trial::bodies`], [`ElementBody::add_impulse`] | others look at nodes and surface facets, and give impulses |
-//! | [`Trial::finish`] | contact, conditions, positions, strains, laws, forces, erosion, books |
+//! | [`Fem::trial`] | trial velocities by internal forces and the body force |
+//! | [`Trial::bodies`], [`ElementBody::add_impulse`] | a coupling reads nodes and surface facets, and adds impulses |
+//! | [`Trial::finish`] | contact, conditions, positions, strains, stresses, internal forces, erosion, energy balance |
 //!
-//! Stable steps come from a bound of the highest frequency of each element, exact for boxes of isotropic laws; hourglass springs and
-//! bulk viscosity are in it. Bodies with longer steps may make one for several of the others ([`Fem::set_subcycling`]).
+//! The stable time step follows from an upper bound of the highest frequency of each element, exact for boxes of isotropic laws; it
+//! includes hourglass stiffness and bulk viscosity. Bodies with a longer stable step may subcycle: one step for several of the scene
+//! ([`Fem::set_subcycling`]).
 //!
 //! # Contact
-//! Bodies pass through each other, unless [`Fem::touch`] names a law; then nodes of each meet facets of all others, and of their own
-//! where [`Fem::touch_itself`] asks, by impulses of a step that are found together ([`mpm_contact::mesh`]):
+//! Bodies pass through each other unless [`Fem::touch`] sets a contact law. Then node-to-facet contact acts between all bodies, and within
+//! a body after [`Fem::touch_itself`]; the impulses of a step are solved for together ([`mpm_contact::mesh`]):
 //!
 //! ```
 //! use fem::{Fem, MeshBody};
@@ -87,29 +88,29 @@
 //! # }
 //! ```
 //!
-//! - It acts where a step ends ([`Trial::finish`]), on the velocities that elements, body forces and impulses of others left, as
-//!   conditions would hold them; nodes that conditions alone move (in all directions) do not yield. Others hold after it. So it also acts
-//!   in a scene that is a client of another one.
-//! - It needs no shorter steps: what closes is stopped in the step in which it would overlap. Springs ([`mpm_contact::Penalty`]) limit
-//!   themselves.
-//! - Bodies with steps of several lengths meet in each step of the scene, which is the shortest.
-//! - Impulses work on the mean of velocities before and after the step: what rests under load takes and gives nothing. Heat of friction
-//!   ([`Exchange::friction`](impactite_scene::Exchange)) and what nodes lose that stop each other
-//!   ([`Exchange::impacts`](impactite_scene::Exchange)) are in the books; the latter is of the mass of the nodes that meet, and goes with
-//!   the size of elements.
-//! - Momentum is kept to rounding; angular momentum too but for friction in the step in which a gap closes
+//! - Contact acts at the end of a step ([`Trial::finish`]) on the velocities after internal forces, body forces and impulses of couplings,
+//!   with boundary conditions applied; nodes that conditions prescribe in all directions do not yield. Other conditions act after contact.
+//!   Contact therefore also acts in a scene that is a client of another one.
+//! - Contact does not limit the time step: a closing gap is stopped in the step in which it would become a penetration. Penalty springs
+//!   ([`mpm_contact::Penalty`]) limit their own stiffness.
+//! - Contact of subcycled bodies is enforced in each step of the scene, which is the shortest.
+//! - Impulses do work on the mean of the velocities before and after the step: bodies at rest under load exchange no energy. The energy
+//!   balance includes the heat of friction ([`Exchange::friction`](impactite_scene::Exchange)) and the plastic impact loss of nodes
+//!   ([`Exchange::impacts`](impactite_scene::Exchange)); the latter is proportional to the mass of the nodes in contact, and decreases with
+//!   the element size.
+//! - Momentum is conserved to rounding; angular momentum too, except for friction in the step in which a gap closes
 //!   ([`MeshStep::couple`](mpm_contact::mesh::MeshStep)).
-//! - Where elements leave, what is behind them touches from the next step on; their nodes fly on and touch nobody.
+//! - Facets uncovered by removed elements are in contact from the next step on; free nodes fly on without contact.
 //!
-//! # Books
-//! Internal energy is that of the laws and of hourglass forces ([`ElementBody::hourglass_energy`]), of which a run warns above 5 %.
-//! Mass and momentum are kept to rounding; energy to the square of the step, but for laws in rate form, whose own energies are exact to
-//! their elastic strain. What leaves by erosion is booked as negative [`Exchange::conversion`](impactite_scene::Exchange).
+//! # Energy balance
+//! Internal energy is that of the laws plus the hourglass energy ([`ElementBody::hourglass_energy`]); a run warns if the latter exceeds 5 %
+//! of the largest energy of a body. Mass and momentum are conserved to rounding, energy to second order in the time step; the energies of
+//! laws in rate form are exact only to their elastic strain. Energy lost by erosion is booked as negative
+//! [`Exchange::conversion`](impactite_scene::Exchange).
 //!
 //! # Limits
-//! `f64` only. One law a body. Elements of a body that share no node know each other only where it touches itself. Contact does not
-//! test edges against edges, nor bars against bars; a node that a condition holds in some directions yields to contact in all, until the
-//! condition acts.
+//! `f64` only. One law per body. Elements of a body that share no node interact by self-contact only. There is no edge-to-edge contact, and
+//! no contact between bars; a node that a condition fixes in some directions yields to contact in all, until the condition acts.
 
 mod body;
 mod contact;

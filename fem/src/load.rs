@@ -4,33 +4,33 @@ use std::sync::Arc;
 
 use impactite_geometry::Facet;
 
-/// A traction over time: Pa at a time in s.
+/// Traction history: Pa at a time in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
-/// A dead load: a traction over time on areas as they are at the start.
+/// Dead load: a traction history on the initial areas.
 #[derive(Clone)]
 pub(crate) struct SurfaceLoad<const D: usize> {
-    /// What facets it is on, in words, for checkpoints.
+    /// Description of the loaded facets, for checkpoints.
     pub facets: String,
     /// Nodes with their shares of the area, m^2 (per metre of depth or per radian).
     pub areas: Vec<(u32, f64)>,
     pub history: TractionHistory<D>,
-    /// The traction of the last step, Pa.
+    /// Traction in the last step, Pa.
     pub acting: [f64; D],
 }
 
-/// A facet of the surface at the start.
+/// Surface facet in the initial configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFacet<const D: usize> {
-    /// Mean of its nodes, m.
+    /// Centre: mean of the node positions, m.
     pub centre: [f64; D],
-    /// Normal outwards, of length 1.
+    /// Outward unit normal.
     pub normal: [f64; D],
     /// Area, m^2 (per metre of depth or per radian).
     pub area: f64,
 }
 
-/// A facet, and the shares of its area that its nodes have: integrals of their shape functions.
+/// Compute centre, normal and area of a facet, and the nodal shares of the area: integrals of the shape functions.
 pub(crate) fn view<const D: usize>(
     nodes: &[[f64; D]],
     facet: &Facet,

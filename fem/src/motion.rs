@@ -1,4 +1,4 @@
-//! Nodes through a step: velocities from forces, conditions, positions.
+//! Nodal time integration: velocity update, boundary conditions, position update.
 
 use impactite_scene::boundary::BodyForce;
 use impactite_scene::{Boundary, Cause, Exchange, LocalDamping, MovingPoint, PointKind, StepError, Stopped};
@@ -9,30 +9,30 @@ use crate::body::{ElementBody, Node};
 use crate::push::{Push, merge};
 use crate::set::wide;
 
-/// Nodes a task moves.
+/// Number of nodes per task.
 const CHUNK: usize = 1024;
-/// Within this part of the spacing a node lies on a plane.
+/// Tolerance for nodes on a plane, over the spacing.
 const ROUNDING: f64 = 1e-6;
-/// Within this part of its elements' extent a node is on the plane of a condition that answers to velocities.
+/// Tolerance for nodes on the plane of a condition that reacts to velocities, over the extent of the node's elements.
 const NEAR: f64 = 0.25;
 
-/// What moving the nodes of a chunk found.
+/// Results of the update of a chunk of nodes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moved {
     given: Exchange,
-    /// What of it came by impulses of others.
+    /// Part of `given` by impulses of couplings.
     pushed: Exchange,
-    /// What came by contact in the scene, which is not in it.
+    /// Exchange by contact in the scene, not included in `given`.
     touched: Exchange,
     trouble: Option<usize>,
 }
 
-/// A step of the scene that a body makes a part of.
+/// Step of the scene, as a part of the step of a body.
 #[derive(Clone, Copy)]
 pub(crate) struct Part<'a, const D: usize> {
     pub clock: &'a Clock,
     pub dt: f64,
-    /// Steps of the scene in one of the body.
+    /// Subcycling ratio: steps of the scene in one step of the body.
     pub ratio: u32,
     pub force: Option<&'a BodyForce<D>>,
     pub damping: LocalDamping,
@@ -40,7 +40,7 @@ pub(crate) struct Part<'a, const D: usize> {
 }
 
 impl<const D: usize> ElementBody<D> {
-    /// New velocities, as if nothing but elements and the body force acted.
+    /// Update velocities by internal forces, the body force and loads.
     pub(crate) fn accelerate(&mut self, part: &Part<'_, D>, team: &Team) {
         self.begin(part);
         if self.pace.kick == 0.0 {
@@ -53,7 +53,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// Conditions and new positions.
+    /// Apply boundary conditions and update positions.
     pub(crate) fn advance(&mut self, part: &Part<'_, D>, team: &Team) -> Result<(), StepError> {
         self.merge_pushes();
         let Part { clock, dt, boundaries, damping, .. } = *part;
@@ -63,8 +63,8 @@ impl<const D: usize> ElementBody<D> {
         self.take(clock, &chunks)
     }
 
-    /// In the step that was begun, move a node with this velocity, m/s, in place of its own, which it keeps: that of matter that carries
-    /// it along, which conditions have held.
+    /// Move a node in the open step with this velocity, m/s, instead of its own, which it keeps: the velocity, with boundary conditions
+    /// applied, of the matter that carries the node.
     ///
     /// # Panics
     /// There is no such node.
@@ -90,7 +90,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// A task on every node. It sees the body without nodes.
+    /// Run a task on every node. Its view of the body has no nodes.
     fn each_node(
         &mut self,
         team: &Team,
@@ -108,11 +108,11 @@ impl<const D: usize> ElementBody<D> {
         chunks
     }
 
-    /// The new velocity of a node.
+    /// Update the velocity of a node by its internal force and the body force.
     #[inline]
     fn kick(&self, n: usize, node: &mut Node<D>, found: &mut Moved) {
         if node.mass == 0.0 {
-            return; // Its elements became something else.
+            return; // All its elements were converted.
         }
         let kick = self.pace.kick;
         let (start, pull, per) = (node.velocity, self.force(n), kick / node.mass);
@@ -124,7 +124,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// Book the body force on a node that had the velocity `start`.
+    /// Book impulse and work of the body force on a node whose velocity was `start`.
     #[inline(never)]
     fn book_load(&self, start: &[f64; D], node: &Node<D>, found: &mut Moved) {
         for d in 0..D {
@@ -134,7 +134,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// What moving the nodes found.
+    /// Collect the results of the node updates.
     fn take(&mut self, clock: &Clock, chunks: &[Moved]) -> Result<(), StepError> {
         for found in chunks {
             self.exchange.add(&found.given);
@@ -147,7 +147,7 @@ impl<const D: usize> ElementBody<D> {
         Ok(())
     }
 
-    /// The velocity of a node is not a number.
+    /// Error for a node whose velocity is not finite.
     pub(crate) fn runs_away(&self, clock: &Clock, number: usize) -> StepError {
         clock.stopped(Stopped::Point {
             kind: PointKind::Node,
@@ -159,8 +159,8 @@ impl<const D: usize> ElementBody<D> {
         })
     }
 
-    /// Give a node an impulse, N s, in a trial: its velocity changes at once; momentum and, with the velocity that the step ends with,
-    /// work are booked as those of boundaries ([`ElementBody::exchange`]).
+    /// Add an impulse, N s, to a node in a trial: its velocity changes at once. Momentum, and work with the velocity at the end of the
+    /// step, are booked as those of boundaries ([`ElementBody::exchange`]).
     ///
     /// # Panics
     /// There is no such node.
@@ -168,19 +168,19 @@ impl<const D: usize> ElementBody<D> {
         self.push(Push { given: impulse, ..Push::of(node as u32) });
     }
 
-    /// The same of contact in the scene, which has books of its own.
+    /// Add a contact impulse of the scene, N s, to a node; it is booked separately.
     pub(crate) fn touch(&mut self, node: u32, impulse: [f64; D]) {
         self.push(Push { touch: impulse, ..Push::of(node) });
     }
 
-    /// Give the nodes the impulses of the loads at a time, s.
+    /// Add the impulses of the surface loads at a time, s, to the nodes.
     pub(crate) fn push_loads(&mut self, time: f64) {
         let mut loads = std::mem::take(&mut self.loads);
         for load in &mut loads {
             let traction = (load.history)(time);
             load.acting = traction;
             for &(node, area) in &load.areas {
-                // Nodes without mass are those of elements that became something else.
+                // Nodes without mass belong to converted elements only.
                 if self.nodes[node as usize].mass > 0.0 {
                     let load = traction.map(|t| self.pace.kick * area * t);
                     self.push(Push { load, ..Push::of(node) });
@@ -209,12 +209,12 @@ impl<const D: usize> ElementBody<D> {
         self.pushes.push(push);
     }
 
-    /// Pushes by node, each once.
+    /// Merge the impulses of each node.
     pub(crate) fn merge_pushes(&mut self) {
         merge(&mut self.pushes);
     }
 
-    /// How far elements reach around each node: the mean of their extents along the axes.
+    /// Measure the mean extent of the elements around each node along the axes.
     fn measure_extents(&mut self) {
         let mut sums = vec![([0.0; D], 0.0); self.nodes.len()];
         let rest = &self.mesh.nodes;
@@ -233,7 +233,7 @@ impl<const D: usize> ElementBody<D> {
     }
 }
 
-/// What moves a node.
+/// Context of a node update.
 pub(crate) struct Motion<'a, const D: usize> {
     pub body: &'a ElementBody<D>,
     pub boundaries: &'a [Boundary<D>],
@@ -242,13 +242,13 @@ pub(crate) struct Motion<'a, const D: usize> {
     pub damping: LocalDamping,
 }
 
-/// A node in a step.
+/// Velocities of a node in a step.
 struct Moment<const D: usize> {
-    /// Its velocity before any force of the step acted, m/s.
+    /// Velocity before any force of the step acted, m/s.
     start: [f64; D],
-    /// That after elements and the body force did.
+    /// Trial velocity, after internal forces and the body force, m/s.
     tried: [f64; D],
-    /// As conditions see it.
+    /// View of the node for boundary conditions.
     point: MovingPoint<D>,
 }
 
@@ -277,13 +277,13 @@ impl<const D: usize> Motion<'_, D> {
         }
     }
 
-    /// The velocity of matter that carries a node.
+    /// Velocity of the matter that carries a node.
     #[inline]
     fn carried(&self, n: usize) -> Option<&[f64; D]> {
         self.body.carried.get(n).and_then(Option::as_ref)
     }
 
-    /// What pushed a node.
+    /// Impulses on a node in the step.
     #[inline]
     fn pushed(&self, n: usize) -> Option<&Push<D>> {
         let pushes = &self.body.pushes;
@@ -293,7 +293,7 @@ impl<const D: usize> Motion<'_, D> {
         pushes.binary_search_by_key(&(n as u32), |push| push.node).ok().map(|at| &pushes[at])
     }
 
-    /// May a condition act on a node?
+    /// True if a condition may act on a node.
     #[inline]
     fn is_bound(&self, n: usize, node: &Node<D>) -> bool {
         if self.carried(n).is_some() {
@@ -302,14 +302,14 @@ impl<const D: usize> Motion<'_, D> {
         self.prescribed(n).next().is_some() || self.boundaries.iter().any(|b| self.reaches(b, n, node))
     }
 
-    /// The velocities prescribed for a node.
+    /// Prescribed velocities of a node.
     #[inline]
     fn prescribed(&self, n: usize) -> impl Iterator<Item = [Option<f64>; 3]> {
         let on = self.body.prescribed.iter().filter(move |p| p.nodes.binary_search(&(n as u32)).is_ok());
         on.map(|p| (p.velocity)(self.time + 0.5 * self.dt))
     }
 
-    /// May a boundary act on a node?
+    /// True if the path of a node in the step comes within reach of a boundary.
     #[inline]
     fn reaches(&self, boundary: &Boundary<D>, n: usize, node: &Node<D>) -> bool {
         let (mut low, mut high) = (node.position, node.position);
@@ -325,7 +325,7 @@ impl<const D: usize> Motion<'_, D> {
         at(self.time) || at(self.time + self.dt)
     }
 
-    /// A node that has got an impulse, before conditions act.
+    /// State of a node with an added impulse, before conditions act.
     fn moment(&self, n: usize, node: &Node<D>, push: &[f64; D]) -> Moment<D> {
         let body = self.body;
         let (force, kick) = (body.force(n), body.pace.kick);
@@ -343,7 +343,7 @@ impl<const D: usize> Motion<'_, D> {
         Moment { start, tried, point }
     }
 
-    /// What conditions make of the velocity of a point.
+    /// Apply boundary conditions and prescribed velocities to a point.
     fn obey(&self, n: usize, point: &mut MovingPoint<D>, given: &mut Exchange) {
         if self.carried(n).is_some() {
             return;
@@ -365,7 +365,7 @@ impl<const D: usize> Motion<'_, D> {
         }
     }
 
-    /// The velocity that conditions would leave to a node as it is, and whether they alone move it, whatever pushes.
+    /// Velocity of a node after boundary conditions, and true if they prescribe it in all directions.
     pub fn answer(&self, n: usize, node: &Node<D>) -> ([f64; D], bool) {
         if !self.is_bound(n, node) {
             return (node.velocity, false);
@@ -384,8 +384,8 @@ impl<const D: usize> Motion<'_, D> {
         (point.velocity, held == [true; D])
     }
 
-    /// Local damping of a node: on what its velocity changed by in the step, in directions that no condition holds. A body that makes one step
-    /// for several of the scene is damped in that in which its forces act.
+    /// Apply local damping to the velocity change of a node in the step, in directions that no condition holds. A subcycled body is damped
+    /// in the step in which its forces act.
     #[inline(never)]
     fn damp(&self, n: usize, node: &mut Node<D>, pushed: Option<&Push<D>>, found: &mut Moved) {
         let (body, kick) = (self.body, self.body.pace.kick);
@@ -409,7 +409,7 @@ impl<const D: usize> Motion<'_, D> {
             let impulse = node.mass * change;
             found.given.load[d] += impulse;
             found.given.damping -= 0.5 * impulse * (start + node.velocity[d]);
-            // Work was booked with the velocities before.
+            // Work was booked with the undamped velocities: add the difference.
             let per = 0.5 * change;
             found.given.work += per * (kick * node.mass * body.acceleration[d] + given[d] + load[d]);
             found.pushed.work += per * given[d];
@@ -417,7 +417,7 @@ impl<const D: usize> Motion<'_, D> {
         }
     }
 
-    /// Conditions on a node, and the books of what pushed it: of few nodes, and so kept out of the loop over all.
+    /// Apply conditions to a node, and book the impulses on it. Few nodes need it, so that it is kept out of the loop over all.
     #[inline(never)]
     fn constrain(&self, n: usize, node: &mut Node<D>, pushed: Option<&Push<D>>, found: &mut Moved) {
         let (body, kick) = (self.body, self.body.pace.kick);
@@ -442,7 +442,7 @@ impl<const D: usize> Motion<'_, D> {
             }
             found.given.load[d] += load[d];
             found.given.work += load[d] * mean;
-            // The body force was booked with the velocity tried.
+            // The body force was booked with the trial velocity: add the difference.
             found.given.work += 0.5 * kick * node.mass * body.acceleration[d] * (end - tried[d]);
         }
         node.velocity = point.velocity;

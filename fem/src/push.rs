@@ -4,26 +4,26 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Push<const D: usize> {
     pub node: u32,
-    /// Of others.
+    /// Impulse of couplings.
     pub given: [f64; D],
-    /// Of contact in the scene.
+    /// Impulse of contact in the scene.
     pub touch: [f64; D],
-    /// Of loads on the surface.
+    /// Impulse of surface loads.
     pub load: [f64; D],
 }
 
 impl<const D: usize> Push<D> {
-    /// None on a node.
+    /// Create an entry of a node without impulses.
     pub fn of(node: u32) -> Self {
         Push { node, given: [0.0; D], touch: [0.0; D], load: [0.0; D] }
     }
-    /// All of it.
+    /// Sum of the impulses.
     pub fn sum(&self) -> [f64; D] {
         std::array::from_fn(|d| self.given[d] + self.touch[d] + self.load[d])
     }
 }
 
-/// Put them in the order of nodes, each of which comes once then.
+/// Sort impulses by node, and merge those of the same node.
 pub(crate) fn merge<const D: usize>(pushes: &mut Vec<Push<D>>) {
     pushes.sort_by_key(|push| push.node);
     pushes.dedup_by(|next, sum| {

@@ -1,4 +1,4 @@
-//! The elements of a body that are of one kind.
+//! Elements of one kind in a body.
 
 use impactite_geometry::ElementKind;
 use impactite_scene::{Archive, CheckpointError, SceneError};
@@ -7,7 +7,7 @@ use crate::law::Probe;
 use crate::sweep::{BATCH, Batch, Measure, OCTET, Row, Rows, Sweep, lane, lane_mut, sweep_of};
 use crate::technology::{Hourglass, Technology};
 
-/// What elements are made of and where.
+/// Input for the construction of element sets.
 pub(crate) struct Making<'a, const D: usize> {
     pub body: &'a str,
     pub nodes: &'a [[f64; D]],
@@ -22,19 +22,19 @@ pub(crate) struct Set {
     pub kind: ElementKind,
     pub technology: Technology,
     pub sweep: Box<dyn Sweep>,
-    /// For each element in the order of the batches its number in the body.
+    /// Element numbers in the body, in the order of the batches.
     pub numbers: Vec<u32>,
     pub batches: Vec<Batch>,
-    /// Where the nodes of each batch begin among the slots of the set.
+    /// Offset of the nodes of each batch among the slots of the set.
     pub starts: Vec<u32>,
-    /// Where those begin among the slots of the body.
+    /// Offset of the set among the slots of the body.
     pub first: usize,
-    /// kappa G and kappa rho0 c of hourglass springs and dashpots.
+    /// Hourglass coefficients: kappa G of springs, Pa, and kappa rho0 c of dashpots, Pa s/m.
     pub control: [f64; 2],
 }
 
 impl Set {
-    /// Of elements with these numbers in the body and nodes; adds the masses of their corners to `masses`.
+    /// Build a set from elements, given by number in the body and nodes; add their lumped masses to `masses`.
     pub fn new<const D: usize>(
         kind: ElementKind,
         technology: Technology,
@@ -71,7 +71,7 @@ impl Set {
         Ok(set)
     }
 
-    /// `places` is as it was before.
+    /// Build a batch; `places` is restored at the end.
     fn batch<const D: usize>(
         &self,
         elements: &[(u32, &[u32])],
@@ -95,7 +95,7 @@ impl Set {
         }
         for octet in 0..octets {
             for k in 0..OCTET {
-                // Lanes without an element lie on the last one, without mass.
+                // Lanes without an element repeat the last one, without mass.
                 let e = (octet * OCTET + k).min(elements.len() - 1);
                 let (number, nodes) = elements[e];
                 for (c, &node) in nodes.iter().enumerate() {
@@ -120,7 +120,7 @@ impl Set {
                     masses[node as usize] += share * making.probe.density;
                 }
                 if self.kind == ElementKind::Bar2 {
-                    // The strain across over that along, at first: minus Poisson's ratio.
+                    // Initial ratio of lateral to axial strain: minus Poisson's ratio.
                     let Probe { bulk, shear, .. } = making.probe;
                     let ratio = (3.0 * bulk - 2.0 * shear) / (6.0 * bulk + 2.0 * shear);
                     *lane_mut(&mut batch.kept[octet], k) = -ratio;
@@ -133,11 +133,11 @@ impl Set {
         Ok(batch)
     }
 
-    /// Slots of all its batches.
+    /// Range of the slots of all batches.
     pub fn slots(&self) -> std::ops::Range<usize> {
         self.first..self.first + self.starts.last().map_or(0, |&end| end as usize)
     }
-    /// Every element that is there: its batch and place in that, and its number in the body.
+    /// Remaining elements: batch, index in the batch, and number in the body.
     pub fn alive(&self) -> impl Iterator<Item = (&Batch, usize, u32)> {
         let points = self.sweep.points();
         self.batches.iter().zip(self.numbers.chunks(BATCH)).flat_map(move |(batch, numbers)| {
@@ -154,7 +154,7 @@ impl Set {
         let points = self.sweep.points();
         (0..points).map(|p| lane(&batch.reference[e / OCTET * points + p], e % OCTET)).sum()
     }
-    /// Energy in the hourglass forces of an element, J.
+    /// Hourglass energy of an element, J.
     pub fn hourglass(&self, batch: &Batch, e: usize) -> f64 {
         let place = self.sweep.energy_place();
         place.map_or(0.0, |k| lane(&batch.kept[e / OCTET * self.sweep.kept() + k], e % OCTET))
@@ -164,7 +164,7 @@ impl Set {
         batches + (self.numbers.capacity() + self.starts.capacity()) * 4
     }
 
-    /// What changes in a run.
+    /// Store or load the checkpoint data.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         for batch in &mut self.batches {
             let pairs = batch.reference.iter_mut().chain(&mut batch.kept).flat_map(|pair| &mut pair.0);
@@ -176,7 +176,7 @@ impl Set {
     }
 }
 
-/// What an element measures, if that can be.
+/// Measure an element, and check that volumes and lumped masses are positive and finite.
 fn measured<const D: usize>(
     kind: ElementKind,
     sweep: &dyn Sweep,
@@ -200,14 +200,14 @@ fn measured<const D: usize>(
     })
 }
 
-/// A vector in three dimensions.
+/// Pad a vector with zeros to three dimensions.
 pub(crate) fn wide<const D: usize>(x: &[f64; D]) -> [f64; 3] {
     let mut wide = [0.0; 3];
     wide[..D].copy_from_slice(x);
     wide
 }
 
-/// Sort elements along a curve that fills space (Morton's), so that those of a batch share most of their nodes.
+/// Sort elements along a space-filling curve (Morton), so that those of a batch share most of their nodes.
 fn neighbours_together<const D: usize>(elements: &mut [(u32, &[u32])], nodes: &[[f64; D]]) {
     let centre = |of: &[u32]| -> [f64; D] {
         std::array::from_fn(|d| of.iter().map(|&n| nodes[n as usize][d]).sum::<f64>() / of.len() as f64)
@@ -219,7 +219,7 @@ fn neighbours_together<const D: usize>(elements: &mut [(u32, &[u32])], nodes: &[
             (low[d], high[d]) = (low[d].min(c[d]), high[d].max(c[d]));
         }
     }
-    // Cells of about one element along the longest side.
+    // Cell size of about one element, at least 2^-20 of the longest side.
     let longest = (0..D).map(|d| high[d] - low[d]).fold(0.0, f64::max);
     let volume: f64 = (0..D).map(|d| (high[d] - low[d]).max(1e-3 * longest)).product();
     let cell = (volume / elements.len() as f64).powf(1.0 / D as f64).max(longest / f64::from(1u32 << 20));

@@ -1,56 +1,56 @@
-//! Shapes of elements: their modes, gradients and volumes, on lanes.
+//! Element shapes: modes, gradients and volumes, on lanes.
 //!
-//! Nodal vectors are turned into **modes**: the mean, the linear ones, and those beyond, the hourglass modes. For quadrilaterals and
-//! bricks that is the fast Hadamard transform, so that a position is x = sum_m x_m phi_m(xi) with phi = 1, xi, eta, zeta, eta zeta,
-//! zeta xi, xi eta, xi eta zeta; for simplices the mean and the edges from the first node. Forces go back by the transpose. Modes of bricks
-//! are eight times that, which saves multiplications: [`Shape::UNIT`], [`Shape::SCALE`].
+//! Nodal vectors are transformed to **modes**: the mean, the linear modes and the hourglass modes. For quadrilaterals and bricks this is
+//! the fast Hadamard transform, so that a position is x = sum_m x_m phi_m(xi) with phi = 1, xi, eta, zeta, eta zeta, zeta xi, xi eta, xi
+//! eta zeta; for simplices the modes are the mean and the edges from the first node. Modal forces are transformed back by the transpose.
+//! Modes of bricks are multiplied by eight, which saves multiplications: [`Shape::UNIT`], [`Shape::SCALE`].
 
 use mpm_materials::Lane;
 
-/// A vector a mode, or a node.
+/// Vector of each mode, or of each node.
 pub(crate) type Modes<P> = [[P; 3]; 8];
 
-/// The mean of a gradient over a part of an element, times the volume of that; over [`Shape::SCALE`].
+/// Mean gradient over a part of an element times the volume of this part, divided by [`Shape::SCALE`].
 #[derive(Clone, Copy)]
 pub(crate) struct Gradient<P> {
-    /// For each mode volume times the gradient, m^2 (around an axis per radian, m^3 over m).
+    /// Volume times the gradient of each mode, m^2 (around an axis per radian, m^3 over m).
     pub area: Modes<P>,
-    /// For each mode volume times what it gives to u_r / r.
+    /// Volume times the contribution of each mode to u_r / r.
     pub hoop: [P; 8],
     /// Volume, m^3 (per metre of depth, or per radian); zero or negative where the element is inside out.
     pub volume: P,
 }
 
-/// A kind of element with a volume.
+/// Shape of a solid element.
 pub(crate) trait Shape: Copy + Send + Sync + 'static {
-    /// Dimensions.
+    /// Number of dimensions.
     const DIM: usize;
-    /// Nodes, and modes.
+    /// Number of nodes, and of modes.
     const NODES: usize;
-    /// The first hourglass mode.
+    /// Index of the first hourglass mode.
     const FIRST: usize = Self::DIM + 1;
-    /// Points of full integration.
+    /// Number of points of full integration.
     const POINTS: usize;
-    /// What modes are multiplied by.
+    /// Factor of the modes.
     const UNIT: f64 = 1.0;
-    /// What [`Gradient`]s are to be multiplied by.
+    /// Factor that converts [`Gradient`]s to physical units.
     const SCALE: f64 = 1.0;
-    /// Modes of nodal vectors.
+    /// Transform nodal vectors to modes.
     fn modes<P: Lane>(nodal: &Modes<P>) -> Modes<P>;
-    /// Nodal forces of those on modes.
+    /// Transform modal forces to nodal forces.
     fn nodal<P: Lane>(forces: &Modes<P>) -> Modes<P>;
-    /// The mean over the element at these modes of the positions; with `hoop` around the axis x = 0, weighted by the radius.
+    /// Mean gradient over the element with these modes of the positions; with `hoop` around the axis x = 0, weighted by the radius.
     fn mean<P: Lane>(x: &Modes<P>, hoop: bool) -> Gradient<P>;
-    /// At a point of full integration, times its part of the volume.
+    /// Gradient at a point of full integration, times the volume of the point.
     fn at<P: Lane>(x: &Modes<P>, point: usize, hoop: bool) -> Gradient<P>;
-    /// Sums over the nodes of products of their gradients: vectors and hoop parts to take them of, and what to multiply by.
+    /// Sums over nodes of products of nodal gradients, as sums over modes: vectors, hoop parts and factor of the sums.
     fn independent<P: Lane>(of: &Gradient<P>) -> (Modes<P>, [P; 8], f64);
 }
 
 /// 1/sqrt(3).
 const GAUSS: f64 = 0.577_350_269_189_625_8;
 
-// No closure with arithmetic, and no `map` of an array, from here on: what the compiler does not inline is not compiled for vectors.
+// No closures with arithmetic and no array `map` below: code that the compiler does not inline is not vectorised.
 
 /// a b - c d.
 #[inline(always)]
@@ -87,7 +87,7 @@ fn crosses<P: Lane>([a, b]: [&[P; 3]; 2], [c, d]: [&[P; 3]; 2]) -> [P; 3] {
     sum
 }
 
-/// The volume of a brick, of the third degree in its modes, from its derivatives.
+/// Volume of a brick, homogeneous of degree three in its modes, from its derivatives.
 #[inline(always)]
 fn volume_of<P: Lane>(x: &Modes<P>, area: &Modes<P>) -> P {
     let mut sum = dot(&x[1], &area[1]);
@@ -225,7 +225,7 @@ impl Shape for Quad {
         }
         nodal
     }
-    /// Integrals of products of the bilinear positions, exact.
+    /// Exact integrals of products of the bilinear positions.
     #[inline(always)]
     fn mean<P: Lane>(x: &Modes<P>, hoop: bool) -> Gradient<P> {
         let mut of = Gradient { area: none(), hoop: [P::zero(); 8], volume: P::zero() };
@@ -244,7 +244,7 @@ impl Shape for Quad {
         of.area[2] = [-(r * a[1] + b[0] * h[1] * third), r * a[0] + b[0] * h[0] * third, P::zero()];
         let across = b[0] * b[1] - a[0] * a[1];
         of.area[3] = [across * third, (a[0] * a[0] - b[0] * b[0]) * third, P::zero()];
-        // The Jacobian: flat + along xi + up eta.
+        // Jacobian determinant: flat + along xi + up eta.
         let along = (a[0] * h[1] - h[0] * a[1]) * third;
         let up = (h[0] * b[1] - b[0] * h[1]) * third;
         of.hoop[0] = flat * four;
@@ -287,13 +287,13 @@ impl Shape for Quad {
     }
 }
 
-/// The coordinate of a point of full integration along an axis.
+/// Coordinate of a point of full integration along an axis.
 #[inline(always)]
 pub(crate) fn sign(point: usize, axis: usize) -> f64 {
     if point >> axis & 1 == 1 { GAUSS } else { -GAUSS }
 }
 
-/// The shape function of a corner of a quadrilateral or brick at a place xi.
+/// Shape function of a corner of a quadrilateral or brick at xi.
 pub(crate) fn weight(dim: usize, corner: usize, xi: [f64; 3]) -> f64 {
     let signs = [
         if matches!(corner % 4, 1 | 2) { 1.0 } else { -1.0 },
@@ -321,7 +321,7 @@ impl Shape for Hexa {
     fn modes<P: Lane>(nodal: &Modes<P>) -> Modes<P> {
         let mut modes = none();
         for i in 0..3 {
-            // Along xi, then eta, then zeta: sums and differences.
+            // Sums and differences along xi, then eta, then zeta.
             let (mut sum, mut dif) = ([P::zero(); 4], [P::zero(); 4]);
             for (k, [left, right]) in EDGES.into_iter().enumerate() {
                 sum[k] = nodal[right][i] + nodal[left][i];
@@ -365,11 +365,11 @@ impl Shape for Hexa {
         }
         nodal
     }
-    /// The derivatives of the volume V = 8 \[a.b x c - (a.e x f + b.f x d + c.d x e) / 3\] with the modes a, b, c along xi, eta, zeta and
-    /// d, e, f of their products: the mean gradient of \[FlanaganBelytschko1981\].
+    /// Mean gradient of \[FlanaganBelytschko1981\]: derivatives of the volume V = 8 \[a.b x c - (a.e x f + b.f x d + c.d x e) / 3\] with
+    /// the modes a, b, c of xi, eta, zeta and d, e, f of their products.
     #[inline(always)]
     fn mean<P: Lane>(x: &Modes<P>, _: bool) -> Gradient<P> {
-        // d, e, f over the root of three: then their products come with those of a, b, c.
+        // Divide d, e, f by sqrt(3): their products then have the factor of those of a, b, c.
         let root = P::of(GAUSS);
         let [a, b, c] = [&x[1], &x[2], &x[3]];
         let (d, e, f) = (times(x[4], root), times(x[5], root), times(x[6], root));
@@ -405,7 +405,7 @@ impl Shape for Hexa {
                 }
             }
         }
-        // An eighth of the volume is this point's.
+        // Each point has an eighth of the weight.
         let eighth = P::of(0.125);
         let across = [
             times(cross(&to[1], &to[2]), eighth),

@@ -8,8 +8,8 @@ use mpm_materials::{Constitutive, State};
 use crate::solver::Fem;
 
 impl<const D: usize> Fem<D> {
-    /// Give the state of every integration point of a body, with the centre of its element (m), to `change`, for initial stresses: that
-    /// of the law `C`, which must be the body's.
+    /// Set initial states, such as initial stresses: call `change` with the centre of the element (m) and the state of every integration
+    /// point of a body. `C` must be the law of the body.
     ///
     /// # Errors
     /// No such body; another law; a number that is not finite.

@@ -1,4 +1,4 @@
-//! Elements through a step: strains, laws, forces, and those that leave.
+//! Element update in a step: strains, stresses, internal forces, and removal.
 
 use std::sync::Mutex;
 
@@ -10,19 +10,19 @@ use crate::set::wide;
 use crate::surface::surface_of;
 use crate::sweep::{BATCH, Batch, Left, Moving, Of, Pass, Reason, Scratch, Trouble};
 
-/// Why an element that is inside out stops a run, and what to do.
+/// Message for an inverted element: cause and remedy.
 const INVERTED: &str = "it is turned inside out (det J <= 0 at an integration point): the mesh cannot follow the deformation; let such \
                         elements leave (`MeshBody::eroding(Erosion::volume(..))`), make the body of particles (the material point \
                         method), or take a finer mesh or a smaller step";
-/// A stable step that is so many times shorter than the first one leads nowhere.
+/// Ratio of the first to the present stable time step above which a run stops.
 const SHORTER: f64 = 1e4;
-/// Why such an element stops a run, and what to do.
+/// Message for such an element: cause and remedy.
 const FLAT: &str = "it is so flat that the stable step is ten thousand times shorter than at the start: the mesh cannot follow the \
                     deformation; let such elements leave (`MeshBody::eroding(Erosion::step(..))`), make the body of particles (the \
                     material point method), or take a finer mesh";
 
 impl<const D: usize> ElementBody<D> {
-    /// Strains of a step of `dt` seconds that ends at the positions of the nodes, laws, and forces.
+    /// Update strains, stresses and internal forces over a step of `dt` seconds that ends at the present node positions.
     pub(crate) fn strain(
         &mut self,
         dt: f64,
@@ -62,7 +62,7 @@ impl<const D: usize> ElementBody<D> {
         self.leads_on(clock)
     }
 
-    /// Forces of the states as they are.
+    /// Compute the internal forces of the present states.
     pub(crate) fn forces_of_states(&mut self, team: &Team, memory: &[Mutex<Scratch>]) {
         self.flow.clear();
         for s in 0..self.sets.len() {
@@ -77,7 +77,7 @@ impl<const D: usize> ElementBody<D> {
         self.bury();
     }
 
-    /// Kirchhoff mean stresses of the states as they are, and reference volumes, to the slots.
+    /// Scatter Kirchhoff mean stresses of the present states, and reference volumes, to the slots.
     fn mean_stresses(&mut self, s: usize) {
         let set = &self.sets[s];
         let (mut state, n) = (vec![0.0; self.virgin.len()], set.sweep.nodes());
@@ -98,7 +98,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// One pass over the elements of a set.
+    /// Run one pass over the elements of a set.
     fn sweep(&mut self, s: usize, pass: Pass, dt: f64, team: &Team, memory: &[Mutex<Scratch>]) {
         let ElementBody {
             sets,
@@ -152,7 +152,7 @@ impl<const D: usize> ElementBody<D> {
         });
     }
 
-    /// The mean at each node over its elements of a set, weighted by mass; zero where there is none.
+    /// Average element values at each node over a set, weighted by mass; zero without elements.
     fn average(&mut self, s: usize, team: &Team) {
         let (range, mut averages) = (self.sets[s].slots(), std::mem::take(&mut self.averages));
         averages.resize(self.nodes.len(), 0.0);
@@ -176,7 +176,7 @@ impl<const D: usize> ElementBody<D> {
         self.rate = rates.fold(0.0, f64::max);
     }
 
-    /// The first element that cannot go on, if any.
+    /// Check for failed elements; the error names the first one.
     fn sound(&self, s: usize, clock: &Clock) -> Result<(), StepError> {
         let set = &self.sets[s];
         for (b, batch) in set.batches.iter().enumerate() {
@@ -190,7 +190,7 @@ impl<const D: usize> ElementBody<D> {
         Ok(())
     }
 
-    /// Is the stable step long enough to come anywhere? Else the flattest element of those that bound it is named.
+    /// Check that the stable time step has not collapsed; the error names the flattest element of the batch that limits it.
     fn leads_on(&self, clock: &Clock) -> Result<(), StepError> {
         if self.first_rate == 0.0 || self.rate <= SHORTER * self.first_rate {
             return Ok(());
@@ -216,7 +216,7 @@ impl<const D: usize> ElementBody<D> {
         Ok(())
     }
 
-    /// What an element of a batch of a set stops a run by.
+    /// Error for an element of a batch of a set.
     fn stopped(&self, s: usize, b: usize, e: usize, cause: Cause) -> Stopped {
         let set = &self.sets[s];
         Stopped::Point {
@@ -229,8 +229,8 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// Take out the elements that left. Of those that eroded the energy is booked as one of conversion, and the mass stays on their nodes;
-    /// those that become something else take theirs with them.
+    /// Process removed elements. The energy of eroded elements is booked as conversion, and their mass stays on the nodes; converted
+    /// elements take both with them.
     fn bury(&mut self) {
         if self.sets.iter().all(|s| s.batches.iter().all(|b| b.report.left.is_empty())) {
             return;
@@ -272,7 +272,7 @@ impl<const D: usize> ElementBody<D> {
         self.exchange.conversion -= left.energy;
     }
 
-    /// The surface of the elements that are there.
+    /// Find the surface of the remaining elements.
     pub(crate) fn find_surface(&mut self) {
         let mut there = vec![false; self.elements];
         for (_, _, number) in self.sets.iter().flat_map(|s| s.alive()) {

@@ -1,8 +1,8 @@
-//! The surface of a mesh: facets that belong to one element.
+//! Surface of a mesh: facets that belong to exactly one element.
 
 use impactite_geometry::{ElementMesh, Facet};
 
-/// Facets of the elements that are `there`, by number in the mesh, in the order of the elements.
+/// Surface facets of the elements for which `there` is true, by number in the mesh, in the order of the elements.
 pub(crate) fn surface_of<const D: usize>(mesh: &ElementMesh<D>, there: &dyn Fn(u32) -> bool) -> Vec<Facet> {
     let (mut facets, mut number) = (Vec::new(), 0);
     for (b, block) in mesh.blocks.iter().enumerate() {
@@ -20,7 +20,7 @@ pub(crate) fn surface_of<const D: usize>(mesh: &ElementMesh<D>, there: &dyn Fn(u
             number += 1;
         }
     }
-    // Facets with the same nodes, whatever their order, lie side by side.
+    // Sort facets by their node sets, so that facets of two elements are adjacent.
     let mut keyed: Vec<([u32; 4], usize)> = facets.iter().map(|f| f.nodes).zip(0..).collect();
     for (key, _) in &mut keyed {
         key.sort_unstable();

@@ -1,38 +1,39 @@
-//! How elements are integrated.
+//! Element technology: integration and hourglass control.
 
 use impactite_geometry::ElementKind;
 use impactite_scene::SceneError;
 
-/// What holds the deformations that one point of integration does not see (\[FlanaganBelytschko1981\]).
+/// Hourglass control of one-point elements (\[FlanaganBelytschko1981\]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Hourglass {
-    /// Springs, with the stiffness kappa G tr(B B^T) / V of each hourglass mode, G the shear modulus of the law at rest (of a law without
-    /// one a hundredth of its bulk modulus): kappa = 1 makes them as stiff as the shear of the element. In `(0, 1]`. They turn with the
-    /// element; what they store is internal energy.
+    /// Stiffness form (springs): kappa G tr(B B^T) / V for each hourglass mode, G the initial shear modulus of the law (a hundredth of the
+    /// bulk modulus for a law without one). kappa = 1 makes the springs as stiff as the element in shear. In `(0, 1]`. The forces rotate
+    /// with the element; the stored energy is internal energy.
     Stiffness(f64),
-    /// Dashpots: kappa times mass times c sqrt(tr(B B^T)) / V. In `(0, 0.25]`. What they take is internal energy.
+    /// Viscous form (dashpots): kappa times mass times c sqrt(tr(B B^T)) / V. In `(0, 0.25]`. The dissipated energy is internal energy.
     Viscous(f64),
 }
 
-/// How elements of a kind are integrated.
+/// Integration technology of a kind of element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Technology {
-    /// Quadrilaterals and bricks: one point with the mean gradient over the element, and hourglass control.
+    /// One-point integration of quadrilaterals and bricks, with the mean gradient over the element, and hourglass control.
     OnePoint(Hourglass),
-    /// 2 points along each axis. Simplices and bars have constant strain and one point. Locks where the volume must be kept, and
-    /// quadrilaterals and bricks also where thin parts bend.
+    /// Full integration: 2 points along each axis; simplices and bars have constant strain and one point. Elements lock in nearly
+    /// incompressible deformation (volumetric locking), quadrilaterals and bricks also in bending of thin parts (shear locking).
     Full,
-    /// Quadrilaterals and bricks: 2 points along each axis, each with the mean rate of dilatation of the element (B-bar in rate form,
-    /// \[Hughes1980\]): does not lock where the volume must be kept.
+    /// Mean dilatation (B-bar in rate form, \[Hughes1980\]) of quadrilaterals and bricks: 2 points along each axis, each with the mean rate
+    /// of dilatation of the element. No volumetric locking.
     MeanDilatation,
-    /// Simplices: constant strain, with the change of volume and the mean stress averaged over the nodes (\[BonetBurton1998\]): does not
-    /// lock where the volume must be kept. Three passes over the elements.
+    /// Averaged nodal volumes (\[BonetBurton1998\]) of simplices: constant strain, with volume change and mean stress averaged over the
+    /// nodes. No volumetric locking. Three passes over the elements.
     AveragedVolumes,
 }
 
 impl Technology {
-    /// What elements of a kind have unless told otherwise: one point with springs of 0.05, but around an axis mean dilatation, where one
-    /// point was seen to gain energy at the usual step (a ball that strikes a wall); averaged volumes of simplices.
+    /// Default technology of a kind of element: one point with springs of 0.05, for simplices averaged volumes, for bars full integration.
+    /// Axisymmetric quadrilaterals have mean dilatation, because one point was observed to gain energy at the default time step (a ball
+    /// that strikes a wall).
     #[must_use]
     pub fn default_of(kind: ElementKind, axisymmetric: bool) -> Self {
         match kind {
@@ -43,7 +44,7 @@ impl Technology {
         }
     }
 
-    /// Refuse what a kind of element cannot do.
+    /// Check that a kind of element supports the technology, and its hourglass coefficient.
     pub(crate) fn check(self, kind: ElementKind) -> Result<(), SceneError> {
         let simplex = matches!(kind, ElementKind::Triangle3 | ElementKind::Tetra4);
         let why = match self {
@@ -74,7 +75,7 @@ impl Technology {
         }
     }
 
-    /// Its name in messages.
+    /// Name in messages.
     fn name(self) -> &'static str {
         match self {
             Technology::OnePoint(_) => "one-point integration with hourglass control",

@@ -1,4 +1,4 @@
-//! A body as others see it: points are its elements, and nodes for the mass of elements that left.
+//! View of a body for observers: points are its elements, and nodes with mass of eroded elements.
 
 use impactite_scene::{Archive, Body, Bounds, CheckpointError, Exchange, Parts, PointView, Totals};
 
@@ -7,10 +7,10 @@ use crate::set::{Set, wide};
 use crate::sweep::Batch;
 
 impl<const D: usize> ElementBody<D> {
-    /// Sums over nodes and elements: the balanced ones, and what those at the time of the positions have more
-    /// ([`Totals::staggered`]). Balanced are the momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the
-    /// velocities that the forces of the elements make half a step after the present: with the internal energy the quantity that central
-    /// differences conserve in linear motion. What is held has that of its velocity.
+    /// Totals over nodes and elements, and their corrections from staggered to present time ([`Totals::staggered`]). Momentum is that of
+    /// the velocities v- at the middle of the last step. Kinetic energy is the sum of m v- . v+ / 2 with the velocities v+ that the
+    /// internal forces cause half a step after the present: with the internal energy, central differences conserve it in linear motion.
+    /// Directions held by conditions or contact have v+ = v-.
     pub fn totals(&self) -> Totals {
         let (mut sum, lag) = (Totals::default(), self.pace.lag());
         for (n, node) in self.nodes.iter().enumerate() {
@@ -30,8 +30,8 @@ impl<const D: usize> ElementBody<D> {
         sum
     }
 
-    /// The velocity of a node at the time of its position, m/s: v = v- + lag (f / m + g), with the velocity v- of the middle of the last step,
-    /// the force f of its elements and the body force g. What conditions, contact or others moved has v-.
+    /// Velocity of a node at the time of its position, m/s: v = v- + lag (f / m + g), with the velocity v- at the middle of the last step,
+    /// the force f of elements and loads, and the body force g. Directions moved by conditions, contact or couplings have v-.
     ///
     /// # Panics
     /// There is no such node.
@@ -47,8 +47,8 @@ impl<const D: usize> ElementBody<D> {
         })
     }
 
-    /// Work that what moved nodes in the last step (in the directions that `holds` says) did since the time of their velocities, J:
-    /// elements are strained that far.
+    /// Work of conditions, contact and couplings since the time of the velocities, J, in the directions selected by `holds`: the elements
+    /// are strained up to the time of the positions.
     pub(crate) fn work_to_come(&self, holds: impl Fn(&Node<D>, usize) -> bool) -> f64 {
         let (mut sum, lag) = (0.0, self.pace.lag());
         for (n, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.held != 0) {
@@ -60,12 +60,12 @@ impl<const D: usize> ElementBody<D> {
         sum
     }
 
-    /// Internal energy by the law, J: without that of hourglass forces.
+    /// Internal energy by the law, J, without hourglass energy.
     pub fn internal_energy(&self) -> f64 {
         self.energies_of_law()[0]
     }
 
-    /// Internal energy by the law, and heat of viscosity in it, J.
+    /// Internal energy by the law, and viscous heat in it, J.
     fn energies_of_law(&self) -> [f64; 2] {
         let (mut sum, mut state) = ([0.0; 2], vec![0.0; self.virgin.len()]);
         for set in &self.sets {
@@ -82,7 +82,7 @@ impl<const D: usize> ElementBody<D> {
         sum
     }
 
-    /// The element with most energy in its hourglass forces: that energy, J, and its centre, m.
+    /// Largest hourglass energy of an element, J, and the centre of this element, m.
     pub(crate) fn worst_hourglass(&self) -> (f64, [f64; 3]) {
         let mut worst = (0.0, [0.0; 3]);
         for set in &self.sets {
@@ -96,7 +96,7 @@ impl<const D: usize> ElementBody<D> {
         worst
     }
 
-    /// The mean of the nodes of an element, m.
+    /// Centre of an element: mean of its node positions, m.
     pub(crate) fn centre(&self, set: &Set, batch: &Batch, e: usize) -> [f64; 3] {
         let (mut centre, share) = ([0.0; 3], 1.0 / set.sweep.nodes() as f64);
         for n in set.nodes_of(batch, e) {
@@ -106,7 +106,7 @@ impl<const D: usize> ElementBody<D> {
         centre
     }
 
-    /// Nodes with the mass of elements that left.
+    /// Visit the nodes with mass of eroded elements.
     fn for_each_debris(&self, visit: &mut dyn FnMut(&PointView)) {
         for (n, &mass) in self.debris.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
             visit(&PointView {
@@ -123,7 +123,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// Parts of an element as a point.
+    /// Write the requested parts of an element as a point.
     fn point(
         &self,
         set: &Set,
@@ -168,7 +168,7 @@ impl<const D: usize> ElementBody<D> {
         }
     }
 
-    /// Everything that changes in a run, and what the body is made of.
+    /// Store or load the checkpoint data, and check the definition of the body.
     pub(crate) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let of = |what: &str| format!("{what} of body `{}`", self.name);
         file.same("name of a body", &self.name)?;
@@ -234,7 +234,7 @@ impl<const D: usize> Body for ElementBody<D> {
     fn is_plane_stress(&self) -> bool {
         self.material.is_plane_stress()
     }
-    /// Elements, and nodes that carry mass of elements that left.
+    /// Number of elements, and of nodes with mass of eroded elements.
     fn len(&self) -> usize {
         let elements: usize = self.sets.iter().map(|s| s.alive().count()).sum();
         elements + self.debris.iter().filter(|mass| **mass > 0.0).count()
@@ -248,8 +248,8 @@ impl<const D: usize> Body for ElementBody<D> {
     fn given_by_others(&self) -> Option<Exchange> {
         Some(self.pushed)
     }
-    /// Elements, by kind and in the order they are computed in, with means over their integration points and nodes; then nodes with the
-    /// mass of elements that left, with numbers beyond those of the elements, without stress.
+    /// Visit the elements, by kind and in computation order, with means over their integration points and nodes; then the nodes with mass
+    /// of eroded elements, with numbers beyond those of the elements, without stress.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
     }

@@ -1,4 +1,4 @@
-//! A body as contact with others sees it. Cells have the numbers of their [`Cells`](crate::Cells) here.
+//! Contact interface of a body. Cells have the numbers of their [`Cells`](crate::Cells) here.
 
 use impactite_scene::{Archive, CheckpointError, Exchange, SceneError, Solver, StepError};
 use impactite_simd::Team;
@@ -12,7 +12,7 @@ use crate::solver::{ADVICE, Fpm, PRESCRIBED, TOUCHED};
 use crate::sums::BATCH;
 use crate::vector::{along, apply, cofactor, inverse, scaled, with_identity};
 
-/// Cosine of the angle between faces of a cell above which they are one.
+/// Smallest cosine of the angle between the normals of faces of a cell that count as one.
 const ONE_FACE: f64 = 0.8;
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
@@ -20,13 +20,13 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.places[n] as usize
     }
 
-    /// The faces of a cell on the surface.
+    /// Return the faces of a cell on the surface.
     fn outer_of(&self, i: usize) -> impl Iterator<Item = &OuterFace<D>> {
         let first = self.surface.partition_point(|f| (f.cell as usize) < i);
         self.surface[first..].iter().take_while(move |f| f.cell as usize == i)
     }
 
-    /// The faces of a cell that have nothing behind them: area times outward normal, m^2, and the way from the point of the cell to the
+    /// Return the free faces of a cell, on the surface or open: area times outward normal, m^2, and arm from the point of the cell to the
     /// centroid, m, in the reference configuration.
     fn bare_faces(&self, i: usize) -> impl Iterator<Item = ([f64; D], [f64; D])> {
         let way = move |x: &[f64; D]| std::array::from_fn(|d| x[d] - self.reference[i][d]);
@@ -35,12 +35,13 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         outer.chain(open.map(|s| (self.sides.surface[s].area, self.sides.surface[s].own)))
     }
 
-    /// The sum of these areas, m^2.
+    /// Return the sum of the free areas of a cell, m^2.
     fn bare(&self, i: usize) -> [f64; D] {
         self.bare_faces(i).fold([0.0; D], |sum, (area, _)| along(&sum, 1.0, &area))
     }
 
-    /// The way from the point of a cell to the corner that planes of normals and distances share: the shortest vector that is on all.
+    /// Return the arm from the point of a cell to the intersection of planes with normals and distances: the shortest vector to all of
+    /// them.
     fn corner(planes: &[([f64; 3], f64)]) -> Option<[f64; 3]> {
         let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
             [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
@@ -84,7 +85,7 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
         if !self.sides.of(i).any(|s| self.joins(i, s)) {
             return Facing::LONE;
         }
-        // Nanson's formula.
+        // Present area, by Nanson's formula.
         let area = apply(&cofactor(&with_identity(&self.traces[i].h)), &self.bare(i));
         let density = self.mass[i] / (self.volume[i] * self.batches[i / BATCH].said[i % BATCH][6]);
         Facing { area: wide(&area), mass: wide(&scaled(&area, density)), lone: false }
@@ -112,7 +113,7 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
         true
     }
 
-    /// A point at the centroid of each face with nothing behind it, and one at the corner of several.
+    /// Append a point at the centroid of each free face, and one at the corner of several.
     fn surface(&self, n: usize, out: &mut Vec<SurfacePoint>) {
         let i = self.place_of(n);
         let f = with_identity(&self.traces[i].h);

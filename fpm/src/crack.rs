@@ -1,20 +1,20 @@
-//! When faces open, and what they bear then.
+//! Criteria for the opening of faces, and cohesive laws.
 
 use std::fmt::Debug;
 
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
-/// What a face is judged by: the true traction on it, Pa, across it (tension positive) and along it.
+/// Face stress for a criterion: true traction, Pa, normal (tension positive) and shear.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FaceStress {
-    /// Across, tension positive.
+    /// Normal traction, Pa, tension positive.
     pub normal: f64,
-    /// Along, its amount.
+    /// Magnitude of the shear traction, Pa.
     pub shear: f64,
 }
 
-/// When faces open.
+/// Opening criterion of faces.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not say when faces open",
     label = "takes `NoCracks`, `MaximumTension`, `MixedTensionShear`, `Cohesive`, or another type that implements `Criterion`"
@@ -22,23 +22,23 @@ pub struct FaceStress {
 pub trait Criterion: Copy + Debug + Send + Sync + 'static {
     /// The name in tables and messages.
     fn name(&self) -> &'static str;
-    /// Do faces open at all? What does not is not asked.
+    /// True if faces can open; otherwise the criterion is not evaluated.
     const OPENS: bool = true;
-    /// The amount of a traction, Pa, below which no face opens, whatever its direction.
+    /// Smallest magnitude of a traction that may open a face, Pa, in any direction.
     fn least(&self) -> f64;
     /// Traction over strength: a face opens at one.
     fn utilisation(&self, stress: FaceStress) -> f64;
-    /// The work that an area of crack takes after it began to open, J/m^2; none where a face bears nothing from then on.
+    /// Fracture energy, the work per area of crack from the onset of opening, J/m^2; `None` if an open face carries no tension.
     fn work(&self) -> Option<f64> {
         None
     }
-    /// Do the cells of a face stay joined while it softens? Not asked of faces without work.
+    /// True if the cells of a face stay joined while it softens; not evaluated for faces without fracture energy.
     fn stays_joined(&self) -> bool {
         true
     }
 }
 
-/// Faces stay closed.
+/// No opening: faces stay closed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoCracks;
 impl Criterion for NoCracks {
@@ -57,15 +57,15 @@ impl Criterion for NoCracks {
 const OWNER: &str = "criterion of cracks";
 const POSITIVE: &str = "positive and finite";
 
-/// A face opens at once where the tension on it reaches the strength, as printed \[Shen2022\]. What a crack takes of energy follows from
-/// what the cells beside it held, and so from their size.
+/// Maximum tension, original formulation \[Shen2022\]: a face opens at once when its tension reaches the strength. The energy of a crack is
+/// that stored in the adjacent cells, and so depends on their size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaximumTension(f64);
 impl MaximumTension {
-    /// At this strength, Pa.
+    /// Create a criterion with this strength, Pa.
     ///
     /// # Errors
-    /// Not positive or not finite.
+    /// A strength that is not positive or not finite.
     pub fn new(strength: f64) -> Result<Self, SceneError> {
         Ok(MaximumTension(parameter(strength > 0.0, OWNER, "strength", strength, POSITIVE)?))
     }
@@ -82,17 +82,17 @@ impl Criterion for MaximumTension {
     }
 }
 
-/// A face opens at once where (<t_n> / tension)^2 + (t_s / shear)^2 reaches one, <t_n> zero in compression.
+/// Mixed tension and shear: a face opens at once when (<t_n> / tension)^2 + (t_s / shear)^2 reaches one, with <t_n> zero in compression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MixedTensionShear {
     tension: f64,
     shear: f64,
 }
 impl MixedTensionShear {
-    /// At these strengths, Pa.
+    /// Create a criterion with these strengths, Pa.
     ///
     /// # Errors
-    /// Not positive or not finite.
+    /// A strength that is not positive or not finite.
     pub fn new(tension: f64, shear: f64) -> Result<Self, SceneError> {
         let tension = parameter(tension > 0.0, OWNER, "strength in tension", tension, POSITIVE)?;
         Ok(MixedTensionShear {
@@ -113,21 +113,21 @@ impl Criterion for MixedTensionShear {
     }
 }
 
-/// A cohesive face \[Hillerborg1976, CamachoOrtiz1996\]: it begins to open as `S` says and bears from then on a traction that falls in a
-/// straight line with the opening, so that an area takes the same work in cells of any size. On the way back traction falls in a straight
-/// line to nothing.
+/// Cohesive face \[Hillerborg1976, CamachoOrtiz1996\]: it begins to open by the criterion `S`. Its traction then falls linearly with the
+/// opening, so that the work of an area does not depend on the cell size. Unloading is linear to the origin.
 ///
-/// Its cells stay joined while it softens, or part as it begins to:
+/// The cells of the face stay joined while it softens, or part at the onset:
 ///
-/// - **joined**, the default: cells see each other across the face less its opening, which begins at zero, so that nothing jumps. The traction that it is
-///   judged by, and bears, is the whole force between its two cells over its area: what their gradients make of each other's displacement too. Where a
-///   stress is the same everywhere that is the traction of the stress. An area takes the work that is given, in bars without a notch as well. Cells shall
-///   be smaller than E work / strength^2: where they are wider than ten times that, a face falls faster than matter gives way, and parts at once.
-/// - **parted** ([`parted`](Self::parted)): each cell leaves the support of the other's gradient, as behind a crack by the visibility criterion of mesh-free
-///   methods, and the traction alone is between them. A cell in the cohesive zone loses stiffness with each face that softens: cracks branch earlier, and an area
-///   takes 88 (case `glass_branching`) to 109 per cent of the work (`kalthoff`), and 49 to 107 where stress is uniform. The face begins on a line as steep as
-///   the penalty eta, at the strength; what that stores at once, strength^2 h / (2 eta), comes from nowhere and is booked so: a tenth of the work in cells
-///   of E work / strength^2.
+/// - **joined**, the default: cells see each other across the face minus its opening, which begins at zero, so that nothing jumps. The
+///   traction, for the criterion and for the cohesive law, is the whole force between the two cells over the area, including the effect of
+///   each cell's displacement on the gradient of the other. In uniform stress it is the traction of the stress. An area dissipates the
+///   given work, in bars without a notch as well. Cells should be smaller than E work / strength^2: in cells wider than ten times that a
+///   face softens faster than the material unloads, and parts at once.
+/// - **parted** ([`parted`](Self::parted)): each cell leaves the support of the other's gradient, as behind a crack by the visibility
+///   criterion of mesh-free methods, and only the traction acts between them. A cell in the cohesive zone loses stiffness with each face
+///   that softens: cracks branch earlier, and an area dissipates 88 (case `glass_branching`) to 109 per cent of the work (`kalthoff`), and
+///   49 to 107 in uniform stress. The face begins on a line with the slope of the penalty eta, at the strength; the energy stored at once,
+///   strength^2 h / (2 eta), has no source and is booked as such: a tenth of the work in cells of E work / strength^2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cohesive<S = MaximumTension> {
     begins: S,
@@ -135,16 +135,16 @@ pub struct Cohesive<S = MaximumTension> {
     joined: bool,
 }
 impl Cohesive {
-    /// With this strength in tension, Pa, and the work of an area, J/m^2.
+    /// Create a cohesive face with this tensile strength, Pa, and the work of an area, J/m^2.
     ///
     /// # Errors
-    /// Not positive or not finite.
+    /// A number that is not positive or not finite.
     pub fn new(strength: f64, work: f64) -> Result<Self, SceneError> {
         Cohesive::by(MaximumTension::new(strength)?, work)
     }
 }
 impl<S: Criterion> Cohesive<S> {
-    /// Beginning by another criterion, with the work of an area, J/m^2.
+    /// Create a cohesive face with another criterion for the onset, and the work of an area, J/m^2.
     ///
     /// # Errors
     /// Work that is not positive or not finite.
@@ -152,8 +152,8 @@ impl<S: Criterion> Cohesive<S> {
         let work = parameter(work > 0.0, OWNER, "work of an area", work, POSITIVE)?;
         Ok(Cohesive { begins, work, joined: true })
     }
-    /// The same with cells that part as a face begins to soften: each leaves the support of the other's gradient. ([`Crack::parted`](crate::Crack::parted)
-    /// is when a face bears nothing any more.)
+    /// Part the cells as a face begins to soften: each leaves the support of the other's gradient. ([`Crack::parted`](crate::Crack::parted)
+    /// is the time at which a face loses its tension.)
     pub fn parted(self) -> Self {
         Cohesive { joined: false, ..self }
     }
@@ -177,22 +177,22 @@ impl<S: Criterion> Criterion for Cohesive<S> {
     }
 }
 
-/// A criterion chosen at run time: programs that let a reader choose are compiled once.
+/// Criterion chosen at run time, so that programs with such a choice are compiled once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AnyCriterion {
-    /// Faces stay closed.
+    /// No opening.
     None(NoCracks),
-    /// At a tension.
+    /// Maximum tension.
     Tension(MaximumTension),
-    /// At tension and shear.
+    /// Mixed tension and shear.
     Mixed(MixedTensionShear),
-    /// Cohesive from a tension on.
+    /// Cohesive, with onset by tension.
     Cohesive(Cohesive),
-    /// Cohesive from tension and shear on.
+    /// Cohesive, with onset by tension and shear.
     CohesiveMixed(Cohesive<MixedTensionShear>),
 }
 
-/// The same of whichever it is.
+/// Dispatch to the chosen criterion.
 macro_rules! chosen {
     ($any:ident, $one:ident => $what:expr) => {
         match $any {

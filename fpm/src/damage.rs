@@ -1,4 +1,4 @@
-//! Cracks in files and pictures.
+//! Damage field and crack lines for files and pictures.
 
 use crate::fracture::Crack;
 use crate::method::Composition;
@@ -6,8 +6,8 @@ use crate::solver::Fpm;
 use crate::vector::{along, norm};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// Of each cell, as they are sorted in space, the part of the area of its faces to neighbours that is cracked, each by the part of its work that
-    /// it took: a field for files and pictures, zero where all is whole, one of a cell that is alone.
+    /// Damage of each cell, in sorted order, for files and pictures: cracked part of the area of its faces to neighbours, each face
+    /// weighted by its damage. Zero for an intact cell, one for a lone cell.
     pub fn damage(&self) -> Vec<f64> {
         let mut cracked = vec![0.0; self.reference.len()];
         for crack in &self.cracks {
@@ -24,7 +24,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
 }
 
 impl<M: Composition<2>> Fpm<2, M> {
-    /// Both sides of the open faces for which `shown` holds, as they lie now: lines of two places, m, for pictures.
+    /// Both sides of the open faces selected by `shown`, in the present configuration: lines of two places, m, for pictures.
     pub fn crack_lines(&self, shown: impl Fn(&Crack<2>) -> bool) -> Vec<[[f64; 2]; 2]> {
         let mut lines = Vec::new();
         for (crack, seen) in self.cracks.iter().zip(self.cracks()) {

@@ -1,4 +1,4 @@
-//! Faces that open: what changes then, all of it near them.
+//! Opening of faces, and updates of the cells near them.
 
 use crate::crack::{Criterion, FaceStress};
 use crate::flux::Flux;
@@ -9,26 +9,26 @@ use crate::step::turned;
 use crate::sums::{BATCH, jump};
 use crate::vector::{along, apply, cofactor, dot, norm, scaled, subtract, with_identity};
 
-/// A face that is open, as observers see it.
+/// Open face, for observers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crack<const D: usize> {
-    /// Its cells, by number in the [`Cells`](crate::Cells).
+    /// Cells of the face, by number in the [`Cells`](crate::Cells).
     pub cells: [u32; 2],
-    /// Where it is, m: in the middle between both sides.
+    /// Present position, m: the middle between both sides.
     pub position: [f64; D],
-    /// Where it was in the reference configuration, m.
+    /// Position in the reference configuration, m.
     pub reference: [f64; D],
-    /// Unit normal of the reference configuration, from the first cell to the second.
+    /// Unit normal in the reference configuration, from the first cell to the second.
     pub normal: [f64; D],
-    /// Area of the reference configuration, m^2 (length in the plane, m).
+    /// Area in the reference configuration, m^2 (length in the plane, m).
     pub area: f64,
-    /// When it began to open, s; nothing of a notch.
+    /// Time of the onset of opening, s; `None` for a notch.
     pub opened: Option<f64>,
-    /// When it began to bear nothing, s; nothing of a notch, and of a cohesive face that bears yet.
+    /// Time of the loss of tension, s; `None` for a notch, and for a cohesive face that still carries tension.
     pub parted: Option<f64>,
-    /// How far it is open, m: across (negative where it is closed) and along.
+    /// Opening, m: normal (negative if closed) and tangential.
     pub gap: [f64; 2],
-    /// Part of the work of a cohesive face that it took; one where it bears nothing but pressure.
+    /// Dissipated part of the work of a cohesive face; one if the face carries only pressure.
     pub damage: f64,
 }
 
@@ -41,7 +41,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         (0..self.reference.len()).for_each(|cell| self.sides.tell(cell));
     }
 
-    /// Fit that of one; one whose neighbours do not tell its gradient keeps how it is turned.
+    /// Fit the gradient of a cell; a cell with too few neighbours for a gradient keeps its rotation.
     fn fit(&mut self, cell: usize) {
         let faces = &self.faces;
         self.sides.sort(cell, |face| faces[face as usize].open);
@@ -55,7 +55,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Keep an open face.
+    /// Register an open face.
     pub(crate) fn note_crack(&mut self, crack: OpenFace<D>) {
         let number = self.cracks.len() as u32;
         for (end, cell) in crack.cells.iter().enumerate() {
@@ -65,7 +65,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.cracks.push(crack);
     }
 
-    /// What open faces bear at the start, or where a run goes on.
+    /// Initialise the forces of open faces.
     pub(crate) fn begin_cracks(&mut self) {
         for crack in &mut self.cracks {
             let [a, b] = crack.cells.map(|c| &self.traces[c as usize]);
@@ -73,8 +73,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Open the faces among the candidates that the criterion says, at `time`, s, and part those that softened whose cells turned away from
-    /// each other. Costs nothing that grows with the body but to look for candidates.
+    /// Open the candidate faces that fail by the criterion at `time`, s, and part softened faces whose cells rotated away from each other.
+    /// The cost does not grow with the size of the body, except for the search for candidates.
     pub(crate) fn open_faces(&mut self, time: f64) {
         let mut failed: Vec<(u32, [f64; D])> = Vec::new();
         for batch in &self.batches {
@@ -135,7 +135,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             self.sides.tell(c as usize);
             self.traces[c as usize] = self.trace_of(c as usize);
         }
-        // Cracks beside them see other trial functions.
+        // Update adjacent cracks for the new trial functions.
         let beside = |&c: &u32| self.cracks_of(c as usize).map(|(crack, _)| crack);
         for n in sorted(cells.iter().flat_map(beside)) {
             let crack = &mut self.cracks[n as usize];
@@ -168,7 +168,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         batches.iter().for_each(|&b| self.tractions_of(b as usize));
         given += penalty(self) - before;
         let farther = self.ring(&around);
-        // Forces that change at once change what velocities half a step from now will be, and so the kinetic energy as it is counted.
+        // A jump of forces changes velocities half a step from now, and so the staggered kinetic energy.
         given -= self.kinetic_of_forces(&farther);
         sorted(farther.iter().map(|c| c / BATCH as u32)).iter().for_each(|&b| self.forces_of(b as usize));
         given += self.kinetic_of_forces(&farther);
@@ -178,18 +178,18 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.find_rate();
     }
 
-    /// The part of the kinetic energy of some cells that forces are in, J.
+    /// Return the force-dependent part of the staggered kinetic energy of some cells, J.
     fn kinetic_of_forces(&self, cells: &[u32]) -> f64 {
         cells.iter().map(|&c| self.forced(c as usize)).sum()
     }
 
-    /// These cells and their neighbours, also across open faces.
+    /// Return these cells and their neighbours, also across open faces.
     pub(crate) fn ring(&self, cells: &[u32]) -> Vec<u32> {
         let near = |&c: &u32| self.sides.of(c as usize).map(|s| self.sides.neighbour[s]);
         sorted(cells.iter().copied().chain(cells.iter().flat_map(near)))
     }
 
-    /// Note by how much gradients changed because neighbours did, which their law sees with the next step.
+    /// Register changes of gradients by a change of neighbours, which laws receive with the next step.
     fn note_jumps(&mut self, cells: &[u32]) {
         for &c in cells {
             let (cell, n) = (c as usize, c as usize % BATCH);
@@ -200,8 +200,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// The force on the first cell of a face, N, and the true traction, by which it is judged: of a cohesive one whose cells stay joined the
-    /// whole force between them, which is what it will bear.
+    /// Return the force on the first cell of a face, N, and the true traction for the criterion. For a cohesive face with joined cells it
+    /// is the whole force between them, which the face will carry.
     fn judged(&self, face: u32) -> ([f64; D], FaceStress) {
         let [a, b] = self.faces[face as usize].cells;
         let mut force = self.face_force(face);
@@ -224,7 +224,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         (force, FaceStress { normal: across / size, shear })
     }
 
-    /// The force that the traction on a face is on its first cell, N.
+    /// Return the force by the traction on a face on its first cell, N.
     fn face_force(&self, face: u32) -> [f64; D] {
         let [a, b] = self.faces[face as usize].cells;
         let surface = &self.sides.surface[self.side_of(face, a)];
@@ -238,7 +238,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         along(&apply(&p, &surface.area), -surface.stiffness, &jump(own, other, surface))
     }
 
-    /// The largest traction of intact faces over what they bear, by the criterion, with where that is, m; nothing without faces.
+    /// Largest utilisation of intact faces by the criterion, traction over strength, and its place, m; `None` without faces.
     pub fn utilisation(&self) -> Option<(f64, [f64; D])> {
         let intact = (0..self.faces.len()).filter(|&f| !self.faces[f].open && !self.softens(f as u32));
         let of = |f: usize| {
@@ -248,7 +248,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         intact.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
-    /// All faces that are open, in the order in which they opened, notches first.
+    /// All open faces in the order in which they opened, notches first.
     pub fn cracks(&self) -> Vec<Crack<D>> {
         let of = |crack: &OpenFace<D>| {
             let surface = &crack.surface;
@@ -271,19 +271,19 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.cracks.iter().map(of).collect()
     }
 
-    /// Area of faces that opened, m^2 (length in the plane, m), each by the part of its work that it took.
+    /// Area of faces that opened, m^2 (length in the plane, m), each weighted by its damage.
     pub fn crack_area(&self) -> f64 {
         let opened = self.cracks.iter().filter(|c| c.opened >= 0.0);
         opened.map(|c| c.damage() * norm(&c.surface.area)).sum()
     }
 
-    /// Energy that cracks took, J: in cohesive faces, and what cells lost when faces opened. Friction is apart
+    /// Energy dissipated by cracks, J: in cohesive faces, and energy that cells lost when faces opened. Friction is separate
     /// ([`Exchange::friction`](impactite_scene::Exchange::friction)).
     pub fn dissipated(&self) -> f64 {
         self.dissipated
     }
 
-    /// Pieces that no face joins which bears tension, each with the cells it has, the largest first.
+    /// Fragments, pieces not joined by a face that carries tension: number of cells of each, the largest first.
     pub fn fragments(&self) -> Vec<usize> {
         let mut parent: Vec<u32> = (0..self.reference.len() as u32).collect();
         fn root(parent: &mut [u32], mut c: u32) -> u32 {
@@ -309,7 +309,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 }
 
-/// Each number once, in order.
+/// Return each number once, in order.
 fn sorted(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
     let mut list: Vec<u32> = numbers.into_iter().collect();
     list.sort_unstable();

@@ -1,12 +1,12 @@
 //! The fragile points method \[Shen2022\]: cells with one point each, joined by numerical fluxes on their faces, which open as cracks.
 //!
-//! A body is divided into [`Cells`]: Voronoi cells of any points, or the elements of a mesh. In each cell the displacement is linear, with a
-//! gradient by generalised finite differences over the neighbours that share a face; it jumps at faces, where a numerical flux joins
-//! the cells ([`Flux`]) with a [`Penalty`]. A face that fails by a [`Criterion`] opens: its flux ends, and its cells leave each other's
-//! neighbours. That changes nothing but what lies next to it.
+//! A body is divided into [`Cells`]: Voronoi cells of any points, or the elements of a mesh. The displacement is linear in each cell, with
+//! a gradient by generalised finite differences over the neighbours that share a face. It jumps at faces, where a numerical flux joins the
+//! cells ([`Flux`]) with a [`Penalty`]. A face that fails by a [`Criterion`] opens: its flux ends, and its cells are no longer neighbours.
+//! Only adjacent cells change.
 //!
-//! Laws are those of [`mpm_materials`], at finite strain; conditions, the run loop, observers and checkpoints those of
-//! [`impactite_scene`]: an [`Fpm`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
+//! Constitutive laws are from [`mpm_materials`], at finite strain; conditions, the run loop, observers and checkpoints from
+//! [`impactite_scene`]. An [`Fpm`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
 //!
 //! ```
 //! use fpm::{Cells, Domain, Fpm, Method, scattered};

@@ -1,4 +1,4 @@
-//! What acts on faces of the surface: tractions, and displacements that are held weakly, by flux.
+//! Loads on faces of the surface: tractions, and displacements prescribed weakly by the flux.
 
 use std::sync::Arc;
 
@@ -8,9 +8,9 @@ use impactite_scene::{Archive, CheckpointError, SceneError};
 use crate::sums::{Load, Outer, Trace};
 use crate::vector::Tensor;
 
-/// A traction over time: Pa (N per area of the reference configuration, in directions that stay) at time t in s.
+/// Traction history: Pa (N per area of the reference configuration, in fixed directions) at time t in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
-/// A displacement, m, or velocity, m/s, over time t in s; `None` leaves a component free.
+/// History of a displacement, m, or velocity, m/s, at time t in s; `None` leaves a component free.
 pub type FaceHistory<const D: usize> = Arc<dyn Fn(f64) -> [Option<f64>; D] + Send + Sync>;
 
 #[derive(Clone)]
@@ -20,19 +20,19 @@ enum Kind<const D: usize> {
     Velocity(FaceHistory<D>),
 }
 
-/// What acts on some faces.
+/// Load on some faces.
 #[derive(Clone)]
 pub(crate) struct FaceLoad<const D: usize> {
     kind: Kind<D>,
-    /// Where the faces are, for checkpoints.
+    /// Description of the faces, for checkpoints.
     faces: String,
-    /// Traction, Pa, or displacement, m, now and at the start of the step, and whether it is given.
+    /// Traction, Pa, or displacement, m, at present and at the start of the step; `given` is true for prescribed components.
     now: [f64; D],
     before: [f64; D],
     given: [bool; D],
 }
 
-/// What faces of the surface take and give in a step.
+/// Work and penalty energy of loads on the surface in a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Given {
     /// Work on the body, J.
@@ -55,12 +55,12 @@ impl<const D: usize> FaceLoad<D> {
         FaceLoad { kind, faces, now: [0.0; D], before: [0.0; D], given: [false; D] }
     }
 
-    /// Is a displacement held by it?
+    /// True for a prescribed displacement or velocity.
     pub fn holds(&self) -> bool {
         !matches!(self.kind, Kind::Traction(_))
     }
 
-    /// Refuse numbers that are none.
+    /// Check that the histories are finite.
     pub fn check(&self, time: f64, dt: f64) -> Result<(), SceneError> {
         for t in [time, time + 0.5 * dt, time + dt] {
             let (what, values): (_, [Option<f64>; D]) = match &self.kind {
@@ -75,7 +75,7 @@ impl<const D: usize> FaceLoad<D> {
         Ok(())
     }
 
-    /// What it is at `time`, after a step of `dt` (none at the start), s.
+    /// Update the load to `time`, after a step of `dt` (zero at the start), s.
     pub fn update(&mut self, time: f64, dt: f64) {
         self.before = self.now;
         match &self.kind {
@@ -94,7 +94,7 @@ impl<const D: usize> FaceLoad<D> {
 
     fn hold(&mut self, wanted: [Option<f64>; D]) {
         for d in 0..D {
-            // One that is held anew starts where it is.
+            // A newly prescribed component has no increment.
             if let Some(u) = wanted[d] {
                 if !self.given[d] {
                     self.before[d] = u;
@@ -105,8 +105,8 @@ impl<const D: usize> FaceLoad<D> {
         }
     }
 
-    /// What it does to the cell of a face, whose P and trial function these are: force, and part in the loads and in the books of a step (or
-    /// none, after faces opened).
+    /// Apply the load to the cell of a face with this P and trial function: force, load of the cell, and with `books` the work of a step
+    /// (without after faces opened).
     pub fn act(
         &self,
         outer: &mut Outer<D>,
@@ -141,17 +141,17 @@ impl<const D: usize> FaceLoad<D> {
         given
     }
 
-    /// What a face moved beyond what is held, m: nothing where it is free.
+    /// Return the jump of a face from its prescribed displacement, m; zero in free components.
     pub fn jump(&self, moved: &[f64; D]) -> [f64; D] {
         std::array::from_fn(|d| if self.given[d] { moved[d] - self.now[d] } else { 0.0 })
     }
 
-    /// What of a vector is along the directions in which it holds.
+    /// Return the prescribed components of a vector.
     pub fn part(&self, of: &[f64; D]) -> [f64; D] {
         std::array::from_fn(|d| if self.given[d] { of[d] } else { 0.0 })
     }
 
-    /// What it is, and how it stands, to a file or from one.
+    /// Store the load in a checkpoint, or load it: history for comparison, and state.
     pub fn archive(&mut self, file: &mut Archive, what: &str, time: f64) -> Result<(), CheckpointError> {
         let times = [0.0, time];
         let history = match &self.kind {

@@ -1,4 +1,4 @@
-//! A method: the parts of a solver, chosen at compile time.
+//! Method: the ingredients of a solver, chosen at compile time.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -8,7 +8,7 @@ use impactite_scene::{Embedding, FullSpace, PlaneStrain};
 use crate::crack::{Criterion, NoCracks};
 use crate::flux::{Flux, Incomplete, Penalty, Symmetric};
 
-/// An embedding whose cells are the same at any place.
+/// Embedding whose cells do not depend on their position.
 #[diagnostic::on_unimplemented(
     message = "cells of the fragile points method do not lie in `{Self}` in {D} dimensions",
     note = "in two dimensions take `PlaneStrain` (for plane stress with a law in `PlaneStress`), in three `FullSpace`"
@@ -17,9 +17,9 @@ pub trait Space<const D: usize>: Embedding<D> {}
 impl Space<2> for PlaneStrain {}
 impl Space<3> for FullSpace {}
 
-/// The ingredients of a fragile points method.
+/// Ingredients of a fragile points method.
 ///
-/// Those that do not go together are refused by the compiler, with the reason:
+/// Invalid combinations do not compile; the error names the reason:
 /// ```compile_fail
 /// use fpm::Method;
 /// use impactite_scene::Axisymmetric;
@@ -42,16 +42,16 @@ pub struct Method<E, X, C> {
 }
 
 impl<E, X, C> Method<E, X, C> {
-    /// A method from its ingredients.
+    /// Create a method from its ingredients.
     pub fn new(_embedding: E, _flux: X, penalty: Penalty, criterion: C) -> Self {
         Method { penalty, criterion, ingredients: PhantomData }
     }
-    /// The same with another penalty.
+    /// Replace the penalty.
     #[must_use]
     pub fn with_penalty(self, penalty: Penalty) -> Self {
         Method { penalty, ..self }
     }
-    /// The same with faces that open.
+    /// Set the opening criterion of faces.
     #[must_use]
     pub fn with_cracks<K>(self, criterion: K) -> Method<E, X, K> {
         Method { penalty: self.penalty, criterion, ingredients: PhantomData }
@@ -59,36 +59,36 @@ impl<E, X, C> Method<E, X, C> {
 }
 
 impl<E> Method<E, Incomplete, NoCracks> {
-    /// As printed \[Shen2022\]: the incomplete flux, with the default penalty.
+    /// Original formulation \[Shen2022\]: the incomplete flux, with the default penalty.
     pub fn printed(embedding: E) -> Self {
         Method::new(embedding, Incomplete, Penalty::default(), NoCracks)
     }
 }
 
 impl<E> Method<E, Symmetric, NoCracks> {
-    /// With forces that are the derivative of an energy, and the default penalty.
+    /// Symmetric flux, with forces that are the derivative of an energy, and the default penalty.
     pub fn symmetric(embedding: E) -> Self {
         Method::new(embedding, Symmetric, Penalty::default(), NoCracks)
     }
 }
 
-/// What a solver asks of a method; implemented by every legal [`Method`].
+/// Requirements of a solver on a method; implemented by every valid [`Method`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no fragile points method in {D} dimensions",
     note = "in two dimensions take `PlaneStrain` (for plane stress with a law in `PlaneStress`), in three `FullSpace`"
 )]
 pub trait Composition<const D: usize>: Copy + Debug + Send + Sync + 'static {
-    /// How the problem lies in space.
+    /// Embedding: plane strain or full space.
     type Embedding: Space<D>;
-    /// What joins the cells.
+    /// Numerical flux between cells.
     type Flux: Flux;
-    /// When faces open.
+    /// Opening criterion of faces.
     type Criterion: Criterion;
-    /// What else joins them.
+    /// Penalty on jumps between cells.
     fn penalty(&self) -> Penalty;
-    /// When faces open.
+    /// Opening criterion of faces.
     fn criterion(&self) -> &Self::Criterion;
-    /// A line that names the ingredients.
+    /// Return the names of the ingredients in one line.
     fn describe(&self) -> String {
         format!(
             "{}, {}, penalty {}, {}",

@@ -1,4 +1,4 @@
-//! An open face: what bears while it softens, and what presses and rubs where it closes.
+//! Open face: cohesive traction while it softens, contact pressure and friction while it is closed.
 
 use impactite_scene::{Archive, CheckpointError};
 
@@ -8,52 +8,52 @@ use crate::vector::{
     Tensor, add_dyad, along, difference, dot, identity, largest_row, norm, rotation, scaled,
 };
 
-/// A face that opened, or was open from the start.
+/// Face that opened, or was open from the start.
 ///
-/// Traction is a function of the opening, the displacement of the second side less that of the first, turned back with the mean of both
-/// cells: pieces of a crack may turn together. While a face softens between cells that stay joined ([`crate::soften`]) the opening is a variable
-/// of its own; of others it is how far trial functions are apart.
+/// Traction is a function of the opening, the displacement of the second side minus that of the first, rotated back by the mean rotation of
+/// both cells: pieces of a crack may rotate together. For a face that softens between joined cells ([`crate::soften`]) the opening is a
+/// separate variable; for others it is the distance between the trial functions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OpenFace<const D: usize> {
     /// Number of the face, and its cells, by place.
     pub face: u32,
     pub cells: [u32; 2],
-    /// As the first cell sees it.
+    /// Surface as seen from the first cell.
     pub surface: Surface<D>,
-    /// When it opened, s; negative of a notch.
+    /// Time of opening, s; negative for a notch.
     pub opened: f64,
-    /// When it began to bear nothing, s; negative of one that bears.
+    /// Time of the loss of tension, s; negative for a face that carries tension.
     pub parted: f64,
-    /// Does it soften between cells that stay joined?
+    /// True if the face softens between joined cells.
     pub softens: bool,
-    /// The gap at which it is closed, m.
+    /// Normal opening at closure, m.
     closed: f64,
-    /// Force at which it began to soften, N, the opening at which it bears nothing, and the widest it had, m; zero of others.
+    /// Force at the onset of softening, N, opening at the loss of tension, and widest opening so far, m; zero for other faces.
     pub peak: f64,
     last: f64,
     widest: f64,
-    /// Of a cohesive face whose cells parted as it began to soften: where its opening counts from, and how wide it was then, m; zero of others.
+    /// For a cohesive face whose cells parted at the onset: origin of its opening, and its width at the onset, m; zero for others.
     origin: [f64; D],
     first: f64,
-    /// Slip that friction took, m.
+    /// Frictional slip, m.
     slipped: [f64; D],
-    /// Opening at the end of the step, m, turned back and as it is.
+    /// Opening at the end of the step, m, rotated back and not rotated.
     pub opening: [f64; D],
     pub apart: [f64; D],
-    /// Force on the first cell, N: of one that softens what its opening takes off the penalty's.
+    /// Force on the first cell, N; for a softening face the part of its opening in the penalty force.
     pub force: [f64; D],
-    /// Of one that softens the force between its cells, N, the rotation of both, and the opening at the start of the step, m.
+    /// For a softening face: force between its cells, N, rotation of both, and opening at the start of the step, m.
     pull: [f64; D],
     turn: Tensor<D>,
     was: [f64; D],
-    /// Energy that it holds, J.
+    /// Stored energy, J.
     pub stored: f64,
-    /// Since it opened, J.
+    /// Dissipated energy and frictional work since opening, J.
     pub dissipated: f64,
     pub rubbed: f64,
 }
 
-/// What an open face takes in a step, J.
+/// Dissipation and frictional work of an open face in a step, J.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Taken {
     pub dissipated: f64,
@@ -61,7 +61,7 @@ pub(crate) struct Taken {
 }
 
 impl<const D: usize> OpenFace<D> {
-    /// Of a notch, with this modulus for what presses it, Pa.
+    /// Create an open face of a notch, with this contact modulus, Pa.
     pub fn notch(face: u32, cells: [u32; 2], mut surface: Surface<D>, modulus: f64) -> Self {
         surface.stiffness = norm(&surface.area) * modulus / surface.apart();
         OpenFace {
@@ -90,20 +90,20 @@ impl<const D: usize> OpenFace<D> {
         }
     }
 
-    /// The same, so wide from the start, m.
+    /// Set the initial width, m.
     pub fn with_gap(self, gap: f64) -> Self {
         OpenFace { closed: -gap, ..self }
     }
 
-    /// One whose cells part now, under this force on the first of them, N, between these trial functions; with the work of an area, J/m^2, if it
-    /// bears tension and shear from then on.
+    /// Open a face whose cells part now, under this force on the first of them, N, between these trial functions; with the work of an area,
+    /// J/m^2, if it carries tension and shear from then on.
     pub fn opens(mut self, time: f64, force: &[f64; D], traces: [&Trace<D>; 2], work: Option<f64>) -> Self {
         self.opened = time;
         self.part(time, force, traces, work);
         self
     }
 
-    /// The same of one that softened: its cells see each other no more.
+    /// Part the cells of a softened face: they are no longer neighbours.
     pub fn parts(&mut self, time: f64, traces: [&Trace<D>; 2]) {
         let pull = self.pull;
         self.softens = false;
@@ -117,7 +117,7 @@ impl<const D: usize> OpenFace<D> {
         self.look(&turn, traces);
         let (opening, pull) = (self.opening, back(&turn, force));
         let (across, pressed) = (dot(&opening, &normal), dot(&pull, &normal).min(0.0));
-        // What presses it now goes on to do so.
+        // Present contact pressure continues.
         self.closed = across.min(if pressed < 0.0 { f64::INFINITY } else { 0.0 }) - pressed / k;
         self.slipped = along(&opening, -across, &normal);
         if let Some(work) = work {
@@ -135,14 +135,14 @@ impl<const D: usize> OpenFace<D> {
         self.notice(time);
     }
 
-    /// Note when it began to bear nothing.
+    /// Register the time of the loss of tension.
     fn notice(&mut self, time: f64) {
         if self.parted < 0.0 && self.opened >= 0.0 && self.broken() {
             self.parted = time;
         }
     }
 
-    /// One that begins to soften now, under this force between its cells, N, with the work of an area, J/m^2.
+    /// Begin to soften now, under this force between the cells, N, with the work of an area, J/m^2.
     pub fn begins(mut self, time: f64, force: &[f64; D], traces: [&Trace<D>; 2], work: f64) -> Self {
         self.opened = time;
         self.softens = true;
@@ -157,7 +157,7 @@ impl<const D: usize> OpenFace<D> {
         self
     }
 
-    /// Begin a step: the opening of what bears nothing any more, which may be wide, goes on as it did, so that little is left to be found.
+    /// Begin a step. Extrapolate the opening of a face without tension, which may be wide, so that few iterations are needed.
     pub fn go_on(&mut self) {
         let before = std::mem::replace(&mut self.was, self.apart);
         if self.broken() {
@@ -165,7 +165,7 @@ impl<const D: usize> OpenFace<D> {
         }
     }
 
-    /// Turn on with its cells.
+    /// Update the rotation to that of the cells.
     pub fn turn(&mut self, turn: Tensor<D>) {
         self.turn = turn;
         if self.broken() {
@@ -174,17 +174,17 @@ impl<const D: usize> OpenFace<D> {
         self.follow();
     }
 
-    /// The opening at the start of the step, turned back.
+    /// Return the opening at the start of the step, rotated back.
     pub fn start(&self) -> [f64; D] {
         if self.broken() { self.turned_back(&self.was) } else { self.opening }
     }
 
-    /// What is left of a force that is too little to go on for, over `part` of the strength, N: less where it is wide open and moves far.
+    /// Tolerance of a residual force, N: `part` of the strength, less for a wide opening, which moves far.
     pub fn little(&self, part: f64) -> f64 {
         part * self.peak * self.last / self.last.max(norm(&self.opening))
     }
 
-    /// A vector turned back as they are.
+    /// Rotate a vector back by the rotation of the face.
     pub fn turned_back(&self, a: &[f64; D]) -> [f64; D] {
         back(&self.turn, a)
     }
@@ -194,14 +194,14 @@ impl<const D: usize> OpenFace<D> {
         self.force = scaled(&self.apart, -self.surface.stiffness);
     }
 
-    /// The opening at which it bears what is left of a force between its cells, N, that falls by `stiff`, N/m, with the opening, from
-    /// that at the start of the step.
+    /// Return the opening in balance with a force between the cells, N, that falls by `stiff`, N/m, with the opening; `start` is the
+    /// opening at the start of the step.
     pub fn balanced(&self, start: &[f64; D], force: &[f64; D], stiff: f64, friction: f64) -> [f64; D] {
         let normal = scaled(&self.surface.area, 1.0 / norm(&self.surface.area));
         let mut trial = along(force, stiff, &self.opening);
         let pressed = dot(&trial, &normal);
         if pressed < 0.0 {
-            // It is closed, and matter bears across it; what is left slides.
+            // Closed: the material carries the pressure, and the face slides.
             trial = along(&trial, -pressed, &normal);
             if friction > 0.0 {
                 let slip = along(start, -dot(start, &normal), &normal);
@@ -218,7 +218,7 @@ impl<const D: usize> OpenFace<D> {
         if wide > 0.0 { scaled(&trial, wide / amount) } else { [0.0; D] }
     }
 
-    /// How wide it is where it bears what `stiff` times that leaves of a force.
+    /// Return the width at which the face carries a force minus `stiff` times the width.
     fn wide(&self, force: f64, stiff: f64) -> f64 {
         if self.broken() {
             return force / stiff;
@@ -228,11 +228,11 @@ impl<const D: usize> OpenFace<D> {
         }
         let falls = self.peak / self.last;
         let wide = (force - self.peak) / (stiff - falls);
-        // Beyond, or where it falls faster than matter gives way, it bears nothing.
+        // Beyond, or if the face softens faster than the material unloads, it carries nothing.
         if stiff > falls && wide < self.last { wide } else { self.last.max(force / stiff) }
     }
 
-    /// What it bears at the widest, N, and over that, N/m: zero of one that has not opened yet.
+    /// Force at the widest opening, N, and secant stiffness, N/m: zero for a face that has not opened yet.
     fn bears(&self) -> f64 {
         if self.broken() { 0.0 } else { self.peak * (1.0 - self.widest / self.last) }
     }
@@ -240,13 +240,13 @@ impl<const D: usize> OpenFace<D> {
         if self.widest > 0.0 { self.bears() / self.widest } else { 0.0 }
     }
 
-    /// Keep the opening as it is.
+    /// Commit the opening.
     pub fn opened_further(&mut self) {
         self.widest = self.widest.max(norm(&self.opening));
         self.follow();
     }
 
-    /// What it took in a step that ended at a time, s, with this force between its cells, N.
+    /// Return the dissipation of a step that ended at a time, s, with this force between the cells, N.
     pub fn takes(&mut self, time: f64, force: &[f64; D], friction: f64) -> Taken {
         self.notice(time);
         let change = difference(&self.apart, &self.was);
@@ -265,7 +265,7 @@ impl<const D: usize> OpenFace<D> {
         taken
     }
 
-    /// Take what one of its cells sees of its opening off the gradient.
+    /// Subtract the opening, as seen from one of its cells, from the gradient.
     pub fn take_from_gradient(&self, sides: &Sides<D>, end: u8, h: &mut Tensor<D>) {
         let cell = self.cells[end as usize] as usize;
         for s in sides.intact_of(cell) {
@@ -276,13 +276,13 @@ impl<const D: usize> OpenFace<D> {
         }
     }
 
-    /// What its opening changes of half the energy of the penalty, J.
+    /// Return the change of half the penalty energy by the opening, J.
     pub fn off_the_penalty(&self, [a, b]: [&Trace<D>; 2]) -> f64 {
         let jump = jump(a, b, &self.surface);
         0.25 * self.surface.stiffness * (2.0 * dot(&jump, &self.apart) + dot(&self.apart, &self.apart))
     }
 
-    /// What it does to one of its cells.
+    /// Add the force to the load of one of its cells.
     pub fn load(&self, end: u8, load: &mut Load<D>) {
         if end == 0 {
             load.add(&self.force, &self.surface.own);
@@ -291,13 +291,13 @@ impl<const D: usize> OpenFace<D> {
         }
     }
 
-    /// How far the second side is from the first.
+    /// Update the opening from the trial functions.
     fn look(&mut self, turn: &Tensor<D>, [a, b]: [&Trace<D>; 2]) {
         self.apart = scaled(&jump(a, b, &self.surface), -1.0);
         self.opening = back(turn, &self.apart);
     }
 
-    /// What it bears between these trial functions at a time, s, with Coulomb friction.
+    /// Update the face between these trial functions at a time, s, with Coulomb friction; return the dissipation.
     pub fn step(&mut self, time: f64, traces: [&Trace<D>; 2], friction: f64) -> Taken {
         let (before, force, stored) = (self.apart, self.force, self.stored);
         let turn = turned(traces);
@@ -314,21 +314,21 @@ impl<const D: usize> OpenFace<D> {
         taken
     }
 
-    /// The same between other trial functions of its cells, which changed at once: nothing moved.
+    /// Update the face after a jump of the trial functions of its cells, without motion.
     pub fn renew(&mut self, traces: [&Trace<D>; 2], friction: f64) {
         let turn = turned(traces);
         self.look(&turn, traces);
         self.bear(&turn, friction);
     }
 
-    /// Begin, or go on, between these trial functions: force and energy at the opening as it is.
+    /// Initialise force and energy of an unopened notch between these trial functions.
     pub fn resume(&mut self, traces: [&Trace<D>; 2]) {
         if self.opened < 0.0 && self.opening == [0.0; D] {
             self.bear(&turned(traces), 0.0);
         }
     }
 
-    /// Force and energy at the opening as it is. Returns the work of friction, J.
+    /// Update force and energy at the present opening. Return the work of friction, J.
     fn bear(&mut self, turn: &Tensor<D>, friction: f64) -> f64 {
         let k = self.surface.stiffness;
         let normal = scaled(&self.surface.area, 1.0 / norm(&self.surface.area));
@@ -369,27 +369,27 @@ impl<const D: usize> OpenFace<D> {
         rubbed
     }
 
-    /// Did trial functions of its cells turn so far from each other that one rotation does not stand for both any more?
+    /// True if the face carries nothing, and the trial functions of its cells rotated too far apart for one common rotation.
     pub fn strayed(&self, [a, b]: [&Trace<D>; 2]) -> bool {
         self.broken() && largest_row(&less(&a.h, &b.h)) > STRAYED
     }
 
-    /// Does it bear nothing, unless it closes?
+    /// True if the face carries nothing unless it closes.
     pub fn broken(&self) -> bool {
         self.widest >= self.last
     }
-    /// The part of its work that it took, 0 to 1.
+    /// Dissipated part of the work, 0 to 1.
     pub fn damage(&self) -> f64 {
         if self.broken() { 1.0 } else { (self.widest - self.first) / (self.last - self.first) }
     }
-    /// How far it is open, across and along, m.
+    /// Normal and tangential opening, m.
     pub fn gap(&self) -> [f64; 2] {
         let normal = scaled(&self.surface.area, 1.0 / norm(&self.surface.area));
         let across = dot(&self.opening, &normal);
         [across, norm(&along(&self.opening, -across, &normal))]
     }
 
-    /// What changes, to a file or from one.
+    /// Store the state in a checkpoint, or load it.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let vectors = [
             &mut self.origin,
@@ -417,7 +417,7 @@ impl<const D: usize> OpenFace<D> {
     }
 }
 
-/// The largest sum of a row of the difference of gradients of two cells that see each other across a face that bears nothing.
+/// Largest row sum of the difference of gradients of two joined cells across a face without tension.
 const STRAYED: f64 = 0.25;
 
 fn less<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D> {
@@ -426,7 +426,7 @@ fn less<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D> {
     c
 }
 
-/// The rotation of the mean of two cells.
+/// Return the mean rotation of two cells.
 fn turned<const D: usize>([a, b]: [&Trace<D>; 2]) -> Tensor<D> {
     let mut mean = identity();
     for i in 0..D {
@@ -437,7 +437,7 @@ fn turned<const D: usize>([a, b]: [&Trace<D>; 2]) -> Tensor<D> {
     rotation(&mean)
 }
 
-/// A vector turned back.
+/// Rotate a vector back.
 fn back<const D: usize>(turn: &Tensor<D>, a: &[f64; D]) -> [f64; D] {
     let mut b = [0.0; D];
     for i in 0..D {

@@ -1,11 +1,11 @@
-//! The stable time step: a bound of the highest frequency by cell, sharpened by what iterations find of the whole body at rest.
+//! Stable time step: a bound of the highest frequency by cell, scaled by power iterations for the whole body at rest.
 //!
-//! With the penalty alone the equations of points are M u'' = - sum over faces of k w w^T u, where w are the weights that displacements have
-//! in the jump on a face. So omega^2 <= max over points of 1/m sum k |w| sum |w|, the largest sum of a row (Gershgorin); on square lattices
-//! this is met by displacements that alternate from cell to cell, 4 d eta E / (rho h^2). What gradients of cells add is bounded alike by
-//! the modulus of longitudinal waves. Both are not largest for the same motion, and disorder makes sums of amounts too large: at the start some
-//! iterations of u <- M^-1 K u find the highest frequency of the body itself, and what that is over the bound is a factor of all that follows, when
-//! stresses, strains and cracks change the bound of cells.
+//! With the penalty alone the equations of points are M u'' = - sum over faces of k w w^T u, with w the weights of displacements in the
+//! jump on a face. So omega^2 <= max over points of 1/m sum k |w| sum |w|, the largest row sum (Gershgorin); on square lattices
+//! displacements that alternate from cell to cell attain it, 4 d eta E / (rho h^2). The contribution of the gradients of cells is bounded
+//! alike by the modulus of longitudinal waves. The two bounds are not attained by the same motion, and disorder makes sums of magnitudes
+//! too large: initial iterations of u <- M^-1 K u find the highest frequency of the body itself. Its ratio to the bound scales all later
+//! bounds, which change with stresses, strains and cracks.
 
 use impactite_simd::Float;
 
@@ -16,16 +16,16 @@ use crate::step::square_of;
 use crate::sums::{BATCH, Force, Load, Trace, Traction, jump, lifting, trace};
 use crate::vector::{Tensor, add_dyad, along, apply, dot, inverse, norm, subtract, with_identity, zero};
 
-/// Iterations for the highest frequency. They find it from below, to some half per cent;
+/// Power iterations for the highest frequency, from below to some half per cent.
 const ITERATIONS: usize = 60;
-/// what is added to its square.
+/// Safety factor of the squared frequency.
 const MORE: f64 = 1.01;
-/// Cells that they are made for at most, and those among them whose bounds are the highest.
+/// Largest number of cells in the iterations, and number of cells with the highest bounds among them.
 const MEMBERS: usize = 4096;
 const SEEDS: usize = 8;
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// The bounds of all cells, and how sharp they are.
+    /// Update the sharpness of the bounds, and the Courant rate.
     pub(crate) fn find_rates(&mut self) {
         let bound = self.batches.iter().flat_map(|b| &b.rates).map(|r| r[0] + r[1]).fold(0.0, f64::max);
         let highest = MORE * self.highest_square();
@@ -40,20 +40,20 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.find_rate();
     }
 
-    /// The bounds alone.
+    /// Update the bounds of all cells.
     pub(crate) fn find_rows(&mut self) {
         for cell in 0..self.reference.len() {
             self.batches[cell / BATCH].rates[cell % BATCH] = self.row(cell);
         }
     }
 
-    /// Half the highest frequency, by cells as they stand.
+    /// Update the Courant rate, half the highest frequency, from the present bounds of cells.
     pub(crate) fn find_rate(&mut self) {
         let square = self.batches.iter().map(|b| b.report.rate).fold(0.0, f64::max);
         self.rate = 0.5 * self.sharpness * square.sqrt();
     }
 
-    /// The bounds of a cell after faces near it opened.
+    /// Update the bounds of a cell after faces near it opened.
     pub(crate) fn renew_rate(&mut self, cell: usize) {
         let rates = self.row(cell);
         let batch = &mut self.batches[cell / BATCH];
@@ -63,7 +63,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         batch.report.rate = batch.report.rate.max(square);
     }
 
-    /// The sums of the row of a cell, 1/s^2: of gradients, and of the penalty on all faces, open ones too.
+    /// Return the row sums of a cell, 1/s^2: of gradients, and of the penalty on all faces, open ones too.
     fn row(&self, cell: usize) -> [f64; 2] {
         let sides = &self.sides;
         let modulus = self.rest.density * self.rest.speed * self.rest.speed;
@@ -87,7 +87,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let mut weights = Vec::new();
         for (face, s) in faces {
             let cells = self.faces[face as usize].cells;
-            // Whichever side it is: the arms are swapped with the cells.
+            // Either side will do: the arms are swapped with the cells.
             let surface = &sides.surface[s];
             let [a, b] = if sides.neighbour[s] == cells[1] { cells } else { [cells[1], cells[0]] };
             weights.clear();
@@ -107,7 +107,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         [bulk / self.mass[cell], penalty / self.mass[cell]]
     }
 
-    /// The amounts of the vectors b of a cell: its own, and the sum.
+    /// Return the magnitudes of the vectors b of a cell: its own, and the sum.
     fn amounts(&self, cell: usize) -> (f64, f64) {
         let (mut own, mut all) = ([0.0; D], 0.0);
         for s in self.sides.intact_of(cell) {
@@ -118,7 +118,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         (norm(&own), all + norm(&own))
     }
 
-    /// Add the weights that displacements have in that of a cell, so far from its point.
+    /// Append the weights of displacements in that of a cell, at an arm from its point.
     fn weigh(&self, cell: usize, arm: &[f64; D], sign: f64, weights: &mut Vec<(usize, f64)>) {
         let mut own = sign;
         for s in self.sides.intact_of(cell) {
@@ -129,8 +129,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         weights.push((cell, own));
     }
 
-    /// The square of the highest frequency at rest, from below, 1/s^2: of as many cells as iterations are spent on, those around the highest
-    /// bounds.
+    /// Return the square of the highest frequency at rest, from below, 1/s^2, for a limited number of cells around the highest bounds.
     fn highest_square(&self) -> f64 {
         let members = self.members();
         let mut small = Small::new(self, &members);
@@ -152,7 +151,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         square.max(before)
     }
 
-    /// The cells of the highest bounds, and those around them.
+    /// Return the cells of the highest bounds, and cells around them.
     fn members(&self) -> Vec<u32> {
         let count = self.reference.len();
         if count <= MEMBERS {
@@ -183,13 +182,13 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 }
 
-/// Small displacements at rest, of some cells; the others stay.
+/// Small displacements at rest of some cells; the others are fixed.
 struct Small<const D: usize> {
     u: Vec<[f64; D]>,
     traces: Vec<Trace<D>>,
     stress: Vec<Tensor<D>>,
     loads: Vec<Load<D>>,
-    /// The cells and their neighbours.
+    /// These cells and their neighbours.
     around: Vec<u32>,
 }
 
@@ -210,7 +209,7 @@ impl<const D: usize> Small<D> {
         members.iter().map(of).sum::<f64>().sqrt()
     }
 
-    /// Accelerations in place of displacements.
+    /// Replace displacements by accelerations.
     fn accelerate<M: Composition<D>>(&mut self, body: &Fpm<D, M>, members: &[u32]) {
         let Fpm { sides, volume, mass, rest, acting, batches, .. } = body;
         let Small { u, traces, stress, loads, around } = self;
@@ -255,7 +254,7 @@ impl<const D: usize> Small<D> {
                 let force = along(&flux, -outer.stiffness, &traces[first].at(&outer.arm));
                 loads[first].add(&acting[outer.load as usize].part(&force), &outer.arm);
             }
-            // Notches may close, and stick.
+            // Include notches, which may close and stick.
             for (crack, end) in body.cracks_of(first) {
                 let crack = &body.cracks[crack as usize];
                 if crack.softens {
@@ -277,7 +276,7 @@ impl<const D: usize> Small<D> {
     }
 }
 
-/// |w| of a cell times the sum over all, by sums of the weights of each.
+/// Return |w| of a cell times the sum of |w| over all cells, after adding the weights of each.
 fn share(weights: &mut Vec<(usize, f64)>, cell: usize) -> f64 {
     weights.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
     weights.dedup_by(|next, kept| {
@@ -292,7 +291,7 @@ fn share(weights: &mut Vec<(usize, f64)>, cell: usize) -> f64 {
     own * all
 }
 
-/// A number in -1..1 for a number.
+/// Return a pseudo-random number in -1..1.
 fn noise(n: usize) -> f64 {
     let mut z = (n as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,34 +1,35 @@
-//! The way of a crack's tip, from the faces that opened.
+//! Path of a crack tip, from the faces that opened.
 
 use std::collections::HashMap;
 
 use crate::fracture::Crack;
 use crate::vector::{difference, norm};
 
-/// Where the tip of a crack was.
+/// Position of a crack tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tip<const D: usize> {
-    /// When it came there, s.
+    /// Time of arrival, s.
     pub time: f64,
-    /// Where, m, in the reference configuration.
+    /// Position in the reference configuration, m.
     pub position: [f64; D],
-    /// How far that is from the start, m.
+    /// Distance from the start, m.
     pub distance: f64,
 }
 
-/// The way of a crack's tip from a start: every face that came farther from there than all before, of those that hang together with it.
+/// Path of a crack tip from a start: every connected face that was farther from there than all before.
 ///
-/// Every face of [`Fpm::cracks`](crate::Fpm::cracks) says when it began to open and when it parted, so that this may be asked for at any time,
-/// also after a run.
+/// Every face of [`Fpm::cracks`](crate::Fpm::cracks) has the times of its onset and of its loss of tension, so that a path can be computed
+/// at any time, also after a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TipPath<const D: usize> {
     tips: Vec<Tip<D>>,
 }
 
 impl<const D: usize> TipPath<D> {
-    /// From a place, m, the end of a notch. `when` says when a face became part of the crack, s ([`Crack::opened`] or [`Crack::parted`]); what
-    /// it says nothing of is left out. Notches are part of it from the start. Faces hang together whose centroids are as near as those of faces that touch;
-    /// those ahead of the crack count when it comes to them. Without a notch it begins with the first face.
+    /// Create a path from a place, m, the end of a notch. `when` returns the time at which a face became part of the crack, s
+    /// ([`Crack::opened`] or [`Crack::parted`]); faces with `None` are left out. Notches are part of the crack from the start. Faces are
+    /// connected if their centroids are as near as those of adjacent faces; faces ahead of the crack count when it reaches them. Without a
+    /// notch the path begins with the first face.
     pub fn new(cracks: &[Crack<D>], start: [f64; D], when: impl Fn(&Crack<D>) -> Option<f64>) -> Self {
         let time = |c: &Crack<D>| if c.opened.is_none() { Some(f64::NEG_INFINITY) } else { when(c) };
         let mut faces: Vec<(f64, &Crack<D>)> = cracks.iter().filter_map(|c| Some((time(c)?, c))).collect();
@@ -39,7 +40,7 @@ impl<const D: usize> TipPath<D> {
         for (time, crack) in faces {
             let distance = norm(&difference(&crack.reference, &start));
             let notch = crack.opened.is_none();
-            // A notch is behind the tip, wherever it goes.
+            // A notch is behind the tip at any time.
             let face = groups.join(crack, if notch { (0.0, start) } else { (distance, crack.reference) });
             if notch {
                 groups.unite(0, face);
@@ -50,7 +51,7 @@ impl<const D: usize> TipPath<D> {
             }
             let (distance, position) = groups.farthest[root];
             if tips.last().is_none_or(|tip| distance > tip.distance) {
-                // Of those that came together the farthest.
+                // Keep the farthest of simultaneous positions.
                 if tips.last().is_some_and(|tip| tip.time == time) {
                     tips.pop();
                 }
@@ -60,14 +61,14 @@ impl<const D: usize> TipPath<D> {
         TipPath { tips }
     }
 
-    /// All of it, in order of time.
+    /// All positions, in order of time.
     #[must_use]
     pub fn tips(&self) -> &[Tip<D>] {
         &self.tips
     }
 
-    /// The speed of the tip, m/s: the slope of the line of least squares through its distances within half a `window` (s) of a time; nothing
-    /// with fewer than three.
+    /// Speed of the tip, m/s: slope of the least-squares line through its distances within half a `window` (s) of a time; `None` with fewer
+    /// than three.
     #[must_use]
     pub fn speed(&self, time: f64, window: f64) -> Option<f64> {
         let within: Vec<&Tip<D>> =
@@ -84,7 +85,7 @@ impl<const D: usize> TipPath<D> {
     }
 }
 
-/// Faces whose centroids are nearer than this many of their mean sizes touch: those that share a corner in the plane are nearer than one.
+/// Largest distance of the centroids of adjacent faces over their mean size: below one for faces that share a corner in the plane.
 const NEAR: f64 = 1.25;
 
 /// Length of a face, or edge of a square of its area, m.
@@ -92,14 +93,14 @@ fn size<const D: usize>(crack: &Crack<D>) -> f64 {
     crack.area.powf(1.0 / (D as f64 - 1.0))
 }
 
-/// Faces that touch, in groups.
+/// Groups of connected faces (union-find).
 struct Groups<const D: usize> {
     /// Centroids and sizes, m.
     faces: Vec<([f64; D], f64)>,
-    /// Of each face another of its group, or itself; and of those that are their own the farthest place of the group, m.
+    /// Parent of each face in its group, itself for a root; farthest place of the group of a root, m.
     parents: Vec<usize>,
     farthest: Vec<(f64, [f64; D])>,
-    /// Faces by boxes of an edge, m.
+    /// Faces in boxes of this edge, m.
     boxes: HashMap<[i64; D], Vec<usize>>,
     edge: f64,
 }
@@ -110,7 +111,7 @@ impl<const D: usize> Groups<D> {
         Groups { faces, parents, farthest, boxes: HashMap::new(), edge }
     }
 
-    /// Which face stands for the group of another.
+    /// Return the root of the group of a face.
     fn root(&mut self, face: usize) -> usize {
         let mut root = face;
         while self.parents[root] != root {
@@ -120,7 +121,7 @@ impl<const D: usize> Groups<D> {
         root
     }
 
-    /// Make one group of two.
+    /// Unite two groups.
     fn unite(&mut self, a: usize, b: usize) {
         let [a, b] = [a, b].map(|face| self.root(face));
         self.parents[b] = a;
@@ -129,7 +130,7 @@ impl<const D: usize> Groups<D> {
         }
     }
 
-    /// A face, with its place as seen from the start, comes to those that it touches. Its number.
+    /// Add a face, with its distance from the start and its place, to the groups of adjacent faces. Return its number.
     fn join(&mut self, crack: &Crack<D>, far: (f64, [f64; D])) -> usize {
         let (x, size, face) = (crack.reference, size(crack), self.faces.len());
         self.faces.push((x, size));
@@ -167,7 +168,8 @@ mod tests {
             gap: [0.0; 2],
             damage: 1.0,
         };
-        // A notch, faces after each other, a branch behind, and one far ahead that the crack never comes to; that at 5.5 is there before the crack.
+        // A notch, successive faces, a branch behind, and one far ahead that the crack never reaches; that at 5.5 is there before the
+        // crack.
         let faces =
             [(-1.0, 0.5), (0.5, 5.5), (1.0, 1.5), (1.1, 9.0), (1.5, 2.5), (1.6, 0.7), (2.0, 3.0), (2.0, 3.5)];
         let mut cracks: Vec<Crack<2>> = faces.map(crack).to_vec();

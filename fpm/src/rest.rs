@@ -1,4 +1,4 @@
-//! What is known of a law at rest: its moduli, found by straining a virgin point.
+//! Moduli of a law at rest, measured by straining a virgin point.
 
 use impactite_scene::SceneError;
 use mpm_materials::material::{Deformation, Length, Material, Motion, Response, StatesMut};
@@ -6,11 +6,11 @@ use mpm_materials::material::{Deformation, Length, Material, Motion, Response, S
 use crate::sums::{GROUP, Row};
 use crate::vector::Tensor;
 
-/// Compression of the point, so that laws that carry no tension carry shear, and strains of the probes.
+/// Precompression of the point, so that laws without tension carry shear, and strain of the probes.
 const CLOSED: f64 = 1e-8;
 const PROBE: f64 = 1e-9;
 
-/// A law at rest.
+/// Law at rest.
 #[derive(Clone, Debug)]
 pub(crate) struct Rest<const D: usize> {
     /// Reference density, kg/m^3.
@@ -19,12 +19,12 @@ pub(crate) struct Rest<const D: usize> {
     pub speed: f64,
     /// Young's modulus, or the bulk modulus of a law without shear, Pa.
     pub modulus: f64,
-    /// P by gradients: column `D a + b` is that of the gradient with a one in row a, column b.
+    /// Tangent moduli: column `D a + b` is P for the gradient with a one in row a, column b.
     tangent: Vec<Tensor<D>>,
 }
 
 impl<const D: usize> Rest<D> {
-    /// Of this law.
+    /// Measure a law.
     ///
     /// # Errors
     /// A density that is not positive.
@@ -35,7 +35,7 @@ impl<const D: usize> Rest<D> {
         }
         let virgin = material.virgin();
         let speed = material.describe_point(&virgin).map_or(0.0, |said| said.wave_speed);
-        // A point for each component, and one that is closed alone.
+        // One point per component, and one with precompression only.
         let (points, numbers) = (D * D + 1, virgin.len());
         let groups: Vec<u32> = (0..points.div_ceil(GROUP) as u32).collect();
         let mut rows = vec![Row::default(); groups.len() * numbers];
@@ -54,7 +54,7 @@ impl<const D: usize> Rest<D> {
             }
         }
         let mut response = Response::default();
-        // In a long step, so that what is viscous has no part in it.
+        // Long step, in which viscous stresses vanish.
         let motion = Motion { deformation: &deformation, dt: 1.0, length: Length::Same(1.0) };
         let states = StatesMut { all: &mut rows, stride: numbers, first: 0, groups: &groups };
         material.advance(&motion, states, false, &mut response);
@@ -79,7 +79,7 @@ impl<const D: usize> Rest<D> {
         Ok(Rest { density, speed, modulus, tangent })
     }
 
-    /// P of a small gradient, Pa.
+    /// Return P of a small gradient, Pa.
     pub fn stress(&self, h: &Tensor<D>) -> Tensor<D> {
         let mut p = [[0.0; D]; D];
         for (n, of) in self.tangent.iter().enumerate() {
@@ -93,5 +93,5 @@ impl<const D: usize> Rest<D> {
     }
 }
 
-/// Places of xx, yy, zz, yz, xz, xy.
+/// Index of a tensor component in the order xx, yy, zz, yz, xz, xy.
 pub(crate) const PLACES: [[usize; 3]; 3] = [[0, 5, 4], [5, 1, 3], [4, 3, 2]];

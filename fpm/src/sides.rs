@@ -1,48 +1,47 @@
-//! What each cell sees of its neighbours: faces, and gradients by generalised finite differences.
+//! Sides of cells: faces and neighbours as seen from each cell, and gradients by generalised finite differences.
 
 use crate::cells::Face;
 use crate::vector::{add_dyad, cofactor, difference, dot, norm, scaled, zero};
 
-/// The sum of the amounts of the vectors b of a cell, times its size, beyond which its neighbours are too few or in a line or plane; two
-/// on a square lattice.
+/// Largest sum of the magnitudes of the vectors b of a cell, times its size: above it neighbours are too few, or in a line or plane; two on
+/// a square lattice.
 const MOST: f64 = 6.0;
 
-/// A face as one of its cells sees it.
+/// Face as seen from one of its cells.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Surface<const D: usize> {
     /// Area times normal, out of the cell.
     pub area: [f64; D],
-    /// From the point of the cell to the centroid of the face, m, and from that of its neighbour.
+    /// Arm from the point of the cell to the centroid of the face, m, and arm from the point of its neighbour.
     pub own: [f64; D],
     pub other: [f64; D],
-    /// Area times eta / l of the penalty, N/m.
+    /// Penalty stiffness, area times eta / l, N/m.
     pub stiffness: f64,
 }
 
 impl<const D: usize> Surface<D> {
-    /// How far the two points are apart across the face, m.
+    /// Return the distance of the two points across the face, m.
     pub fn apart(&self) -> f64 {
         (dot(&self.own, &self.area) - dot(&self.other, &self.area)).abs() / norm(&self.area)
     }
 }
 
-/// The sides of all cells, one cell after the other: of each those that are intact first, then those that are open, both in the order of
-/// faces.
+/// Sides of all cells in sequence: for each cell the intact ones first, then the open ones, both in the order of faces.
 #[derive(Clone, Debug)]
 pub(crate) struct Sides<const D: usize> {
     pub starts: Vec<u32>,
-    /// Where the intact sides of each cell end.
+    /// End of the intact sides of each cell.
     pub intact: Vec<u32>,
     pub neighbour: Vec<u32>,
     pub face: Vec<u32>,
-    /// b of grad u = sum (u_m - u) (x) b_m, 1/m, and that with which the neighbour sees the cell. Zero across open faces.
+    /// Vectors b of grad u = sum (u_m - u) (x) b_m, 1/m, and the vector b of the neighbour for the cell. Zero across open faces.
     pub gradient: Vec<[f64; D]>,
     pub back: Vec<[f64; D]>,
     pub surface: Vec<Surface<D>>,
 }
 
 impl<const D: usize> Sides<D> {
-    /// Of these faces, with penalties of `modulus` (eta, Pa); gradients are yet to be [fitted](Sides::fit).
+    /// Create the sides of faces, with penalties of `modulus` (eta, Pa); gradients are yet to be [fitted](Sides::fit).
     pub fn new(points: &[[f64; D]], faces: &[Face<D>], modulus: f64) -> Self {
         let mut starts = vec![0u32; points.len() + 1];
         for face in faces {
@@ -65,7 +64,7 @@ impl<const D: usize> Sides<D> {
         let mut next = sides.starts.clone();
         for (number, face) in faces.iter().enumerate() {
             let arms = face.cells.map(|c| difference(&face.centroid, &points[c as usize]));
-            // The points' distance across the face.
+            // Distance of the points across the face.
             let apart = (dot(&arms[0], &face.normal) - dot(&arms[1], &face.normal)).abs();
             for end in 0..2 {
                 let s = next[face.cells[end] as usize] as usize;
@@ -83,18 +82,18 @@ impl<const D: usize> Sides<D> {
         sides
     }
 
-    /// Of a cell, the intact ones.
+    /// Return the range of the intact sides of a cell.
     #[inline(always)]
     pub fn intact_of(&self, cell: usize) -> std::ops::Range<usize> {
         self.starts[cell] as usize..self.intact[cell] as usize
     }
-    /// Of a cell, all.
+    /// Return the range of all sides of a cell.
     #[inline(always)]
     pub fn of(&self, cell: usize) -> std::ops::Range<usize> {
         self.starts[cell] as usize..self.starts[cell + 1] as usize
     }
 
-    /// Put the sides of a cell in order: those of intact faces first.
+    /// Sort the sides of a cell: those of intact faces first.
     pub fn sort(&mut self, cell: usize, open: impl Fn(u32) -> bool) {
         let range = self.of(cell);
         let mut order: Vec<usize> = range.clone().collect();
@@ -112,9 +111,9 @@ impl<const D: usize> Sides<D> {
         permute(&mut self.surface, range.start, &order);
     }
 
-    /// The gradient of a cell by generalised finite differences over its intact sides: b = (A^T W A)^-1 A^T W with rows x_m - x of A, exact
-    /// of linear fields. Weights are areas over distances, so that a neighbour that is hardly one hardly counts; on lattices any that are
-    /// alike are the same. False where neighbours are too few or in a line or plane: then b = 0.
+    /// Fit the gradient of a cell by generalised finite differences over its intact sides: b = (A^T W A)^-1 A^T W with rows x_m - x of A,
+    /// exact for linear fields. Weights are areas over distances, so that a neighbour with a tiny face hardly counts; on lattices any
+    /// uniform weights are equivalent. Return false, with b = 0, if neighbours are too few or in a line or plane.
     pub fn fit(&mut self, cell: usize, size: f64) -> bool {
         let (intact, all) = (self.intact_of(cell), self.of(cell));
         let arm = |s: usize| {
@@ -144,7 +143,7 @@ impl<const D: usize> Sides<D> {
         sound
     }
 
-    /// Tell the neighbours of a cell how it sees them.
+    /// Copy the vectors b of a cell to its neighbours.
     pub fn tell(&mut self, cell: usize) {
         for s in self.of(cell) {
             let (face, gradient) = (self.face[s], self.gradient[s]);

@@ -1,19 +1,20 @@
-//! Faces that soften between cells that stay joined: how far they open in a step.
+//! Softening of faces between joined cells: update of their openings in a step.
 //!
-//! A face that softens stays among those that its cells see. Its opening delta, the displacement of the second side less that of the first which
-//! is the crack's and not the matter's, is an internal variable as plastic strain is: it is taken off wherever displacements of both cells are
-//! compared, in gradients, u_m - u - delta, and in jumps, \[u\] + delta. It begins at zero, so that nothing jumps then. With it the energy of
-//! matter and penalty is a function of displacements and openings, and what the latter work against are the forces between pairs of cells,
+//! A softening face remains a side of its cells. Its opening delta, the displacement of the second side minus that of the first that
+//! belongs to the crack and not to the material, is an internal variable like plastic strain: it is subtracted wherever displacements of
+//! both cells are compared, in gradients, u_m - u - delta, and in jumps, \[u\] + delta. It begins at zero, so that nothing jumps. The
+//! energy of material and penalty is then a function of displacements and openings; conjugate to the openings are the forces between pairs
+//! of cells,
 //!
 //! T = t A + Q b_m - Q_m b.
 //!
-//! A step finds openings at which T is what the cohesive law bears there. Matter is so stiff against openings that no explicit step could:
-//! stresses are foretold from those of the last step by the moduli at rest, the openings of all faces that soften follow by block
-//! Gauss-Seidel sweeps, each face against K = -dT/d delta of itself, and the law sees the result once. What the forecast lacks (a law
-//! that is not linear, the last sweep) is a difference of T and the law, which the next step finds and takes off. Energy does not depend on it: the
-//! work that cracks took is that of T, which acts, on openings.
+//! A step finds openings at which T is the cohesive traction. The material is too stiff against openings for an explicit update: stresses
+//! are predicted from those of the last step by the moduli at rest, the openings of all softening faces follow by block Gauss-Seidel
+//! sweeps, each face with its own K = -dT/d delta, and the law receives the result once. The error of the prediction (a nonlinear law, the
+//! last sweep) is a difference of T and the cohesive law, which the next step corrects. The energy balance does not depend on it: the work
+//! of cracks is that of the acting T on openings.
 //!
-//! Openings and T are turned back with the mean rotation of both cells.
+//! Openings and T are rotated back by the mean rotation of both cells.
 
 use std::marker::PhantomData;
 
@@ -29,25 +30,25 @@ use crate::vector::{
     with_identity, zero,
 };
 
-/// Sweeps in a step, at most, and the change of a traction over the strength that they go on for.
+/// Largest number of sweeps in a step, and tolerance of the change of a traction over the strength.
 const SWEEPS: usize = 100;
 const CLOSE: f64 = 1e-4;
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// Open faces on the sides of a cell, each with which of its sides that is.
+    /// Return the open faces of a cell, each with the index of the cell in the face.
     pub(crate) fn cracks_of(&self, cell: usize) -> impl Iterator<Item = (u32, u8)> {
         let (n, cracks) = ((cell % BATCH) as u32, &self.batches[cell / BATCH].cracks);
         let first = cracks.partition_point(|c| c.0 < n);
         cracks[first..].iter().take_while(move |c| c.0 == n).map(|&(_, crack, end)| (crack, end))
     }
 
-    /// Does a face soften between cells that stay joined?
+    /// True if a face softens between joined cells.
     pub(crate) fn softens(&self, face: u32) -> bool {
         let cell = self.faces[face as usize].cells[0] as usize;
         let of = |(crack, _): (u32, u8)| &self.cracks[crack as usize];
         self.cracks_of(cell).map(of).any(|crack| crack.face == face && crack.softens)
     }
 
-    /// Does a side of a cell join it to its neighbour? Not if it is open, or bears nothing any more.
+    /// True if a side joins a cell to its neighbour: not if it is open or carries nothing any more.
     pub(crate) fn joins(&self, cell: usize, side: usize) -> bool {
         let face = self.sides.face[side];
         let of = |(crack, _): (u32, u8)| &self.cracks[crack as usize];
@@ -55,7 +56,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             && !self.cracks_of(cell).map(of).any(|crack| crack.face == face && crack.broken())
     }
 
-    /// The trial function of a cell.
+    /// Return the trial function of a cell.
     pub(crate) fn trace_of(&self, cell: usize) -> Trace<D> {
         let mut trace = trace(&self.sides, &self.displacement, cell);
         if let Some(h) = self.batches[cell / BATCH].rigid(cell % BATCH) {
@@ -70,7 +71,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         trace
     }
 
-    /// The sum over the intact sides of a cell of A/2 times the jump, and the normal.
+    /// Return the sum over the intact sides of a cell of A/2 times the dyad of jump and normal.
     pub(crate) fn lifting_of(&self, cell: usize) -> Tensor<D> {
         let mut sum = lifting(&self.sides, &self.traces, cell);
         for (crack, _) in self.cracks_of(cell) {
@@ -82,7 +83,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         sum
     }
 
-    /// The gradient that the law of a cell is to see.
+    /// Return the gradient for the law of a cell.
     pub(crate) fn seen_of(&self, cell: usize) -> Tensor<D> {
         let (trace, per) = (&self.traces[cell], 1.0 / self.volume[cell]);
         let mut seen: Tensor<D> = trace.h;
@@ -99,7 +100,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         seen
     }
 
-    /// The force T on the first cell of a face that softens, N, by loads of its cells as they stand.
+    /// Return the force T on the first cell of a softening face, N, by the present loads of its cells.
     fn force_across(&self, crack: u32) -> [f64; D] {
         let crack = &self.cracks[crack as usize];
         let [a, b] = crack.cells.map(|c| c as usize);
@@ -110,25 +111,25 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.force_between(crack.face, &t)
     }
 
-    /// T of the traction on a face as a force on its first cell, N, by loads of its cells as they stand.
+    /// Return T for the traction on a face as a force on its first cell, N, by the present loads of its cells.
     pub(crate) fn force_between(&self, face: u32, traction: &[f64; D]) -> [f64; D] {
         let cells = self.faces[face as usize].cells.map(|c| c as usize);
         self.between(face, cells, traction, cells.map(|c| &self.loads[c].q))
     }
 
-    /// T of the traction on the first cell of a face, N, and Q of both cells, J.
+    /// Return T for the traction on the first cell of a face, N, and Q of both cells, J.
     fn between(&self, face: u32, cells: [usize; 2], t: &[f64; D], q: [&Tensor<D>; 2]) -> [f64; D] {
         let [here, there] = cells.map(|c| self.sides.gradient[self.side_of(face, c as u32)]);
         difference(&along(t, 1.0, &apply(q[0], &here)), &apply(q[1], &there))
     }
 
-    /// Let a face begin to soften.
+    /// Register a face that begins to soften.
     pub(crate) fn begin_softening(&mut self, crack: u32) {
         self.softening.cracks.push(crack);
         self.softening.columns.push(Vec::new());
     }
 
-    /// Those that soften where a run goes on.
+    /// Rebuild the list of softening faces after a checkpoint.
     pub(crate) fn find_softening(&mut self) {
         self.softening = Softening::default();
         for crack in 0..self.cracks.len() as u32 {
@@ -139,7 +140,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.renew_softening(&[]);
     }
 
-    /// K where cells in `changed` see others than before, and of faces that have none yet; and who is near.
+    /// Update K of new faces and near cells in `changed`, whose neighbours changed; update the lists of cells.
     pub(crate) fn renew_softening(&mut self, changed: &[u32]) {
         let cracks = std::mem::take(&mut self.softening.cracks);
         let columns = std::mem::take(&mut self.softening.columns);
@@ -152,7 +153,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         cells.dedup();
         self.softening.around = self.ring(&cells);
         self.softening.cells = cells;
-        // T feels openings two neighbours away, and these what cells see one further.
+        // T depends on openings two neighbours away, and these on cells one neighbour farther.
         let mut near = changed.to_vec();
         if !near.is_empty() {
             (0..6).for_each(|_| near = self.ring(&near));
@@ -168,7 +169,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.softening.link(self.cracks.len());
     }
 
-    /// The column of K of a face at rest: what its opening takes of T on itself and on those that softened before it.
+    /// Return the column of K of a face at rest: the decrease of T by its opening, on itself and on faces that softened before it.
     fn column_of(&self, crack: u32) -> Vec<(u32, Tensor<D>)> {
         let opened = &self.cracks[crack as usize];
         let near = self.ring(&opened.cells);
@@ -198,7 +199,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 Some(end) => &own[end],
                 None => &still,
             };
-            // The jump on a side.
+            // Jump on a side.
             let jumps = |c: u32, s: usize| {
                 let there = jump(of(c), of(self.sides.neighbour[s]), &self.sides.surface[s]);
                 if self.sides.face[s] != opened.face {
@@ -252,7 +253,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         column
     }
 
-    /// The openings of faces that soften at the end of a step whose displacements are known.
+    /// Update the openings of softening faces at the end of a step with known displacements.
     pub(crate) fn soften(&mut self) {
         if self.softening.cracks.is_empty() {
             return;
@@ -271,7 +272,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.softening = near;
     }
 
-    /// The mean rotation of both cells of an open face.
+    /// Return the mean rotation of both cells of an open face.
     fn turn_of(&self, crack: u32) -> Tensor<D> {
         let [a, b] = self.cracks[crack as usize].cells.map(|c| &self.traces[c as usize].h);
         let mut mean = zero();
@@ -280,14 +281,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         rotation(&with_identity(&mean))
     }
 
-    /// Trial functions of cells whose faces' openings changed.
+    /// Update the trial functions of cells after a change of openings.
     fn settle(&mut self, cells: &[u32]) {
         for &c in cells {
             self.traces[c as usize] = self.trace_of(c as usize);
         }
     }
 
-    /// T of faces that soften at new displacements and old openings, N, turned back.
+    /// Predict T of softening faces at new displacements and old openings, N, rotated back.
     fn foretold(&mut self, near: &Softening<D>) -> Vec<[f64; D]> {
         let mut kept = Vec::with_capacity(near.around.len());
         for &c in &near.around {
@@ -295,7 +296,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let old = with_identity(&self.batches[cell / BATCH].gradient[cell % BATCH]);
             let new = with_identity(&self.seen_of(cell));
             let (from, to) = (rotation(&old), rotation(&new));
-            // Stress turns on with the cell, and stretch changes it by the moduli.
+            // Stress rotates with the cell, and stretch changes it by the moduli.
             let mut change = back(&to, &new);
             subtract(&mut change, 1.0, &back(&from, &old));
             let mut stress = back(&from, &self.stress[cell]);
@@ -313,7 +314,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         forces
     }
 
-    /// What acts on a cell.
+    /// Assemble the load of a cell.
     fn load(&mut self, cell: usize) {
         let Fpm { sides, traces, stress, volume, acting, .. } = &*self;
         let (first, least, method) = (cell, f64::INFINITY, PhantomData::<M>);
@@ -343,7 +344,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.loads[cell] = loads[0];
     }
 
-    /// Openings at which T is what faces bear.
+    /// Solve for the openings at which T is the cohesive traction.
     fn sweep(&mut self, near: &Softening<D>, mut forces: Vec<[f64; D]>) {
         let friction = self.friction;
         let starts: Vec<[f64; D]> = near.cracks.iter().map(|&n| self.cracks[n as usize].start()).collect();
@@ -385,7 +386,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// What faces that soften took in a step.
+    /// Book the dissipation of softening faces in a step.
     pub(crate) fn enter_openings(&mut self, time: f64) {
         let friction = self.friction;
         for n in 0..self.softening.cracks.len() {
@@ -399,7 +400,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 }
 
-/// R^T m of a rotation.
+/// Return R^T m for a rotation R.
 fn back<const D: usize>(turn: &Tensor<D>, m: &Tensor<D>) -> Tensor<D> {
     let mut to = zero();
     for i in 0..D {

@@ -1,24 +1,25 @@
-//! Which faces soften, and how stiff matter is against their openings.
+//! List of softening faces, and stiffness of the material against their openings.
 
 use crate::vector::{Tensor, largest_row};
 
-/// Blocks of K that are left out, over the geometric mean of the stiffnesses of both faces against their own openings. In space there are
-/// hundreds around a face; with 0.003 a bar of random cells takes 0.2 per cent less work, with 0.01 it is not stable.
+/// Threshold of the blocks of K, over the geometric mean of the stiffnesses of both faces against their own openings: smaller blocks are
+/// dropped. In space there are hundreds around a face; with 0.003 a bar of random cells dissipates 0.2 per cent less work, with 0.01 it is
+/// not stable.
 const NEAR: f64 = 0.001;
-/// The place of a face that does not soften.
+/// Place of a face that does not soften.
 const GONE: u32 = u32::MAX;
 
-/// Faces that soften, and how stiff matter is against their openings.
+/// Softening faces, and stiffness of the material against their openings.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Softening<const D: usize> {
-    /// Their numbers among open faces, in order.
+    /// Numbers of the softening faces among open faces, in order.
     pub cracks: Vec<u32>,
-    /// Of each a column of K = -dT/d delta, N/m: the faces that it acts on, itself first.
+    /// Column of K = -dT/d delta of each face, N/m: the faces on which it acts, itself first.
     pub columns: Vec<Vec<(u32, Tensor<D>)>>,
-    /// Of each open face, its place here, and of each place the columns that act on it, with where in them.
+    /// Place of each open face in this list; for each place the columns that act on it, with the index in each column.
     pub places: Vec<u32>,
     pub later: Vec<Vec<[u32; 2]>>,
-    /// Their cells, and these with their neighbours.
+    /// Cells of softening faces, and these with their neighbours.
     pub cells: Vec<u32>,
     pub around: Vec<u32>,
 }
@@ -32,7 +33,7 @@ impl<const D: usize> Softening<D> {
             + 4 * self.places.capacity()
     }
 
-    /// Find what acts on what.
+    /// Drop small blocks, and link each face to the columns that act on it.
     pub fn link(&mut self, cracks: usize) {
         self.places.clear();
         self.places.resize(cracks, GONE);

@@ -1,4 +1,4 @@
-//! A step: velocities, conditions, displacements; gradients and law; tractions, cracks, forces.
+//! Time step: velocity update, boundary conditions, displacements; gradients and law; tractions, cracks, forces.
 
 use std::marker::PhantomData;
 
@@ -18,7 +18,7 @@ use crate::vector::{
     Tensor, add_dyad, along, contract, identity, inverse, largest_row, product, subtract, with_identity, zero,
 };
 
-/// The groups of a batch, by place: they lie behind each other.
+/// Indices of the groups of a batch, which are contiguous.
 const GROUPS: [u32; BATCH / GROUP] = {
     let mut groups = [0; BATCH / GROUP];
     let mut n = 0;
@@ -30,14 +30,14 @@ const GROUPS: [u32; BATCH / GROUP] = {
 };
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// One step of size `dt`.
+    /// Make one step of size `dt`, s.
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         self.accelerate(dt);
         self.advance(dt)?;
         self.finish(dt)
     }
 
-    /// New velocities: leap-frog, from the middle of the last step to that of this one.
+    /// Update velocities by leapfrog, from the middle of the last step to that of this one.
     pub(crate) fn accelerate(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
@@ -62,14 +62,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         });
     }
 
-    /// Conditions, and new displacements.
+    /// Apply conditions and update displacements.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<(), StepError> {
         self.obey(dt);
         self.press_on_walls(dt);
         self.damp();
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
-        // Steps that change in size change what of forces is in the kinetic energy as it is counted.
+        // A change of the step size changes the force-dependent part of the staggered kinetic energy.
         let shorter = self.lag - 0.5 * dt;
         let Fpm { displacement, velocity, acceleration, mass, batches, team, .. } = self;
         team.each_piece(displacement, BATCH, batches, |b, displacements, batch| {
@@ -101,7 +101,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         lost.map_or(Ok(()), |i| Err(self.broken(i, Cause::Velocity)))
     }
 
-    /// Local damping, where asked for, in directions that conditions leave free.
+    /// Apply local damping, if set, in directions without conditions.
     fn damp(&mut self) {
         if !self.damping.acts() {
             return;
@@ -121,7 +121,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         });
     }
 
-    /// Velocities as conditions allow.
+    /// Enforce boundary conditions on velocities.
     fn obey(&mut self, dt: f64) {
         if self.boundaries.is_empty() {
             return;
@@ -142,7 +142,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                     tolerance: 0.75 * sizes[i],
                 };
                 let mut prescribed = 0;
-                // Surfaces are held in front of walls by what follows: here no point gets through.
+                // `press_on_walls` keeps the surface in front of walls; here only points are stopped.
                 for boundary in boundaries.iter() {
                     let before = point.velocity;
                     boundary.hold(&mut point, (time, dt), &mut batch.report.given);
@@ -161,7 +161,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         });
     }
 
-    /// Keep the surface in front of walls.
+    /// Enforce walls on the surface of the body.
     fn press_on_walls(&mut self, dt: f64) {
         if !self.boundaries.iter().any(Boundary::is_wall) {
             return;
@@ -180,7 +180,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Gradients, law, tractions, cracks and forces at the new displacements.
+    /// Update gradients, law, tractions, cracks and forces at the new displacements.
     pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
         let time = self.clock.time + dt;
         self.acting.iter_mut().for_each(|load| load.update(time, dt));
@@ -199,7 +199,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         Ok(())
     }
 
-    /// Begin, or go on, with displacements and states as they are: everything that follows from them.
+    /// Begin or continue with the present displacements and states: update all data that follow from them.
     pub(crate) fn begin(&mut self) {
         let time = self.clock.time;
         self.acting.iter_mut().for_each(|load| load.update(time, 0.0));
@@ -210,7 +210,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.forces();
     }
 
-    /// Trial functions.
+    /// Update the trial functions.
     pub(crate) fn deform(&mut self) {
         let Fpm { traces, sides, displacement, cracks, batches, team, .. } = self;
         team.each_piece(traces, BATCH, batches, |b, traces, batch| {
@@ -227,7 +227,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         });
     }
 
-    /// Increments of gradients, and the law.
+    /// Update increments of gradients, and integrate the law.
     fn strain(&mut self, dt: f64) -> Result<(), StepError> {
         let numbers = self.virgin.len();
         let Fpm {
@@ -265,7 +265,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 }
                 let increment = product(&change, &inverse(&old));
                 let (to, half, lane) = (&mut deformations[n / GROUP / 2], n / GROUP % 2, n % GROUP);
-                // The increment itself, times one.
+                // The gradient is the increment itself, with a step of one.
                 to.step.0[half].as_mut()[lane] = 1.0;
                 for a in 0..D {
                     for c in 0..D {
@@ -299,14 +299,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         trouble.map_or(Ok(()), |(i, cause)| Err(self.broken(i, cause)))
     }
 
-    /// What stops the body at a cell.
+    /// Return the error that stops the body at a cell.
     fn broken(&self, i: usize, cause: Cause) -> StepError {
         let (body, law, position) = (self.name.clone(), self.material.name(), wide(&self.position(i)));
         let (kind, number) = (PointKind::Cell, self.numbers[i] as usize);
         self.clock.stopped(Stopped::Point { kind, body, number, position, law, cause })
     }
 
-    /// Stresses of states as they stand.
+    /// Update the stresses from the present states.
     fn look_up_stresses(&mut self) {
         let numbers = self.virgin.len();
         let Fpm { stress, material, memory, team, batches, rest, .. } = self;
@@ -314,14 +314,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let Scratch { response, .. } = &mut *team.own(memory);
             let groups = &GROUPS[..stress.len().div_ceil(GROUP)];
             let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
-            // Viscous stresses, which bound a step by the size of cells, come with the first strain.
+            // Viscous stresses, which limit the time step by the size of cells, come with the first strain.
             material.describe(states, f64::INFINITY, response);
             take(batch, response, rest.speed, stress);
         });
         self.find_rate();
     }
 
-    /// Go on from what was read.
+    /// Continue after loading a checkpoint.
     pub(crate) fn go_on(&mut self) {
         self.fit_all();
         self.find_softening();
@@ -335,7 +335,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.find_rows();
     }
 
-    /// What open faces bear.
+    /// Update the forces of open faces, and book their dissipation.
     fn bear(&mut self, time: f64) {
         let Fpm { cracks, traces, friction, team, .. } = self;
         let (traces, friction) = (&traces[..], *friction);
@@ -354,7 +354,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Tractions on faces; with what they give in a step, if it is one.
+    /// Update the tractions on faces; with `books` also their work in a step.
     pub(crate) fn tractions(&mut self, books: bool) {
         let Fpm { loads, traces, stress, sides, cracks, acting, volume, method, team, batches, .. } = self;
         let around = Around { traces, stress, sides, cracks, acting, volume, method: *method };
@@ -363,7 +363,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         });
     }
 
-    /// Of one batch, again.
+    /// Update the tractions of one batch again.
     pub(crate) fn tractions_of(&mut self, b: usize) {
         let Fpm { loads, traces, stress, sides, cracks, acting, volume, method, batches, .. } = self;
         let around = Around { traces, stress, sides, cracks, acting, volume, method: *method };
@@ -380,14 +380,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Of one batch, again.
+    /// Update the forces of one batch again.
     pub(crate) fn forces_of(&mut self, b: usize) {
         let Fpm { acceleration, sides, loads, mass, .. } = self;
         let end = mass.len().min((b + 1) * BATCH);
         f64::dispatch(Force { sides, loads, mass, first: b * BATCH, out: &mut acceleration[b * BATCH..end] });
     }
 
-    /// Forces on points.
+    /// Assemble the forces on points.
     pub(crate) fn forces(&mut self) {
         let Fpm { acceleration, sides, loads, mass, batches, team, .. } = self;
         team.each_piece(acceleration, BATCH, batches, |b, out, _| {
@@ -396,7 +396,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 }
 
-/// What tractions are made of.
+/// Input of the traction update.
 struct Around<'a, const D: usize, M> {
     traces: &'a [Trace<D>],
     stress: &'a [Tensor<D>],
@@ -408,7 +408,7 @@ struct Around<'a, const D: usize, M> {
 }
 
 impl<const D: usize, M: Composition<D>> Around<'_, D, M> {
-    /// Loads of the cells of a batch.
+    /// Assemble the loads of the cells of a batch.
     fn tractions(&self, first: usize, loads: &mut [Load<D>], batch: &mut Batch<D>, books: bool) {
         let Around { traces, stress, sides, volume, .. } = *self;
         let Batch { lifting, outer, cracks, report, before, .. } = batch;
@@ -465,8 +465,8 @@ impl<const D: usize, M: Composition<D>> Around<'_, D, M> {
     }
 }
 
-/// The displacement gradients that the laws of a batch see: those of cells, with the symmetric flux less what jumps are of them, and with
-/// both less what jumps are on faces that are held.
+/// Compute the displacement gradients for the laws of a batch: those of cells, with the symmetric flux minus the part of jumps, and with
+/// both fluxes minus the part of jumps on prescribed faces.
 #[inline(always)]
 fn look<const D: usize, M: Composition<D>>(
     (sides, cracks): (&crate::sides::Sides<D>, &[crate::open::OpenFace<D>]),
@@ -497,7 +497,7 @@ fn look<const D: usize, M: Composition<D>>(
     }
 }
 
-/// What openings of faces that soften add to sums of A/2 [u] (x) N.
+/// Add the openings of softening faces to sums of A/2 [u] (x) N.
 fn lift_openings<const D: usize>(
     sides: &[(u32, u32, u8)],
     cracks: &[crate::open::OpenFace<D>],
@@ -511,7 +511,7 @@ fn lift_openings<const D: usize>(
     }
 }
 
-/// Stresses and Courant rates of a batch, by what its law says.
+/// Store stresses and Courant rates of a batch from the response of its law.
 fn take<const D: usize>(
     batch: &mut Batch<D>,
     response: &Response<f64>,
@@ -533,7 +533,7 @@ fn take<const D: usize>(
     }
 }
 
-/// P = J sigma F^-T.
+/// Return P = J sigma F^-T.
 #[inline(always)]
 fn nominal<const D: usize>(said: &[f64; 8], back: &Tensor<D>) -> Tensor<D> {
     let mut p = zero();
@@ -547,21 +547,21 @@ fn nominal<const D: usize>(said: &[f64; 8], back: &Tensor<D>) -> Tensor<D> {
     p
 }
 
-/// The square of the frequency of a cell whose waves are so much faster than at rest, and whose F has this inverse.
+/// Return the squared frequency of a cell, with `faster` the wave speed over that at rest and `back` the inverse of F.
 #[inline(always)]
 pub(crate) fn square_of<const D: usize>([bulk, penalty]: &[f64; 2], faster: f64, back: &Tensor<D>) -> f64 {
     let shorter = faster * largest_row(back);
     bulk * shorter * shorter + penalty
 }
 
-/// A vector of `D` components as one of three.
+/// Return a vector of `D` components as one of three.
 pub(crate) fn wide<const D: usize>(a: &[f64; D]) -> [f64; 3] {
     let mut wide = [0.0; 3];
     wide[..D].copy_from_slice(a);
     wide
 }
 
-/// The gradient of a cell that only turns.
+/// Return the displacement gradient of the rotation of a cell.
 pub(crate) fn turned<const D: usize>(h: &Tensor<D>) -> Tensor<D> {
     let mut turn = crate::vector::rotation(&with_identity(h));
     let one = identity::<D>();
@@ -569,7 +569,7 @@ pub(crate) fn turned<const D: usize>(h: &Tensor<D>) -> Tensor<D> {
     turn
 }
 
-/// Why a cell cannot go on, with what helps.
+/// Return the cause of a breakdown of a cell, with a remedy.
 fn told<X: Flux>(cause: Breakdown) -> Cause {
     match cause {
         Breakdown::InvertedVolume if X::LIFTED => Cause::Other(FOLDED),

@@ -1,6 +1,6 @@
 //! Plain functions on vectors and tensors of `D` dimensions.
 
-/// By rows.
+/// Tensor by rows.
 pub(crate) type Tensor<const D: usize> = [[f64; D]; D];
 
 #[inline(always)]
@@ -40,7 +40,7 @@ pub(crate) fn difference<const D: usize>(a: &[f64; D], b: &[f64; D]) -> [f64; D]
     c
 }
 
-/// `a + s b`.
+/// Return `a + s b`.
 #[inline(always)]
 pub(crate) fn along<const D: usize>(a: &[f64; D], s: f64, b: &[f64; D]) -> [f64; D] {
     let mut c = *a;
@@ -59,7 +59,7 @@ pub(crate) fn scaled<const D: usize>(a: &[f64; D], s: f64) -> [f64; D] {
     c
 }
 
-/// The tensor times a vector.
+/// Return the product of a tensor and a vector.
 #[inline(always)]
 pub(crate) fn apply<const D: usize>(m: &Tensor<D>, a: &[f64; D]) -> [f64; D] {
     let mut b = [0.0; D];
@@ -80,7 +80,7 @@ pub(crate) fn add_dyad<const D: usize>(m: &mut Tensor<D>, s: f64, a: &[f64; D], 
     }
 }
 
-/// The sum over all products of components.
+/// Double contraction: sum over all products of components.
 #[inline(always)]
 pub(crate) fn contract<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> f64 {
     let mut sum = 0.0;
@@ -105,7 +105,7 @@ pub(crate) fn product<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D>
     c
 }
 
-/// What areas turn by, det(m) m^-T.
+/// Cofactor det(m) m^-T, which maps areas.
 #[inline(always)]
 pub(crate) fn cofactor<const D: usize>(m: &Tensor<D>) -> Tensor<D> {
     let mut c = zero();
@@ -127,7 +127,7 @@ pub(crate) fn determinant<const D: usize>(m: &Tensor<D>) -> f64 {
     dot(&m[0], &cofactor(m)[0])
 }
 
-/// The inverse; not finite where there is none.
+/// Return the inverse; not finite for a singular tensor.
 #[inline(always)]
 pub(crate) fn inverse<const D: usize>(m: &Tensor<D>) -> Tensor<D> {
     let c = cofactor(m);
@@ -141,7 +141,7 @@ pub(crate) fn inverse<const D: usize>(m: &Tensor<D>) -> Tensor<D> {
     inverse
 }
 
-/// The largest sum of the amounts of a row: no vector becomes longer by more.
+/// Return the largest sum of the magnitudes of a row, a bound of the stretch of any vector.
 #[inline(always)]
 pub(crate) fn largest_row<const D: usize>(m: &Tensor<D>) -> f64 {
     let mut largest = 0.0f64;
@@ -155,7 +155,7 @@ pub(crate) fn largest_row<const D: usize>(m: &Tensor<D>) -> f64 {
     largest
 }
 
-/// The rotation in a tensor with a positive determinant: R of m = R U, by Newton's iteration R <- (R + R^-T) / 2.
+/// Return the rotation R of m = R U with a positive determinant, by Newton's iteration R <- (R + R^-T) / 2.
 pub(crate) fn rotation<const D: usize>(m: &Tensor<D>) -> Tensor<D> {
     let mut r = *m;
     for _ in 0..30 {
@@ -175,7 +175,7 @@ pub(crate) fn rotation<const D: usize>(m: &Tensor<D>) -> Tensor<D> {
     if r.iter().flatten().all(|x| x.is_finite()) { r } else { identity() }
 }
 
-/// Take `s` times a tensor off.
+/// Subtract `s` times a tensor.
 #[inline(always)]
 pub(crate) fn subtract<const D: usize>(from: &mut Tensor<D>, s: f64, m: &Tensor<D>) {
     for a in 0..D {
@@ -185,7 +185,7 @@ pub(crate) fn subtract<const D: usize>(from: &mut Tensor<D>, s: f64, m: &Tensor<
     }
 }
 
-/// F of a displacement gradient.
+/// Return the deformation gradient F of a displacement gradient.
 #[inline(always)]
 pub(crate) fn with_identity<const D: usize>(h: &Tensor<D>) -> Tensor<D> {
     let mut f = *h;

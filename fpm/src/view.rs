@@ -1,4 +1,4 @@
-//! A body as others see it, and in files.
+//! Observer interface of a body, and checkpoints.
 
 use impactite_scene::constants::over;
 use impactite_scene::{Archive, Body, CheckpointError, Condition, Parts, PointView, Totals};
@@ -11,9 +11,10 @@ use crate::sums::{BATCH, Batch};
 use crate::vector::{along, difference, with_identity, zero};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// Sums over cells: the balanced ones, and what those at the time of the positions have more ([`Totals::staggered`]). Balanced are the
-    /// momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the velocities that faces make
-    /// half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
+    /// Return sums over cells: balanced totals, and their difference to totals at the time of the positions ([`Totals::staggered`]). The
+    /// balanced momentum is that of the velocities v- in the middle of the last step. The balanced kinetic energy is the sum of
+    /// m v- . v+ / 2, with v+ the velocities half a step after the present by faces: central differences conserve its sum with the internal
+    /// energy. Velocity components set by conditions count with v- alone.
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         let force = self.force_now();
@@ -31,8 +32,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         sum
     }
 
-    /// The velocity of a point at the time of its position, m/s: v = v- + lag a, with the velocity v- of the middle of the last step and the
-    /// acceleration a by faces and body force. What conditions or contact moved has v-.
+    /// Velocity of a point at the time of its position, m/s: v = v- + lag a, with the velocity v- in the middle of the last step and the
+    /// acceleration a by faces and body force. Components set by conditions or contact are those of v-.
     ///
     /// # Panics
     /// There is no such point.
@@ -40,7 +41,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.velocity_at(i, &self.force_now())
     }
 
-    /// Acceleration of the body force now, m/s^2.
+    /// Return the present acceleration of the body force, m/s^2.
     fn force_now(&self) -> [f64; D] {
         self.body_force.as_ref().map_or([0.0; D], |force| force(self.clock.time))
     }
@@ -54,14 +55,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         })
     }
 
-    /// What forces add to m v- . v- / 2 to make it m v- . v+ / 2, J.
+    /// Force-dependent part of the staggered kinetic energy, (m/2) v- . (v+ - v-), J.
     pub(crate) fn forced(&self, i: usize) -> f64 {
         let held = self.batches[i / BATCH].held[i % BATCH];
         let free = (0..D).filter(|d| held & HELD << d == 0);
         free.map(|d| self.lag * self.mass[i] * self.velocity[i][d] * self.acceleration[i][d]).sum()
     }
 
-    /// Internal energy by the law, J: without that of the penalty.
+    /// Internal energy of the law, J, without that of the penalty.
     pub fn internal_energy(&self) -> f64 {
         let mut state = vec![0.0; self.virgin.len()];
         let mut sum = 0.0;
@@ -82,7 +83,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.cracks.iter().map(|c| c.stored).sum()
     }
 
-    /// The displacement gradients that laws see, as cells are sorted in space.
+    /// Displacement gradients of the laws, in sorted order.
     pub fn gradients(&self) -> Vec<[[f64; D]; D]> {
         self.batches.iter().flat_map(|b| &b.gradient).copied().collect()
     }
@@ -95,7 +96,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.traces[i].at(&difference(&x, &self.reference[i]))
     }
 
-    /// The numbers of the state of a cell, named by [`Body::state_names`]; `None` if there is no such cell.
+    /// State variables of a cell, named by [`Body::state_names`]; `None` if there is no such cell.
     pub fn cell_state(&self, i: usize) -> Option<Vec<f64>> {
         let mut state = vec![0.0; self.virgin.len()];
         (i < self.reference.len()).then(|| {
@@ -104,7 +105,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         })
     }
 
-    /// Bytes of memory, by its own count.
+    /// Allocated memory, bytes, by own count.
     pub fn bytes(&self) -> usize {
         let batches: usize = self.batches.iter().map(Batch::bytes).sum();
         let vectors = 4 * self.reference.capacity();
@@ -120,8 +121,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             + 4 * self.numbers.capacity()
     }
 
-    /// What the body is made of and what changes in a run, to a file or from one: as
-    /// [`Solver::archive`](impactite_scene::Solver::archive), but for the watch.
+    /// Store the body in a checkpoint, or load it: method, law, conditions and state; as
+    /// [`Solver::archive`](impactite_scene::Solver::archive), but without the watch.
     pub(crate) fn archive_body(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let name = self.name.clone();
         let of = |what: &str| format!("{what} of body `{name}`");
@@ -220,7 +221,7 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     fn totals(&self) -> Totals {
         Fpm::totals(self)
     }
-    /// Cells as they are sorted in space, with the numbers of their [`Cells`](crate::Cells).
+    /// Visit the cells in sorted order, with the numbers of their [`Cells`](crate::Cells).
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
     }

@@ -1,4 +1,4 @@
-//! Studies of convergence: a scene at several resolutions, as a sweep over the factor of its sizes.
+//! Convergence study: one scene at several resolutions, as a sweep over the factor of its sizes.
 
 use std::sync::atomic::AtomicBool;
 
@@ -16,21 +16,21 @@ use crate::CliError;
 use crate::job::{Job, Measured, Outcome, seconds_a_step};
 use crate::sweep::{Point, Values, begin, go_on, run_folder};
 
-/// Difference of a size from its level over that size, up to which it belongs to the level: rounding of texts.
+/// Relative difference between a size and its level, up to which the size belongs to the level: rounding of texts.
 const ROUNDING: f64 = 1e-9;
-/// Relative difference of a number of points from that of a refinement of all sizes, beyond which the levels are not alike.
+/// Relative difference between a number of points and its expected growth under refinement, beyond which the levels are dissimilar.
 const UNLIKE: f64 = 0.1;
 
-/// Levels of a study of convergence.
+/// Levels of a convergence study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
     /// Number of levels; an order needs three.
     pub levels: u32,
     /// Ratio of the sizes of neighbouring levels.
     pub ratio: f64,
-    /// The scene as it is written is the finest level, and not the coarsest.
+    /// True if the scene as written is the finest level, false if it is the coarsest.
     pub coarser: bool,
-    /// Keys whose values are scaled; those of [`Source::sizes`] if there are none.
+    /// Keys whose values are scaled; the keys of [`Source::sizes`] if empty.
     pub keys: Vec<String>,
 }
 
@@ -59,7 +59,8 @@ impl Refinement {
 /// log.
 ///
 /// # Errors
-/// Fewer than two levels, a ratio below 1.2; a scene without measures; sizes that cannot be refined; those of [`sweep`](crate::sweep::sweep).
+/// Fewer than two levels, a ratio below 1.2; a scene without measures; sizes that cannot be refined; errors of
+/// [`sweep`](crate::sweep::sweep).
 pub fn converge(base: &Job, refinement: &Refinement, stop: &AtomicBool) -> Result<Convergence, CliError> {
     if refinement.levels < 2 {
         return Err(CliError::option(
@@ -143,14 +144,14 @@ pub fn converge(base: &Job, refinement: &Refinement, stop: &AtomicBool) -> Resul
     conclude(&base, &values, refinement.ratio, &points)
 }
 
-/// Seconds of a step on the threads of a job.
+/// Measure the wall-clock time per step with the threads of a job, s.
 fn cost_of_a_step(base: &Job, solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
     let team = Team::new(base.threads()).map_err(|e| CliError::option("--threads", e.to_string()))?;
     solver.set_team(team);
     seconds_a_step(solver, end)
 }
 
-/// Warn of the body whose number of points differs most from that of a refinement of all its sizes, where that is much.
+/// Warn of the body whose growth in points differs most from uniform refinement, if the difference exceeds [`UNLIKE`].
 fn warn_of_unlike(scene: &SceneFile, coarse: &SceneEstimate, fine: &SceneEstimate, ratio: f64) {
     let growth = coarse.bodies.iter().zip(&fine.bodies).map(|(coarse, fine)| {
         let mesh = scene.expanded.get(&coarse.name).and_then(|body| body.mesh.as_ref());
@@ -169,7 +170,7 @@ fn warn_of_unlike(scene: &SceneFile, coarse: &SceneEstimate, fine: &SceneEstimat
     }
 }
 
-/// Analysis of the runs of a study, and its files. `base` has the scene whose sizes are scaled by the key of `factors`.
+/// Analyse the runs of a convergence study and write its files. The sizes of the scene in `base` are scaled by the key of `factors`.
 ///
 /// # Errors
 /// A file that cannot be written.

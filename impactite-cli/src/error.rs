@@ -1,4 +1,4 @@
-//! Why a scene could not be run.
+//! Errors of running a scene file.
 
 use std::path::PathBuf;
 
@@ -9,82 +9,82 @@ use impactite_input::InputError;
 use impactite_input::measured::MeasureError;
 use impactite_report::ReportError;
 
-/// Why a scene could not be run.
+/// Error of running a scene file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CliError {
-    /// The file.
+    /// Invalid scene file.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The run.
+    /// Failed run.
     #[error(transparent)]
     Run(#[from] RunError),
-    /// An observer.
+    /// Failed observer.
     #[error(transparent)]
     Observe(#[from] ObserveError),
-    /// A picture or a file of numbers.
+    /// Picture or file of numbers that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A measure.
+    /// Invalid measure.
     #[error(transparent)]
     Measure(#[from] MeasureError),
-    /// The page.
+    /// Report page that cannot be written.
     #[error(transparent)]
     Report(#[from] ReportError),
-    /// A checkpoint that cannot be resumed from.
+    /// Checkpoint that cannot be resumed from.
     #[error("cannot resume from `{}`: {source}", path.display())]
     Resume {
-        /// The checkpoint.
+        /// Path of the checkpoint.
         path: PathBuf,
-        /// Why.
+        /// Cause.
         source: CheckpointError,
     },
-    /// A file or folder.
+    /// File or folder error of the operating system.
     #[error("`{}`: {source}", path.display())]
     File {
-        /// Which.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A folder that another run writes into.
+    /// Folder locked by another run.
     #[error("another run{} writes into `{}`; choose another folder with --out", if process.is_empty() { String::new() } else { format!(" (process {process})") }, path.display())]
     Locked {
         /// The folder.
         path: PathBuf,
-        /// The number of its process, where that is known.
+        /// Process number; empty if unknown.
         process: String,
     },
-    /// A folder without anything to resume.
+    /// Folder without a run to resume.
     #[error("nothing to resume in `{}`: {why}", path.display())]
     NoResume {
         /// The folder.
         path: PathBuf,
-        /// Why.
+        /// Reason.
         why: String,
     },
-    /// An option.
+    /// Invalid command-line option.
     #[error("{option}: {why}")]
     Option {
         /// The option.
         option: String,
-        /// What is wrong with it.
+        /// Reason.
         why: String,
     },
 }
 
 impl CliError {
-    /// Was it written to a pipe that nobody reads any more?
+    /// True if the output was written to a closed pipe.
     #[must_use]
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, CliError::File { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe)
     }
-    /// Is the scene or its run the cause, so that the same run fails again? Files, folders and options are not.
+    /// True if the scene or its run is the cause, so that the same run fails again; false for files, folders and options.
     #[must_use]
     pub fn is_of_the_scene(&self) -> bool {
         matches!(self, CliError::Input(_) | CliError::Measure(_) | CliError::Run(RunError::Step(_)))
     }
-    /// A file or folder, of an error of the operating system.
+    /// Convert an error of the operating system to [`CliError::File`] with its path.
     pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> CliError {
         let path = path.into();
         |source| CliError::File { path, source }

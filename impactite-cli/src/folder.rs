@@ -1,4 +1,4 @@
-//! The folder of a run: one run at a time, and no files of an earlier one.
+//! Run folder: locked for one run at a time, and cleared of the files of an earlier run.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{Read, Seek, Write};
@@ -8,11 +8,11 @@ use crate::CliError;
 
 /// Name of the checkpoint in the folder of a run.
 pub const CHECKPOINT: &str = "run.checkpoint";
-/// Name of the scene file there.
+/// Name of the scene file in the folder of a run.
 pub const SCENE: &str = "scene.toml";
-/// Name of the result there: the JSON object of `--json`.
+/// Name of the result file in the folder of a run: the JSON object of `--json`.
 pub const RESULT: &str = "result.json";
-/// Name of the history of the measures there.
+/// Name of the measure history in the folder of a run.
 pub const MEASURES: &str = "measures.csv";
 /// Name of the file that is locked while a run writes into its folder.
 pub const LOCK: &str = ".lock";
@@ -21,7 +21,7 @@ pub(crate) const PICTURES: &str = "pictures";
 pub(crate) const FRAMES: &str = "paraview";
 pub(crate) const SERIES: &str = "scene";
 
-/// A folder that one run holds. The operating system releases it when the process ends, however that comes.
+/// Exclusive lock on the folder of a run. The operating system releases it at any end of the process.
 #[derive(Debug)]
 pub(crate) struct FolderLock {
     path: PathBuf,
@@ -29,10 +29,10 @@ pub(crate) struct FolderLock {
 }
 
 impl FolderLock {
-    /// The folder at `path`, which is created if it does not exist.
+    /// Lock the folder at `path`, and create it if it does not exist.
     ///
     /// # Errors
-    /// A folder that another run holds, or that cannot be created.
+    /// Folder locked by another run, or folder that cannot be created.
     pub fn new(path: &Path) -> Result<Self, CliError> {
         std::fs::create_dir_all(path).map_err(CliError::file(path))?;
         let name = path.join(LOCK);
@@ -50,12 +50,12 @@ impl FolderLock {
                 let _ = lock.read_to_string(&mut process);
                 return Err(CliError::Locked { path: path.into(), process: process.trim().into() });
             }
-            // A file system without locks: the run is made all the same.
+            // File system without locks: the run continues unlocked.
             Err(TryLockError::Error(why)) => {
                 tracing::warn!("`{}` cannot be locked ({why}): start no second run there", path.display());
             }
         }
-        // For the message of a second run; the lock holds without it.
+        // The process number serves the message of a second run only; the lock does not depend on it.
         let _ = lock
             .set_len(0)
             .and_then(|()| lock.rewind())
@@ -63,10 +63,10 @@ impl FolderLock {
         Ok(FolderLock { path: path.into(), _lock: lock })
     }
 
-    /// Remove the files of an earlier run: a run that fails leaves no results of another one. Other files stay.
+    /// Remove the files of an earlier run, so that a failed run leaves no results of another one. Other files stay.
     ///
     /// # Errors
-    /// A file that cannot be removed.
+    /// File that cannot be removed.
     pub fn clear(&self) -> Result<(), CliError> {
         for name in [impactite_report::FILE, RESULT, "report.html", MEASURES, CHECKPOINT, SCENE] {
             remove(&self.path.join(name))?;
@@ -79,17 +79,17 @@ impl FolderLock {
         self.clear_parts()
     }
 
-    /// Remove the halves of files that a killed run left.
+    /// Remove incomplete files (`.part`) of a killed run.
     ///
     /// # Errors
-    /// A file that cannot be removed.
+    /// File that cannot be removed.
     pub fn clear_parts(&self) -> Result<(), CliError> {
         ["", PICTURES, FRAMES]
             .iter()
             .try_for_each(|folder| self.each(folder, &|name| name.ends_with(".part")))
     }
 
-    /// Remove the files of a folder within this one whose name `which` picks.
+    /// Remove the files of a subfolder whose name satisfies `which`.
     fn each(&self, folder: &str, which: &dyn Fn(&str) -> bool) -> Result<(), CliError> {
         let Ok(entries) = std::fs::read_dir(self.path.join(folder)) else { return Ok(()) };
         for entry in entries.flatten() {

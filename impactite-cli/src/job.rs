@@ -1,4 +1,4 @@
-//! A run of a scene file in a folder.
+//! Run of a scene file in a folder.
 
 use std::cell::RefCell;
 use std::path::{Path, PathBuf};
@@ -25,63 +25,63 @@ use crate::folder::{CHECKPOINT, FRAMES, FolderLock, MEASURES, PICTURES, RESULT, 
 use crate::pictures::Draws;
 use crate::shared_progress::{SharedProgress, Shown};
 
-/// A run that is to be made.
+/// Settings of a run.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// The scene.
+    /// Scene file.
     pub source: Source,
-    /// Where its files go.
+    /// Folder of the run's files.
     pub folder: PathBuf,
-    /// Threads; all processors if none are given.
+    /// Number of threads; all processors if `None`.
     pub threads: Option<usize>,
-    /// Seconds by the clock between checkpoints.
+    /// Wall-clock time between checkpoints.
     pub checkpoint: Duration,
-    /// Go on from the checkpoint in the folder.
+    /// True to resume from the checkpoint in the folder.
     pub resume: bool,
-    /// Write pictures and frames for ParaView.
+    /// True to write pictures and frames for ParaView.
     pub pictures: bool,
-    /// Write the page.
+    /// True to write the report page.
     pub report: bool,
-    /// Seconds by the clock between lines of the log.
+    /// Wall-clock time between lines of the log.
     pub log: Duration,
-    /// Keep the checkpoint of the end, from which a later `end` can be reached.
+    /// True to keep the final checkpoint, from which a later `end` can be reached.
     pub keep_checkpoint: bool,
-    /// Becomes false when the scene is set up and the first step begins, and true again when the run is over.
+    /// True while the scene is set up: becomes false at the first step and true again after the run.
     pub setting_up: Arc<AtomicBool>,
-    /// Progress for a program that shows it itself; None for a bar on the terminal and lines in the log.
+    /// Progress for a program that displays it itself; `None` for a bar on the terminal and lines in the log.
     pub advance: Option<Arc<SharedProgress>>,
 }
 
-/// What a run came to: the keys of the JSON object of `--json`.
+/// Result of a run: the keys of the JSON object of `--json`.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
-    /// The title of the scene.
+    /// Title of the scene.
     pub case: String,
-    /// `file`: scene files have one resolution, their own.
+    /// Resolution: always `file`, since a scene file has one resolution.
     pub resolution: String,
-    /// The parameters of the file in SI units, with method, space and threads.
+    /// Parameters of the file in SI units, with method, space and threads.
     pub settings: serde_json::Value,
-    /// Points at the end.
+    /// Number of points at the end.
     pub particles: usize,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
     /// Simulated time, s.
     pub simulated_seconds: f64,
     /// Wall-clock time in steps, s.
     pub wall_seconds: f64,
-    /// Point updates a second.
+    /// Point updates per second.
     pub particle_updates_per_second: f64,
-    /// Most memory of the process, bytes.
+    /// Peak memory of the process, bytes.
     pub peak_memory_bytes: usize,
     /// Measures at the end: name, value, SI unit.
     pub measures: Vec<Measured>,
-    /// What was compared with what.
+    /// Checks: measures compared with references.
     pub checks: Vec<Check>,
-    /// Checks that are met.
+    /// Number of passed checks.
     pub met: usize,
-    /// Checks that are missed.
+    /// Number of failed checks.
     pub missed: usize,
-    /// Largest energy error: the change of the total energy over the largest energy so far; not a number, in JSON `null`, where nothing moves.
+    /// Largest energy error: change of the total energy over the largest energy so far; NaN, in JSON `null`, if nothing moves.
     #[serde(with = "number")]
     pub energy_error: f64,
     /// Largest momentum error.
@@ -89,12 +89,12 @@ pub struct Outcome {
     pub momentum_error: f64,
 }
 
-/// A measure at the end of a run: name, value, SI unit; `"-"` of plain numbers.
+/// Measure at the end of a run: name, value, SI unit (`"-"` for plain numbers).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measured(pub String, #[serde(with = "number")] pub f64, pub String);
 
 impl std::fmt::Display for Measured {
-    /// Value and unit, with as many digits as the precision says; in words where there is none.
+    /// Format value and unit with as many digits as the precision; "no value" for NaN.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Measured(_, value, unit) = self;
         let digits = f.precision().unwrap_or(6);
@@ -102,7 +102,7 @@ impl std::fmt::Display for Measured {
     }
 }
 
-/// Numbers in JSON, which has no infinities and no NaN: `null`.
+/// Serialise non-finite numbers as `null`, since JSON has no infinities and no NaN.
 mod number {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -114,14 +114,14 @@ mod number {
     }
 }
 
-/// Steps of time between rows of a history, unless the file says otherwise.
+/// Default number of rows of a history.
 const ROWS: f64 = 400.0;
-/// Steps of time between pictures, and between frames for ParaView.
+/// Default numbers of pictures, and of frames for ParaView.
 const PICTURE_STEPS: f64 = 40.0;
 const FRAME_STEPS: f64 = 8.0;
 
 impl Job {
-    /// Run a scene in a folder, with all that files say.
+    /// Create a job that runs `source` in `folder` and writes all files: all processors, a checkpoint every 300 s.
     #[must_use]
     pub fn new(source: Source, folder: impl Into<PathBuf>) -> Self {
         Job {
@@ -139,10 +139,10 @@ impl Job {
         }
     }
 
-    /// Go on with the run in a folder from its checkpoint, with the pictures and the page that it was called with.
+    /// Create a job that resumes the run in a folder from its checkpoint, with its earlier settings for pictures and report.
     ///
     /// # Errors
-    /// A folder without a checkpoint, or with one of another program; a run that has ended; a scene file in the folder that was edited
+    /// Folder without a checkpoint, or with a checkpoint of another program; run that has ended; scene file in the folder that was edited
     /// since.
     pub fn resume(folder: impl Into<PathBuf>) -> Result<Self, CliError> {
         let folder = folder.into();
@@ -167,11 +167,11 @@ impl Job {
         Ok(job)
     }
 
-    /// Copy with other values of keys. In a run that goes on they are those that change no step: `end`, `title`, `description`,
-    /// `checks`. The pace of histories, pictures and frames stays.
+    /// Copy the job with other values of keys. A resumed run accepts only keys that change no step: `end`, `title`, `description`,
+    /// `checks`. The intervals of histories, pictures and frames stay.
     ///
     /// # Errors
-    /// Another key in a run that goes on; what [`Source::set`] refuses.
+    /// Another key in a resumed run; errors of [`Source::set`].
     pub fn set(mut self, assignments: &[String]) -> Result<Self, CliError> {
         for assignment in assignments {
             let key = assignment.split(['=', '.', '[']).next().unwrap_or_default().trim();
@@ -200,10 +200,10 @@ impl Job {
         Ok(self)
     }
 
-    /// Run it. It stops with a checkpoint after the step in which `stop` becomes true.
+    /// Run the scene. The run stops with a checkpoint after the step in which `stop` becomes true.
     ///
     /// # Errors
-    /// The scene, the run, or a file; a folder that another run holds. A run that is stopped leaves its page, which says why.
+    /// Invalid scene, failed run, file error, or folder locked by another run. A stopped run leaves its report page with the reason.
     pub fn run(&self, stop: &AtomicBool) -> Result<Outcome, CliError> {
         self.setting_up.store(true, Ordering::Relaxed);
         let start = Instant::now();
@@ -227,7 +227,7 @@ impl Job {
         outcome
     }
 
-    /// Threads of the run.
+    /// Number of threads of the run.
     pub(crate) fn threads(&self) -> usize {
         let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
         self.threads.unwrap_or_else(all)
@@ -242,7 +242,7 @@ impl Job {
         stop: &AtomicBool,
     ) -> Result<Outcome, CliError> {
         let threads = team.threads();
-        // Quantities that cannot be measured are refused now, and not after an hour.
+        // Invalid measures fail here, before the run.
         let measures = Rc::new(RefCell::new(Measures::new(&self.source, scene, solver)?));
         let folder = &self.folder;
         let lock = FolderLock::new(folder)?;
@@ -256,7 +256,7 @@ impl Job {
 
         let end = scene.end.value;
         if !self.resume {
-            // A run that is killed leaves a page, too.
+            // A killed run leaves a report page, too.
             self.described(scene, solver).unfinished(0.0, end).save(folder)?;
         }
         let pace = |given: Option<f64>, usual: f64| Pace::interval(given.unwrap_or(end / usual));
@@ -295,7 +295,7 @@ impl Job {
         let mut heading = Job { source, ..self.clone() };
         let mut preface = |file: &mut Archive| heading.preface(file);
         let mut looks = Looks::new(measures.clone())?;
-        // Measures over time first: their history shows what they are then.
+        // Update measures over time before the history, which records their current values.
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut looks];
         if let Some(history) = &mut history {
             observers.push(history);
@@ -353,7 +353,7 @@ impl Job {
             record = record.history("measures", MEASURES);
         }
         if self.pictures {
-            // A picture that failed beside the run, and those that waited behind it, are not there.
+            // A picture whose drawing failed, and the pictures queued after it, have no file.
             let there =
                 |n: &usize| folder.join(PICTURES).join(format!("{SERIES}_{:06}.png", n - 1)).is_file();
             let count = (1..=pictures.frames()).rev().find(there).unwrap_or(0);
@@ -412,7 +412,7 @@ impl Job {
 }
 
 impl Job {
-    /// What is known of a scene before it runs.
+    /// Describe a scene for its report before the run.
     fn described(&self, scene: &SceneFile, solver: &dyn Solver) -> Record {
         let mut record = Record::new(&scene.title)
             .description(&scene.description)
@@ -428,11 +428,11 @@ impl Job {
     }
 }
 
-/// Looks at measures over time after every step, and ends the run where the scene says so.
+/// Observer that updates measures over time after every step, and ends the run when a condition of `until` is met.
 struct Looks {
     pace: Pace,
     measures: Rc<RefCell<Measures>>,
-    /// Why the run ends.
+    /// Reason to end the run.
     ended: Option<String>,
 }
 
@@ -487,7 +487,7 @@ fn history(
     Ok(Some(HistoryCsv::create(folder.join(MEASURES), columns, pace, measuring)?))
 }
 
-/// Measures with the energy error of the recorder, so that all that a run says of it is one number.
+/// Replace energy errors among the measures by that of the recorder, so that a run reports a single value.
 fn with_energy_error(scene: &SceneFile, mut values: Vec<f64>, error: f64) -> Vec<f64> {
     for (value, measure) in values.iter_mut().zip(scene.measures.values()) {
         if matches!(measure, Measurement::EnergyError(_)) {
@@ -506,7 +506,7 @@ fn checks(scene: &SceneFile, columns: &[(String, String)], values: &[f64]) -> Ve
     scene.checks.iter().enumerate().filter_map(judged).collect()
 }
 
-/// Planes of symmetry that halve a model; around an axis the axis is none.
+/// Number of symmetry planes that halve the model; the axis of revolution does not count.
 fn planes(scene: &SceneFile) -> u32 {
     let revolved = scene.space == impactite_input::model::Space::Axisymmetric;
     let halves = |c: &&Condition| match c {
@@ -516,10 +516,11 @@ fn planes(scene: &SceneFile) -> u32 {
     scene.conditions.iter().filter(halves).count() as u32
 }
 
-/// Seconds that a step of a scene takes, by its first steps but one: as many as half a second holds, at most 20. None where the scene has one step.
+/// Measure the wall-clock time per step, s, without the first step: at most 20 steps or half a second. `None` if the scene has one step
+/// only.
 ///
 /// # Errors
-/// A step that cannot be made.
+/// Failed step.
 pub fn seconds_a_step(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
     let mut taken = Duration::ZERO;
     let mut steps = 0;
@@ -529,7 +530,7 @@ pub fn seconds_a_step(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, 
         }
         let start = Instant::now();
         solver.step_towards(end).map_err(RunError::from)?;
-        // The first step makes what the others use.
+        // The first step includes initialisation.
         if n > 0 {
             taken += start.elapsed();
             steps += 1;
@@ -538,7 +539,7 @@ pub fn seconds_a_step(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, 
     Ok((steps > 0).then(|| taken.as_secs_f64() / f64::from(steps)))
 }
 
-/// Why a folder has no checkpoint.
+/// Explain the absence of a checkpoint in a folder.
 fn no_checkpoint(folder: &Path) -> String {
     use impactite_report::Progress;
     if !folder.exists() {
@@ -559,7 +560,7 @@ fn no_checkpoint(folder: &Path) -> String {
 }
 
 impl Job {
-    /// The scene and how it is run, in front of what a run keeps.
+    /// Store or load the heading of a checkpoint: the scene and its run settings.
     fn preface(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("program", "impactite scene file 2")?;
         file.text(&mut self.source.name)?;
@@ -570,7 +571,7 @@ impl Job {
     }
 }
 
-/// The largest resident memory of this process so far, bytes, where the system tells.
+/// Peak resident memory of this process, bytes; `None` if the system does not report it.
 fn peak_memory() -> Option<usize> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find(|l| l.starts_with("VmHWM:"))?;

@@ -1,4 +1,4 @@
-//! What the program `impactite` does, for programs of one's own: run a scene file in a folder, resume it, vary it, refine it.
+//! Library of the program `impactite`: run a scene file in a folder, resume it, sweep over its keys, refine it.
 
 pub mod converge;
 pub mod error;

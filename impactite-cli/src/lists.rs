@@ -1,4 +1,4 @@
-//! Lists of what scene files accept, for the terminal.
+//! Lists of accepted keys and values of scene files, for the terminal.
 
 use std::fmt::Write;
 
@@ -8,7 +8,7 @@ use impactite_input::list::Topic;
 
 use crate::templates::TEMPLATES;
 
-/// Topics beside those of the library: name and description.
+/// Additional topics besides those of the library: name and description.
 const KEYS: (&str, &str) = ("keys", "all keys, or those below a prefix: keys bodies.plate.shape");
 const SCENES: (&str, &str) = ("templates", "scene files to begin with, for `impactite new`");
 
@@ -23,10 +23,10 @@ pub fn topic_parser() -> PossibleValuesParser {
     PossibleValuesParser::new(topics().map(|(name, what)| PossibleValue::new(name).help(what)))
 }
 
-/// The list of a topic, of keys those below a prefix; the topics if there is none.
+/// Return the list of a topic (of `keys` those below a prefix), or the list of topics if `topic` is `None`.
 ///
 /// # Errors
-/// A topic that there is not; a prefix of no key, or of a topic that takes none.
+/// Unknown topic; unknown prefix, or a prefix for a topic without prefixes.
 pub fn list(topic: Option<&str>, prefix: Option<&str>, markdown: bool) -> Result<String, String> {
     let mut text = String::new();
     match topic {
@@ -64,7 +64,7 @@ pub fn list(topic: Option<&str>, prefix: Option<&str>, markdown: bool) -> Result
                     let _ = writeln!(text, "{}{group}:", if text.is_empty() { "" } else { "\n" });
                 }
                 let _ = writeln!(text, "{}: {}", line.name, line.what);
-                // Properties of named sets have a line each.
+                // Properties of a material have a line each.
                 let between = if *topic == Topic::Materials { "\n    " } else { ", " };
                 if !line.fields.is_empty() {
                     let _ = writeln!(text, "    {}", line.fields.join(between));

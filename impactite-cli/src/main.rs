@@ -1,4 +1,4 @@
-//! The program `impactite`.
+//! Program `impactite`.
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -190,7 +190,7 @@ fn ratio(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Exit codes: checks that failed; errors. Ctrl-C has 130, as in shells.
+/// Exit codes: failed checks, errors, and 130 for Ctrl-C as in shells.
 const CHECKS_FAILED: u8 = 1;
 const ERROR: u8 = 2;
 const STOPPED: u8 = 130;
@@ -205,7 +205,7 @@ fn main() -> ExitCode {
         _ => false,
     };
     let done = Signals::new().and_then(|signals| perform(options.command, &signals));
-    // Output that nobody reads any more (`| head`) is no error.
+    // Output to a closed pipe (`| head`) is no error.
     match done.and_then(|code| flush().map(|()| code)) {
         Ok(code) => code,
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
@@ -232,17 +232,17 @@ fn main() -> ExitCode {
     }
 }
 
-/// A line on the standard error; none where nobody reads it.
+/// Print a line to standard error; write errors are ignored.
 fn print_error(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", shown(line));
 }
 
-/// A line for people on the standard output: in words of scene files, without characters that steer a terminal.
+/// Print a line for people to standard output: in words of scene files, without terminal control characters.
 fn print_words(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
     print_line(format_args!("{}", shown(&line.to_string())))
 }
 
-/// A line on the standard output.
+/// Print a line to standard output.
 fn print_line(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
     writeln!(std::io::stdout(), "{line}").map_err(CliError::file("standard output"))
 }
@@ -251,7 +251,7 @@ fn flush() -> Result<(), CliError> {
     std::io::stdout().flush().map_err(CliError::file("standard output"))
 }
 
-/// To the standard error, by `RUST_LOG` (levels, or `target=level` separated by commas) or the options.
+/// Configure the log to standard error by `RUST_LOG` (levels, or `target=level` separated by commas) or by the options.
 fn log(options: &Options) {
     use tracing_subscriber::filter::{LevelFilter, Targets};
     use tracing_subscriber::layer::{Layer, SubscriberExt};
@@ -264,7 +264,7 @@ fn log(options: &Options) {
     };
     let filter = std::env::var("RUST_LOG").ok().and_then(|said| said.parse().ok());
     let filter = filter.unwrap_or_else(|| Targets::new().with_default(level));
-    // Colours for terminals that have them.
+    // Colour output on terminals that support it.
     let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
     let dumb = set("TERM").is_some_and(|term| term == "dumb");
     let colours = std::io::stderr().is_terminal() && set("NO_COLOR").is_none() && !dumb;
@@ -277,8 +277,8 @@ fn log(options: &Options) {
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }
 
-/// Effect of SIGINT and SIGTERM: while a scene is set up they end the program at once, in a run they stop it with a checkpoint, and a
-/// second one ends it at once.
+/// Handling of SIGINT and SIGTERM: during set-up they end the program at once; in a run the first one stops it with a checkpoint, a second
+/// one ends it at once.
 struct Signals {
     stop: Arc<AtomicBool>,
     setting_up: Arc<AtomicBool>,
@@ -292,11 +292,12 @@ impl Signals {
         for signal in [consts::SIGINT, consts::SIGTERM] {
             let code = i32::from(STOPPED);
             flag::register_conditional_shutdown(signal, code, signals.setting_up.clone()).map_err(wrong)?;
-            // In this order: the first one finds it false, sets it, and the second finds it true.
+            // Order matters: on the first signal the conditional shutdown finds `stop` false, then `stop` is set; the second signal finds
+            // it true.
             flag::register_conditional_shutdown(signal, code, signals.stop.clone()).map_err(wrong)?;
             flag::register(signal, signals.stop.clone()).map_err(wrong)?;
         }
-        // A limit on the size of files then fails the write, which has words, and does not end the program.
+        // With a handler, exceeding the file size limit fails the write with an error instead of ending the program.
         #[cfg(unix)]
         flag::register(consts::SIGXFSZ, Arc::default()).map_err(wrong)?;
         Ok(signals)
@@ -341,7 +342,7 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             impactite_input::measured::Measures::new(&source, &scene, &*solver)?;
             let ahead = source.estimate(&scene, &mut *solver)?;
             print_words(format_args!("{}: {}", scene.title, solver.method()))?;
-            // The first steps show what only they refuse, and how long one takes.
+            // The first steps detect errors that only a step finds, and measure the time per step.
             let team = Team::new(std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST));
             solver.set_team(
                 team.map_err(|e| CliError::Option { option: "threads".into(), why: e.to_string() })?,
@@ -428,7 +429,7 @@ fn with(job: Job, how: &HowOptions, signals: &Signals) -> Job {
     }
 }
 
-/// The measures of each run of a sweep.
+/// Print the measures of each run of a sweep.
 fn print_sweep(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
     for point in points {
         let values = point.values.join(", ");
@@ -444,7 +445,7 @@ fn print_sweep(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
     Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::from(ERROR) })
 }
 
-/// The table of a study of convergence with its checks, and the exit code: failure if a run or a check of the finest level failed.
+/// Print the table of a convergence study with its checks. Return the exit code: failure if a run or a check of the finest level failed.
 fn print_convergence(study: &Convergence, folder: &Path, json: bool) -> Result<ExitCode, CliError> {
     for line in study.lines() {
         print_words(format_args!("{line}"))?;
@@ -464,14 +465,14 @@ fn print_convergence(study: &Convergence, folder: &Path, json: bool) -> Result<E
     })
 }
 
-/// The JSON object of `--json`, on a line.
+/// Print the JSON object of `--json` on one line.
 fn print_json(result: &impl serde::Serialize) -> Result<(), CliError> {
     let json = serde_json::to_string(result)
         .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
     print_line(format_args!("{json}"))
 }
 
-/// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
+/// Print the measures and the checks, failed ones first. Return the exit code: failure if a check failed.
 fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
     for measured in &outcome.measures {
         print_words(format_args!("{}: {measured:.6}", measured.0))?;
@@ -482,7 +483,7 @@ fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitC
         let verdict = if check.pass == Some(true) { "passed" } else { "FAILED" };
         let reference = check.reference.unwrap_or(f64::NAN);
         let allowed = check.tolerance.unwrap_or(0.0);
-        // Of a reference of zero the difference is the value.
+        // Absolute difference for a reference of zero.
         let (off, allowed) = if reference == 0.0 {
             (String::new(), format!("{allowed:.1e}"))
         } else {

@@ -1,4 +1,4 @@
-//! Pictures of a scene as it goes.
+//! Pictures of a scene during its run.
 
 use impactite::observe::Draw;
 use impactite::output::picture::{FieldPicture, Mirror, ParticlePicture, Picture, Quantity, SeriesView};
@@ -9,13 +9,13 @@ use impactite_input::model::Space;
 use impactite_input::model::condition::{Condition, Side};
 use impactite_input::model::output::Mirror as Mirrors;
 
-/// Widths and heights of pictures, pixels: one of each for a run, so that the scene fills the picture.
+/// Ranges of picture width and height, pixels: chosen once per run so that the scene fills the picture.
 const WIDTHS: [usize; 2] = [640, 1000];
 const HEIGHTS: [usize; 2] = [350, 750];
-/// Distance beyond the bodies to which the first window follows their flight, part of the longest side of all.
+/// Largest flight distance that the first window covers beyond the bodies, as a fraction of the longest side of their bounding box.
 const FORESIGHT: f64 = 0.5;
 
-/// Draws snapshots of a scene.
+/// Renderer of snapshots of a scene.
 pub struct Draws {
     title: String,
     space: Space,
@@ -23,13 +23,13 @@ pub struct Draws {
     colour: Option<Quantity>,
     mirrors: Vec<Mirror>,
     seen_from: Option<[f64; 3]>,
-    /// Planes that hold matter on one side: axis, place (m), side.
+    /// Planes that confine matter to one side: axis, position (m), side.
     planes: Vec<(usize, f64, Side)>,
     film: SeriesView,
 }
 
 impl Draws {
-    /// Pictures of a scene file; mirrored where an axis has one plane of symmetry, so that a quarter is drawn whole.
+    /// Create the renderer for a scene file; mirrored at an axis with one plane of symmetry, so that a quarter model is drawn whole.
     #[must_use]
     pub fn new(scene: &SceneFile) -> Self {
         let (output, space) = (&scene.output, scene.space);
@@ -72,19 +72,19 @@ impl Draws {
         }
     }
 
-    /// Mirrors of the pictures.
+    /// Return the mirror planes of the pictures.
     #[must_use]
     pub fn mirrors(&self) -> &[Mirror] {
         &self.mirrors
     }
 
-    /// The box of the bodies now and where they fly until the end, as far as walls and [`FORESIGHT`] let them.
+    /// Return the bounding box of the bodies now and along their flight until the end, limited by walls and [`FORESIGHT`].
     fn foreseen(&self, snapshot: &Snapshot) -> Option<[[f64; 3]; 2]> {
         let (low, high) = snapshot.bounds()?;
         let velocities = snapshot.vector("velocity").ok()?;
         let farthest = FORESIGHT * (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
         let count = snapshot.bodies().iter().max().map_or(0, |&body| body as usize + 1);
-        // Corners, velocities and number of points of each body.
+        // Lower and upper corner, sum of velocities and number of points of each body.
         let mut bodies = vec![([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], [0.0; 3], 0.0); count];
         for ((body, x), v) in snapshot.bodies().iter().zip(snapshot.positions()).zip(velocities) {
             let (low, high, sum, points) = &mut bodies[*body as usize];
@@ -117,7 +117,7 @@ impl Draws {
     }
 }
 
-/// Mirrors across planes of symmetry, as the scene file says.
+/// Return the mirror planes: planes of symmetry as selected in the scene file.
 fn mirrors(scene: &SceneFile) -> Vec<Mirror> {
     let mut mirrors: Vec<Mirror> = Vec::new();
     let mut of_axes = Vec::new();
@@ -130,7 +130,7 @@ fn mirrors(scene: &SceneFile) -> Vec<Mirror> {
             of_axes.push(plane.axis);
         }
     }
-    // A plane below matter that has weight is a floor.
+    // A symmetry plane normal to gravity is a floor.
     let weighs = |axis: usize| {
         let along = scene.gravity.as_ref().and_then(|list| list.get(axis));
         along.is_some_and(|formula| formula.as_constant() != Some(0.0))
@@ -187,7 +187,7 @@ impl Draw for Draws {
     }
 }
 
-/// A time in the unit that suits it.
+/// Format a time with a suitable unit.
 #[must_use]
 pub fn moment(seconds: f64) -> String {
     let (unit, factor) = impactite::output::picture::time_unit(seconds);

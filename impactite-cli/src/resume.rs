@@ -1,4 +1,4 @@
-//! Sweeps and studies of convergence that go on.
+//! Resumption of sweeps and convergence studies.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -12,17 +12,16 @@ use crate::{CliError, Job};
 /// Result of a sweep.
 #[derive(Clone, Debug)]
 pub enum Swept {
-    /// Runs over lists of values.
+    /// Points of a sweep over lists of values.
     Values(Vec<Point>),
-    /// Runs of a study of convergence.
+    /// Levels of a convergence study.
     Levels(Convergence),
 }
 
-/// Go on with the sweep or the study of convergence in a folder: runs that have ended are read, runs that were stopped are resumed, the
-/// others are made.
+/// Resume the sweep or the convergence study in a folder: finished runs are read, stopped runs are resumed, the others are run.
 ///
 /// # Errors
-/// [`sweep`](crate::sweep::sweep) in a folder without a plan.
+/// Errors of [`sweep`](crate::sweep::sweep); folder without a plan.
 pub fn resume(folder: &Path, how: impl FnOnce(Job) -> Job, stop: &AtomicBool) -> Result<Swept, CliError> {
     let (base, mut plan, _lock) = reopen(folder, how)?;
     let points = go_on(&base, &mut plan, stop)?;

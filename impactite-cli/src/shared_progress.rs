@@ -1,4 +1,4 @@
-//! Progress of a run, for programs that show it themselves.
+//! Progress of a run, for programs that display it themselves.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -18,40 +18,41 @@ pub struct SharedProgress {
     now: Mutex<(ProgressState, Vec<String>)>,
 }
 
-/// Time and steps that a run has reached.
+/// Time and number of steps reached by a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProgressState {
     /// Simulated time, s.
     pub time: f64,
     /// Simulated time at the end of the run, s; 0 before the first step.
     pub end: f64,
-    /// Steps made since the scene was set up.
+    /// Number of steps since set-up.
     pub steps: u64,
     /// Point updates per second of wall-clock time in steps.
     pub rate: f64,
-    /// Energy error: the change of the total energy that nothing explains over the largest energy so far.
+    /// Energy error: unexplained change of the total energy over the largest energy so far.
     pub energy_error: f64,
 }
 
 impl SharedProgress {
-    /// Set-up is complete. A run that is asked to stop earlier ends before it writes a file.
+    /// True if set-up is complete. A stop request before that ends the run before it writes a file.
     pub fn begun(&self) -> bool {
         self.begun.load(Ordering::SeqCst)
     }
 
-    /// Time and steps reached.
+    /// Return the time and the number of steps reached.
     pub fn stand(&self) -> ProgressState {
         self.now.lock().unwrap_or_else(PoisonError::into_inner).0
     }
 
-    /// Warnings of the run so far.
+    /// Return the warnings of the run so far.
     pub fn warnings(&self) -> Vec<String> {
         self.now.lock().unwrap_or_else(PoisonError::into_inner).1.clone()
     }
 
-    /// Mark the scene as set up; false if the run was asked to stop before.
+    /// Mark the scene as set up; return false if a stop was requested before.
     pub(crate) fn begin(&self, stop: &AtomicBool) -> bool {
-        // Who stops the run first stores `stop` and then loads `begun`: at least one of the two threads sees the store of the other.
+        // A thread that stops the run first stores `stop` and then loads `begun`: at least one of the two threads sees the store of the
+        // other.
         self.begun.store(true, Ordering::SeqCst);
         !stop.load(Ordering::SeqCst)
     }
@@ -63,7 +64,8 @@ impl SharedProgress {
     }
 }
 
-/// Observer of progress: the bar of the program, or an [`SharedProgress`] in its place. It is one observer in both cases, so that checkpoints fit both.
+/// Observer of progress: the terminal bar, or a [`SharedProgress`] in its place. One observer serves both cases, so that checkpoints fit
+/// both.
 pub(crate) struct Shown {
     pub bar: Progress,
     pub advance: Option<Arc<SharedProgress>>,

@@ -1,4 +1,4 @@
-//! Runs over lists of values.
+//! Parameter sweep: runs over lists of values.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,21 +15,21 @@ use crate::CliError;
 use crate::folder::{CHECKPOINT, FolderLock, RESULT, SCENE, remove};
 use crate::job::{Job, Measured, Outcome};
 
-/// One key and the values that it takes.
+/// Key of a sweep and its values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
-    /// The key, as `bodies.rod.speed`.
+    /// Key, as `bodies.rod.speed`.
     pub key: String,
-    /// The values, as they are written in files.
+    /// Values, as written in scene files.
     pub list: Vec<String>,
 }
 
-/// How values are written.
+/// Syntax of a key with its values.
 const USAGE: &str = "write KEY=A,B,C or KEY=A..B/N UNIT, as parameters.speed=\"150..250/5 m/s\"";
 
 impl std::str::FromStr for Values {
     type Err = String;
-    /// `KEY=A,B,C`, or `KEY=A..B/N UNIT` for N values from A to B in a unit, which may be left out.
+    /// Parse `KEY=A,B,C`, or `KEY=A..B/N UNIT` for N values from A to B in an optional unit.
     fn from_str(text: &str) -> Result<Self, String> {
         let (key, list) = text.split_once('=').ok_or(USAGE)?;
         if let Some((from, rest)) = list.split_once("..") {
@@ -61,35 +61,35 @@ impl std::str::FromStr for Values {
     }
 }
 
-/// A run of a sweep: the values of the keys, and its outcome.
+/// Run of a sweep: values of the keys, and outcome.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// A value a key.
+    /// Values, one per key.
     pub values: Vec<String>,
-    /// The outcome, or why the run failed.
+    /// Outcome, or the reason of failure.
     pub outcome: Result<Outcome, String>,
 }
 
-/// Name of the plan of a sweep in its folder, from which it goes on.
+/// Name of the plan file in the folder of a sweep, from which the sweep is resumed.
 pub const PLAN: &str = "sweep.json";
-/// Names of its table and chart there.
+/// Names of the sweep's table and chart files.
 const TABLE: &str = "sweep.csv";
 const CHART: &str = "sweep.png";
 
-/// A sweep, and how far it came.
+/// Plan and progress of a sweep.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Plan {
     /// Name and text of the scene.
     name: String,
     scene: String,
     pub(crate) keys: Vec<Values>,
-    /// Ratio of the levels, of a study of convergence.
+    /// Ratio of the sizes of neighbouring levels; `None` unless the sweep is a convergence study.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(crate) ratio: Option<f64>,
     pictures: bool,
     report: bool,
     keep_checkpoint: bool,
-    /// Why runs failed, by their numbers from 1.
+    /// Reasons of failed runs, by run number from 1.
     failed: BTreeMap<usize, String>,
 }
 
@@ -99,7 +99,7 @@ impl Plan {
         Ok(impactite::output::write_whole(folder.join(PLAN), text + "\n")?)
     }
 
-    /// All combinations of values, the last key's varying fastest.
+    /// Return all combinations of values; those of the last key vary fastest.
     fn combinations(&self) -> Vec<Vec<String>> {
         self.keys.iter().fold(vec![Vec::new()], |list, values| {
             let with = |before: &Vec<String>, v: &String| [before.clone(), vec![v.clone()]].concat();
@@ -108,14 +108,13 @@ impl Plan {
     }
 }
 
-/// Run a scene for all combinations of values, each in a folder of its own (`001`, ...); then write the table `sweep.csv` and, of one
-/// key with numbers, the chart `sweep.png`. The plan `sweep.json` is what
-/// [`resume`](crate::resume::resume) goes on with.
+/// Run a scene for all combinations of values, each in a folder of its own (`001`, ...); then write the table `sweep.csv` and, for one key
+/// with numbers, the chart `sweep.png`. [`resume`](crate::resume::resume) continues from the plan `sweep.json`.
 ///
-/// A run that fails is a row of NaN, and `sweep.json` has its reason; the others go on.
+/// A failed run is a row of NaN, and `sweep.json` has its reason; the other runs continue.
 ///
 /// # Errors
-/// A key that the scene does not have, a file that cannot be written, a folder that another run holds; a request to stop.
+/// Key that the scene does not have, file that cannot be written, folder locked by another run; a stop request.
 pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
     let (mut plan, _lock) = begin(base, keys, None)?;
     let points = go_on(base, &mut plan, stop)?;
@@ -123,8 +122,8 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
     Ok(points)
 }
 
-/// The saved plan of a new sweep in its folder, from which the files of an earlier one are removed. `ratio` is that of the levels of a study of
-/// convergence.
+/// Begin a sweep: lock its folder, remove the files of an earlier sweep and save the plan. `ratio` is the size ratio of the levels of a
+/// convergence study.
 pub(crate) fn begin(base: &Job, keys: &[Values], ratio: Option<f64>) -> Result<(Plan, FolderLock), CliError> {
     let plan = Plan {
         name: base.source.name.clone(),
@@ -141,7 +140,7 @@ pub(crate) fn begin(base: &Job, keys: &[Values], ratio: Option<f64>) -> Result<(
     for name in [PLAN, TABLE, CHART].iter().chain(&convergence::FILES) {
         remove(&base.folder.join(name))?;
     }
-    // Runs of an earlier sweep, of which there may have been more.
+    // Clear the runs of an earlier sweep, which may have had more runs.
     for number in 1.. {
         let folder = base.folder.join(run_folder(number));
         if !folder.is_dir() {
@@ -153,10 +152,10 @@ pub(crate) fn begin(base: &Job, keys: &[Values], ratio: Option<f64>) -> Result<(
     Ok((plan, lock))
 }
 
-/// The sweep in a folder: its base, its plan, and the lock of the folder.
+/// Reopen the sweep in a folder: its base, its plan, and the lock of the folder.
 ///
 /// # Errors
-/// A folder without a plan, or that another run holds.
+/// Folder without a plan, or folder locked by another run.
 pub(crate) fn reopen(
     folder: &Path,
     how: impl FnOnce(Job) -> Job,
@@ -175,7 +174,7 @@ pub(crate) fn reopen(
     Ok((base, plan, FolderLock::new(folder)?))
 }
 
-/// The scene of each run. Invalid scenes are refused before the first run.
+/// Return the scene of each run. Invalid scenes fail before the first run.
 fn sources(base: &Job, plan: &Plan) -> Result<Vec<Source>, CliError> {
     let one = |combination: &Vec<String>| {
         let mut source = base.source.clone();
@@ -188,7 +187,7 @@ fn sources(base: &Job, plan: &Plan) -> Result<Vec<Source>, CliError> {
     plan.combinations().iter().map(one).collect()
 }
 
-/// The runs of a plan, whose folder the caller has locked.
+/// Run a plan, whose folder the caller has locked.
 pub(crate) fn go_on(base: &Job, plan: &mut Plan, stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
     let mut points = Vec::new();
     for (n, (source, values)) in sources(base, plan)?.into_iter().zip(plan.combinations()).enumerate() {
@@ -211,7 +210,7 @@ pub(crate) fn go_on(base: &Job, plan: &mut Plan, stop: &AtomicBool) -> Result<Ve
                         return Err(interrupted.into());
                     }
                     Err(why) => {
-                        // A full disk or a folder in use is tried again when the sweep goes on; a scene fails again.
+                        // A full disk or a locked folder is retried when the sweep is resumed; an error of the scene would recur.
                         if why.is_of_the_scene() {
                             plan.failed.insert(number, why.to_string());
                             plan.save(&base.folder)?;
@@ -227,12 +226,12 @@ pub(crate) fn go_on(base: &Job, plan: &mut Plan, stop: &AtomicBool) -> Result<Ve
     Ok(points)
 }
 
-/// Folder of the run of a number from 1, within that of the sweep.
+/// Name of the folder of a run, numbered from 1, within that of the sweep.
 pub(crate) fn run_folder(number: usize) -> String {
     format!("{number:03}")
 }
 
-/// The outcome of a run that has ended in its folder, of this scene.
+/// Return the outcome of a finished run in its folder, if its scene is unchanged.
 fn done(folder: &Path, source: &Source) -> Option<Outcome> {
     let text = std::fs::read_to_string(folder.join(RESULT)).ok()?;
     let scene = std::fs::read_to_string(folder.join(SCENE)).ok()?;
@@ -244,7 +243,7 @@ fn number(text: &str) -> Option<f64> {
     number.parse().ok()
 }
 
-/// The unit that all values are written with; "-" of plain numbers, and of several units.
+/// Return the common unit of all values; "-" for plain numbers and for mixed units.
 fn common_unit(values: &Values) -> &str {
     let units =
         values.list.iter().map(|v| v.trim_matches('"').split_once(' ').map_or("-", |(_, unit)| unit.trim()));
@@ -255,7 +254,7 @@ fn common_unit(values: &Values) -> &str {
     }
 }
 
-/// Write the table of a sweep and, of one key with numbers, its chart.
+/// Write the table of a sweep and, for one key with numbers, its chart.
 pub(crate) fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
     let Some(first) = points.iter().find_map(|p| p.outcome.as_ref().ok()) else { return Ok(()) };
     let columns = keys.iter().map(|k| (k.key.as_str(), common_unit(k)));
@@ -288,11 +287,11 @@ pub(crate) fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<
     Ok(())
 }
 
-/// Chart of measures over the values of a key; None for fewer than two values and for values that are no numbers. A measure is its name, its
-/// unit, and one number per value.
+/// Draw a chart of measures over the values of a key; `None` for fewer than two values and for values that are no numbers. A measure
+/// consists of its name, its unit, and one number per value.
 ///
 /// # Errors
-/// A picture that cannot be drawn.
+/// Picture that cannot be drawn.
 pub fn chart(
     title: &str,
     values: &Values,
@@ -315,9 +314,9 @@ pub fn chart(
 /// Width of a chart, pixels.
 const WIDTH: usize = 640;
 
-/// A title that fits a picture of this width: its end, which names the key, stays.
+/// Shorten a title to fit a picture of this width; its end, which contains the key, stays.
 fn fitting(title: &str, width: usize) -> String {
-    // Letters of a title are 12 pixels wide at most on average.
+    // Average letters of a title are at most 12 pixels wide.
     let most = width / 12;
     let letters: Vec<char> = title.chars().collect();
     if letters.len() <= most {

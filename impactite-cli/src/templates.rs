@@ -1,4 +1,4 @@
-//! Scene files to begin with: those of the repository's folders `scenes/templates` and `scenes`.
+//! Template scene files: those of the repository's folders `scenes/templates` and `scenes`.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use crate::CliError;
 
 macro_rules! templates {
     ($($name:literal in $folder:literal: $what:literal,)*) => {
-        /// Name, what it shows, and text.
+        /// Name, description and text.
         pub const TEMPLATES: &[(&str, &str, &str)] =
             &[$(($name, $what, include_str!(concat!("../", $folder, "/", $name, ".toml"))),)*];
     };
@@ -36,16 +36,16 @@ templates! {
     "granular_column" in "scenes": "mpm: a column of bars collapses",
 }
 
-/// Files that templates read: template, name of the file, and text.
+/// Files that templates read: template, file name, and text.
 pub const FILES: &[(&str, &str, &str)] = &[
     ("stl_part", "bracket.stl", include_str!("../scenes/templates/bracket.stl")),
     ("fem_mesh_file", "beam.msh", include_str!("../scenes/templates/beam.msh")),
 ];
 
-/// Write a template as a file, with the files that it reads beside it. Nothing is written over.
+/// Write a template and the files that it reads. Existing files are not overwritten.
 ///
 /// # Errors
-/// No such template; a file that is there already, or cannot be written.
+/// Unknown template; file that exists or cannot be written.
 pub fn write(template: &str, path: &Path) -> Result<Vec<PathBuf>, CliError> {
     let Some((_, _, text)) = TEMPLATES.iter().find(|t| t.0 == template) else {
         let names: Vec<&str> = TEMPLATES.iter().map(|t| t.0).collect();

@@ -1,5 +1,5 @@
-//! Attacks: kills, damaged checkpoints, random scenes, a busy machine. A few of each in every test; ten times as many with another seed, which
-//! takes minutes:
+//! Stress tests: kills, damaged checkpoints, random scenes, a busy machine. A few of each in every test run; ten times as many with another
+//! seed, which takes minutes:
 //!
 //! `IMPACTITE_SEED=7 IMPACTITE_ATTACKS=10 cargo test --release -p impactite-cli --test attack -- --include-ignored`
 #![cfg(unix)]
@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::Duration;
 
-/// A generator of numbers (splitmix64).
+/// Random number generator (splitmix64).
 struct Numbers(u64);
 
 impl Numbers {
-    /// Random numbers of this attack, by the seed of the environment.
+    /// Create the random numbers of an attack from the seed of the environment.
     fn new(attack: u64) -> Self {
         let seed = std::env::var("IMPACTITE_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1u64);
         Numbers(seed.wrapping_mul(1000) + attack)
@@ -30,7 +30,7 @@ impl Numbers {
     fn of<'a>(&mut self, list: &[&'a str]) -> &'a str {
         list[self.below(list.len())]
     }
-    /// From a to b.
+    /// Random number from a to b.
     fn real(&mut self, a: f64, b: f64) -> f64 {
         a + (b - a) * (self.word() >> 11) as f64 / (1u64 << 53) as f64
     }
@@ -54,7 +54,7 @@ fn impactite(arguments: &[&str]) -> Command {
     command
 }
 
-/// The output of a program that ends by itself with one of its exit codes.
+/// Return exit code and output of a program; panic unless it ends by itself with one of its exit codes.
 fn orderly(command: &mut Command, what: &str) -> (i32, String) {
     let Output { status, stdout, stderr } = command.output().expect("the program");
     let said = String::from_utf8_lossy(&stdout).to_string() + &String::from_utf8_lossy(&stderr);
@@ -187,7 +187,7 @@ fn damaged_checkpoints_are_refused() {
     std::fs::remove_dir_all(at).expect("the folder");
 }
 
-/// A scene of one to three bodies, by numbers that a user may write.
+/// Generate a random scene of one to three bodies with numbers of plausible magnitude.
 fn random_scene(numbers: &mut Numbers) -> String {
     let space = numbers.of(&["plane strain", "plane strain", "axisymmetric", "3d"]);
     let dimensions = if space == "3d" { 3 } else { 2 };
@@ -281,7 +281,7 @@ fn random_scenes_end_in_order() {
     std::fs::remove_dir_all(at).expect("the folder");
 }
 
-/// With the lowest priority beside threads that take all processors.
+/// Run checks at the lowest priority beside threads that occupy all processors.
 #[test]
 #[ignore = "takes all processors, which other tests need"]
 fn a_busy_machine_refuses_no_scene() {

@@ -1,11 +1,11 @@
-//! Studies of convergence, as a person makes them.
+//! Convergence studies by the program.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A block that a force growing with time accelerates, without deformation: a velocity of 2 m/s after 2e6 t^2. Its mass is that of its cells at
-/// any resolution.
+/// Undeformed block under a gravity that grows linearly with time: velocity 2e6 t^2, 2 m/s after 1 ms. Its mass does not depend on the
+/// resolution.
 const BLOCK: &str = r#"
 title = "A block in a <growing> field"
 space = "plane strain"
@@ -70,7 +70,7 @@ fn json(text: &str) -> serde_json::Value {
     serde_json::from_str(text).unwrap_or_else(|e| panic!("{e}:\n{text}"))
 }
 
-/// The velocity is summed up over steps of fixed size, whose error is of first order and exactly linear under a force that is linear in time.
+/// The velocity is integrated with a fixed step, whose error is of first order and exactly linear for a force linear in time.
 #[test]
 fn a_study_finds_order_and_limit() {
     let at = folder("order");
@@ -83,14 +83,14 @@ fn a_study_finds_order_and_limit() {
     assert_eq!(read(out.join("converge.json")), last.clone() + "\n");
     let study = json(&last);
     let [speed, mass] = [0, 1].map(|n| &study["measures"][n]);
-    // Rounding of a difference of a hundredth of its values, in forty steps.
+    // Tolerance: rounding of a difference of a hundredth of the values, in forty steps.
     let close = |x: &serde_json::Value, to: f64| (x.as_f64().expect("a number") - to).abs() < 1e-9;
     assert!(close(&speed["order"], 1.0) && close(&speed["extrapolated"], 2.0), "{speed}");
     let finest = speed["values"][2].as_f64().expect("a number");
     assert!(close(&speed["band"], 1.25 * (finest - 2.0).abs()), "{speed}");
     assert_eq!((&mass["trend"], mass["order"].is_null()), (&"unchanged".into(), true));
     assert_eq!(study["checks"][0]["extrapolated"], "passed");
-    // The step shrinks with the cell.
+    // The step scales with the cell.
     let keys: Vec<&str> =
         study["refined"].as_array().expect("keys").iter().filter_map(|k| k["key"].as_str()).collect();
     assert_eq!(keys, ["method.mpm.cell", "time_step.fixed"]);
@@ -113,7 +113,7 @@ fn a_study_finds_order_and_limit() {
             && page.contains("data:image/png")
     );
     assert!(out.join("converge.png").exists() && !out.join("sweep.csv").exists());
-    // The coarsest run is the scene as it was written, to the bit.
+    // The coarsest run equals the scene as written, to the bit.
     let alone = impactite(&at, &["run", "block.toml", "--no-pictures", "--no-report", "--out", "alone"]);
     let measures = |path: PathBuf| json(&read(path))["measures"].clone();
     assert_eq!(
@@ -123,7 +123,7 @@ fn a_study_finds_order_and_limit() {
         said(&alone)
     );
 
-    // Two threads, the other way: the scene is the finest level, of two, which have no order.
+    // `--coarser` with two threads: the scene is the finest of two levels, which have no order.
     let coarser = [
         "converge",
         "block.toml",
@@ -162,7 +162,7 @@ fn exit_codes_tell_checks_from_errors() {
         code == Some(1) && text.contains("finest FAILED") && text.contains("extrapolated FAILED"),
         "{text}"
     );
-    // The band of the finest level crosses the limit of the tolerance.
+    // The tolerance limit lies within the error band of the finest level.
     let (code, text) = run(&["--set", "checks[0].tolerance=0.01"]);
     assert!(code == Some(1) && text.contains("undecided"), "{text}");
     for (arguments, words) in [
@@ -170,7 +170,7 @@ fn exit_codes_tell_checks_from_errors() {
         (&["--levels", "1"], "2..=8"),
         (&["--set", "measures={}", "--set", "checks=[]"], "no measures"),
         (&["--refine", "method.mpm.cel"], "no such key"),
-        // One size alone.
+        // Refinement of one size only.
         (
             &["--refine", "method.mpm.cell"],
             "time_step.fixed: is 5.000000e-5 s at level 2; it must be 2.500000e-5 s",
@@ -180,7 +180,7 @@ fn exit_codes_tell_checks_from_errors() {
         let (code, text) = run(arguments);
         assert!(code == Some(2) && text.contains(words), "{arguments:?}: {text}");
     }
-    // A level that fails, here since a file is in the place of its folder: the others have values.
+    // A file in the place of its folder lets one level fail; the other levels have values.
     std::fs::create_dir_all(at.join("f")).unwrap();
     std::fs::write(at.join("f/003"), "").unwrap();
     let (code, text) = run(&["--out", "f"]);
@@ -193,7 +193,7 @@ fn exit_codes_tell_checks_from_errors() {
     std::fs::remove_dir_all(at).unwrap();
 }
 
-/// Killed in one of its runs.
+/// Kill the study in one of its runs.
 #[cfg(unix)]
 #[test]
 fn a_study_goes_on_where_it_was_stopped() {
@@ -239,7 +239,7 @@ fn a_study_goes_on_where_it_was_stopped() {
     let last = String::from_utf8_lossy(&resumed.stdout).lines().last().unwrap_or_default().to_string();
     assert_eq!(json(&last)["measures"], json(&read(at.join("whole/converge.json")))["measures"]);
     assert!(at.join("cut/converge.html").exists());
-    // A sweep in the folder leaves no files of the study.
+    // A sweep in the same folder removes the files of the study.
     let sweep = [
         "sweep",
         "block.toml",

@@ -1,9 +1,9 @@
-//! Folders of runs: one run each, without results of earlier ones, that goes on from anywhere.
+//! Run folders: one run at a time, without results of earlier runs, and resumable from any directory.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// A rubber disc that falls on a floor.
+/// Rubber disc that falls on a floor.
 const DISC: &str = r#"
 title = "A disc on a floor"
 space = "plane strain"
@@ -21,7 +21,7 @@ velocity = [0, "-speed"]
 height = { centre = { body = "disc", axis = "y" } }
 "#;
 
-/// Stops within its run: steps beyond the stable one.
+/// Setting that stops the run: steps beyond the stable time step.
 const STOPS: &str = "time_step.fixed=\"80 us\"";
 
 fn impactite(folder: &Path, arguments: &[&str]) -> Output {
@@ -67,7 +67,7 @@ fn a_run_that_fails_leaves_no_results_of_an_earlier_one() {
             && !at.join("r/pictures/scene_000099.png.1-1.part").exists()
     );
     assert_eq!(read(at.join("r/mine.txt")), "kept");
-    // A scene that is refused leaves everything.
+    // A refused scene leaves all files.
     let again = impactite(&at, &["run", "disc.toml", "--out", "r2"]);
     assert!(again.status.success());
     let refused = impactite(&at, &["run", "disc.toml", "--out", "r2", "--set", "method.mpm.cell=0"]);
@@ -114,18 +114,18 @@ fn two_runs_do_not_share_a_folder() {
     }
     first.kill().expect("its end");
     first.wait().expect("its end");
-    // A killed run holds nothing.
+    // The lock of a killed run is released.
     let resumed = impactite(&at, &["resume", "r", "--set", "end=1e-5"]);
     assert!(!said(&resumed).contains("another run"), "{}", said(&resumed));
     std::fs::remove_dir_all(at).unwrap();
 }
 
-/// With a surface beside the scene, from another folder, to a later end.
+/// Lengthen a run of a scene with a surface file beside it, from another directory.
 #[cfg(unix)]
 #[test]
 fn a_run_is_lengthened_from_anywhere_as_if_it_had_been_so_long() {
     let at = folder("lengthened");
-    // A cube of 20 mm.
+    // Cube of 20 mm.
     let mut stl = String::from("solid cube\n");
     for axis in 0..3 {
         for (side, order) in [(0.0, [0, 2, 1, 0, 3, 2]), (20.0, [0, 1, 2, 0, 2, 3])] {
@@ -164,15 +164,15 @@ fn a_run_is_lengthened_from_anywhere_as_if_it_had_been_so_long() {
     };
     run("long", &["--set", "end=\"3 ms\""]);
     run("kept", &["--keep-checkpoint"]);
-    // Its end was met exactly, by a shorter step.
+    // The last step was shortened to reach the end exactly.
     let longer =
         impactite(Path::new("/"), &["resume", at.join("kept").to_str().unwrap(), "--set", "end=\"3 ms\""]);
     assert!(longer.status.success(), "{}", said(&longer));
     assert!(read(at.join("kept/scene.toml")).contains(at.join("b/cube.stl").to_str().unwrap()));
     let rows = |folder: &str| read(at.join(folder).join("measures.csv")).lines().count();
-    // A row more, at the end that it had.
+    // The lengthened run has at most one additional row, at its earlier end.
     assert!((0..2).contains(&(rows("kept") - rows("long"))));
-    // The scene in the folder runs where it lies.
+    // The scene file in the run folder is valid there.
     let again = impactite(Path::new("/"), &["check", at.join("kept/scene.toml").to_str().unwrap()]);
     assert!(again.status.success(), "{}", said(&again));
 
@@ -201,14 +201,14 @@ fn a_run_is_lengthened_from_anywhere_as_if_it_had_been_so_long() {
     let longer =
         impactite(Path::new("/"), &["resume", at.join("cut").to_str().unwrap(), "--set", "end=\"3 ms\""]);
     assert!(longer.status.success(), "{}", said(&longer));
-    // It was stopped within its run: the same bits as of one that was made so long.
+    // A run stopped before its end, then lengthened, equals the longer run to the bit.
     assert_eq!(read(at.join("cut/measures.csv")), read(at.join("long/measures.csv")));
     let ended = impactite(&at, &["resume", "cut"]);
     assert!(ended.status.code() == Some(2) && said(&ended).contains("has ended"), "{}", said(&ended));
     std::fs::remove_dir_all(at).unwrap();
 }
 
-/// Killed after its last step, before its result was written.
+/// State after a kill between the last step and the result.
 #[test]
 fn a_run_with_nothing_left_to_do_ends_as_finished() {
     let at = folder("nothing");
@@ -264,7 +264,7 @@ fn a_sweep_goes_on_where_it_was_stopped() {
         table.lines().map(|l| l.rsplit_once(',').unwrap_or_default().0.to_string()).collect::<Vec<_>>()
     };
     assert_eq!(without_time(&read(at.join("s/sweep.csv"))), without_time(&table));
-    // A shorter one leaves no runs of a longer one.
+    // A shorter sweep removes the runs of a longer one.
     let shorter = impactite(
         &at,
         &[

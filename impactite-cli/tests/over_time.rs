@@ -1,4 +1,4 @@
-//! Measures over time, and ends by measures, of runs that are stopped and go on.
+//! Measures over time, and ends by measures, for runs that are stopped and resumed.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use impactite_cli::{CliError, Job, Outcome};
 use impactite_input::Source;
 
-/// A ball that bounces off a floor, until its centre has come up again.
+/// Ball that bounces off a floor, until its centre has risen again.
 const SCENE: &str = r#"
 title = "bounce"
 space = "plane strain"
@@ -52,7 +52,7 @@ fn of(outcome: &Outcome, name: &str) -> f64 {
 fn a_run_that_goes_on_has_the_measures_over_time_of_one_that_was_not_stopped() {
     let never = AtomicBool::new(false);
     let whole = job("whole").run(&never).expect("a run");
-    // It came up again, before the end.
+    // The ball rose again before the end.
     assert!(whole.simulated_seconds < 0.1 && of(&whole, "height") > 0.011, "{} s", whole.simulated_seconds);
     assert!(
         (of(&whole, "of_forces") / of(&whole, "impulse") - 1.0).abs() < 1e-9,

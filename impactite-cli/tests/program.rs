@@ -1,10 +1,10 @@
-//! The program as a person uses it.
+//! Program runs from the command line.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A small scene: a rubber disc falls on a floor.
+/// Small scene: a rubber disc falls on a floor.
 const DISC: &str = r#"
 title = "Disc <on> a floor"
 space = "plane strain"
@@ -77,14 +77,14 @@ fn a_run_leaves_its_page_its_numbers_and_the_same_bits_for_any_number_of_threads
             "0",
         ]);
         assert!(output.status.success(), "{}", said(&output));
-        // Without a terminal the log has lines of how far it is.
+        // Without a terminal the log contains lines of progress.
         let log = String::from_utf8_lossy(&output.stderr);
         assert!(log.contains("end expected") && log.contains("energy error"), "{log}");
         let text = String::from_utf8_lossy(&output.stdout).to_string();
         let last: serde_json::Value =
             serde_json::from_str(text.lines().last().unwrap()).expect("JSON on the last line");
         assert_eq!((&last["met"], &last["missed"]), (&1.into(), &0.into()));
-        // USL at a wall: 8 % of the energy of a disc of ten cells (book, "Walls and floors").
+        // Energy error of USL at a wall: 8 % of the energy of a disc of ten cells (book, "Walls and floors").
         assert!(last["energy_error"].as_f64().unwrap().abs() < 0.1, "{last}");
         for file in
             ["report.html", "run.json", "result.json", "measures.csv", "scene.toml", "paraview/scene.pvd"]
@@ -178,7 +178,7 @@ fn frames_have_the_fields_and_the_format_that_the_file_says() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Impossible pictures and frames are refused before a run, with the key.
+/// Invalid pictures and frames are refused before a run, with the key.
 #[test]
 fn keys_of_output_are_checked() {
     let folder = folder("output");
@@ -222,7 +222,7 @@ fn keys_of_output_are_checked() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// Planes of symmetry mirror pictures where an axis has one, or as the file says.
+/// Planes of symmetry mirror pictures at an axis with one plane, or as selected in the file.
 #[test]
 fn pictures_are_mirrored_as_the_file_says() {
     use impactite_cli::pictures::Draws;
@@ -252,17 +252,18 @@ fn pictures_are_mirrored_as_the_file_says() {
     }
 }
 
-/// Interrupted by a signal, and killed: what comes of going on is what came without.
+/// A run interrupted by a signal or killed, then resumed, equals an uninterrupted run to the bit.
 #[cfg(unix)]
 #[test]
 fn interrupted_or_killed_it_goes_on_to_the_same_bits() {
     let folder = folder("resume");
-    // The check is for coarser cells.
+    // The tolerance is opened, since the check is for coarser cells.
     let fine = ["--set", "method.mpm.cell=\"0.25 mm\"", "--set", "checks[0].tolerance=1", "--no-pictures"];
     breaks_off(&folder, &scene(&folder, DISC), &fine);
 }
 
-/// The same of contact, plates that are perforated, and pictures. The check is for the end of the flight through finer cells.
+/// Resumption with contact, perforated plates and pictures. Tolerances are opened, since the checks are for finer cells and the whole
+/// flight.
 #[cfg(unix)]
 #[test]
 fn a_perforation_that_was_broken_off_goes_on_to_the_same_bits() {
@@ -272,7 +273,7 @@ fn a_perforation_that_was_broken_off_goes_on_to_the_same_bits() {
         ["cells=4", "half_width=\"30 mm\"", "speed=\"900 m/s\""].map(|set| format!("parameters.{set}"));
     let mut options =
         vec!["--set", "end=\"60 us\"", "--set", "checks[0].tolerance=10", "--set", "checks[1].tolerance=10"];
-    // Window and range of colours grow, and go on growing after the run is resumed.
+    // Window and colour range grow before and after the run is resumed.
     options.extend(["--set", "output.colour={ field = \"von_mises\" }"]);
     coarse.iter().for_each(|set| options.extend(["--set", set]));
     breaks_off(&folder, &path, &options);
@@ -352,7 +353,7 @@ fn a_sweep_has_a_table_and_a_chart() {
     let rows: Vec<Vec<f64>> =
         table.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
     assert_eq!(rows.iter().map(|r| r[0]).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
-    // What falls faster is on its way back with more speed by then.
+    // The fastest disc rebounds with the highest velocity.
     assert!(rows[0][2] < rows[2][2], "{table}");
     assert!(out.join("sweep.png").exists() && out.join("001/report.html").exists());
     let output = run(&["sweep", path.to_str().unwrap(), "--over", "parameters.sped=1,2"]);
@@ -362,7 +363,7 @@ fn a_sweep_has_a_table_and_a_chart() {
 
 #[test]
 fn lists_schema_and_templates() {
-    // Without a topic the topics, each of which is a list.
+    // Without a topic, `list` prints the topics, each of which is a list.
     let topics = said(&run(&["list"]));
     let topics: Vec<&str> =
         topics.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
@@ -390,7 +391,7 @@ fn lists_schema_and_templates() {
     let checked = run(&["check", path.to_str().unwrap()]);
     assert!(checked.status.success(), "{}", said(&checked));
     assert!(!run(&["new", "taylor_bar", path.to_str().unwrap()]).status.success(), "it writes over a file");
-    // With the file that it reads, which is not written over either.
+    // Template with a further file, which is not overwritten either.
     let path = folder.join("beam.toml");
     std::fs::write(folder.join("beam.msh"), "mine").unwrap();
     let refused = run(&["new", "fem_mesh_file", path.to_str().unwrap()]);

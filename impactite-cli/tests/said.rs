@@ -41,7 +41,7 @@ fn impactite(arguments: &[&str], scene: &Path, out: Option<&Folder>) -> (Output,
     (output, said)
 }
 
-/// A block of lead on a wall, without weight.
+/// Block of lead on a wall, without gravity.
 const RESTS: &str = r#"
 title = "A block at rest"
 description = "Nothing acts on it."
@@ -83,7 +83,7 @@ fn of_nothing_no_error_is_said() {
     }
 }
 
-/// Two steps of a block whose wall is set in motion.
+/// Two steps of a block at a wall that is set in motion.
 #[test]
 fn an_error_of_few_steps_is_warned_of() {
     let folder = Folder::new("short");
@@ -150,7 +150,7 @@ bodies.ball = { material = "copper", shape.ball = { centre = [0, "2 mm"], radius
     assert!(said.contains(" kg, "), "{said}");
 }
 
-/// A control character that a scene has reaches neither terminal nor page.
+/// Control characters of a scene reach neither terminal nor page.
 #[test]
 fn scenes_do_not_steer_the_terminal() {
     let folder = Folder::new("steer");
@@ -169,7 +169,7 @@ fn scenes_do_not_steer_the_terminal() {
     assert!(!steers(&folder.read("report.html")));
 }
 
-/// Remedies name keys of the file, and none of the calls of the library.
+/// Remedies contain keys of the file and no calls of the library.
 #[test]
 fn remedies_are_keys() {
     let folder = Folder::new("keys");

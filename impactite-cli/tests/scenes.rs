@@ -1,11 +1,11 @@
-//! The scenes of the folder `scenes`: each runs, with cells so coarse that it takes seconds, and meets what it checks.
+//! Scenes of the folder `scenes`: each runs, with cells so coarse that it takes seconds, and passes its checks.
 
 use std::path::Path;
 use std::process::Command;
 
 use impactite_cli::templates;
 
-/// Name of a scene, keys for coarser cells or a shorter time, and whether its checks are judged with these.
+/// Name of a scene, keys for coarser cells or a shorter time, and true if its checks are evaluated with these keys.
 const SCENES: &[(&str, &[&str], bool)] = &[
     ("taylor_bar", &["parameters.cells=5"], true),
     ("rings", &[], true),
@@ -21,10 +21,10 @@ const SCENES: &[(&str, &[&str], bool)] = &[
     ("oblique_penetration", &["parameters.cells=6", "end=\"100 us\""], false),
 ];
 
-/// Pictures and frames of the start alone: fields and colours that the scene has not are errors.
+/// Pictures and frames of the start only: unknown fields and colours are errors.
 const ONE_PICTURE: [&str; 4] = ["--set", "output.pictures=1e6", "--set", "output.frames=1e6"];
 
-/// The templates, and the largest energy error of each as it is written.
+/// Templates, and the largest energy error of each with default options.
 const TEMPLATES: &[(&str, f64)] = &[
     ("plate_perforation", 0.05),
     ("rigid_piston", 0.05),
@@ -37,7 +37,7 @@ const TEMPLATES: &[(&str, f64)] = &[
     ("fpm_spall", 0.05),
 ];
 
-/// The scenes of a folder, by name; the program has each as a template.
+/// Return the names of the scenes of a folder; the program has each as a template.
 fn scenes_in(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder of scenes");
     let mut there: Vec<String> = entries
@@ -50,7 +50,7 @@ fn scenes_in(folder: &Path) -> Vec<String> {
     there
 }
 
-/// Templates as `new` writes them, with default options: without a warning, with a small energy error, every check passed.
+/// Templates as written by `new`, with default options: without a warning, with a small energy error, every check passed.
 #[test]
 fn templates_run_as_they_are_without_a_warning_and_pass_their_checks() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/templates");
@@ -116,7 +116,7 @@ fn every_scene_runs_and_meets_what_it_checks() {
         assert!(met + missed > 0, "{name} checks nothing");
         assert!(!judged || missed == 0, "{said}");
         assert!(result["momentum_error"].as_f64().expect(&said) < 1e-9, "{said}");
-        // What a transfer filters is lost; nothing is gained.
+        // Transfers may dissipate energy but not generate it.
         assert!(result["energy_error"].as_f64().expect(&said) < 0.05, "{said}");
         assert!(out.join(name).join("report.html").exists());
     }

@@ -1,5 +1,5 @@
-//! Scenes with known answers run as they are, with default options. Those of the folder `scenes/trust` meet all that they check, without a warning
-//! unless they say `only_warn`. Those of `scenes/public`, made of reports of bugs of other programs, say in a line `# Verdict:` what is to come.
+//! Scenes with known answers, run with default options. Scenes of `scenes/trust` pass all their checks without a warning, unless they set
+//! `only_warn`. Scenes of `scenes/public`, made from bug reports of other programs, have a line `# Verdict:` with the expected result.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,20 +7,20 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-/// Scenes that run at a time.
+/// Number of concurrent runs.
 const AT_A_TIME: usize = 2;
 
-/// What is to come of a scene, by its line `# Verdict:`.
+/// Expected result of a scene, from its line `# Verdict:`.
 enum Verdict {
-    /// It meets its checks, without a warning.
+    /// All checks passed, without a warning.
     Met,
-    /// It has no checks, and comes to its end without a warning.
+    /// Run completed without a warning; the scene has no checks.
     Runs,
-    /// It meets its checks, if it has any, and warns in these words.
+    /// No check failed, and a warning contains these words.
     Warned(String),
-    /// It is refused in these words before its first step.
+    /// Error before the first step contains these words.
     Refused(String),
-    /// It misses a check, for a cause that follows in words.
+    /// A check failed, for a cause stated in the line.
     Missed,
 }
 
@@ -41,7 +41,7 @@ impl Verdict {
     }
 }
 
-/// A scene that was run: name, time, checks met and missed, and what was said if something is wrong.
+/// Result of a run: name, wall-clock time (s), numbers of checks passed and failed, and the output if the result is unexpected.
 struct Ran {
     name: String,
     seconds: f64,
@@ -80,7 +80,7 @@ fn run(scene: &Path, out: &Path) -> Ran {
     Ran { name, seconds: begun.elapsed().as_secs_f64(), met, missed, wrong }
 }
 
-/// Run all scenes of a folder, of which there are at least so many.
+/// Run all scenes of a folder, and require at least `least` of them.
 fn run_all(folder: &str, least: usize) {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes").join(folder);
     let out = std::env::temp_dir().join(format!("impactite-{folder}-{}", std::process::id()));

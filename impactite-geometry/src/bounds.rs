@@ -1,6 +1,6 @@
-//! Axis-aligned boxes that bound shapes.
+//! Axis-aligned bounding boxes.
 
-/// An axis-aligned box, possibly infinite, possibly empty.
+/// Axis-aligned bounding box, possibly infinite, possibly empty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds<const D: usize> {
     /// Smallest coordinates (m).
@@ -10,24 +10,24 @@ pub struct Bounds<const D: usize> {
 }
 
 impl<const D: usize> Bounds<D> {
-    /// All of space.
+    /// Whole space.
     pub const EVERYTHING: Self = Self { min: [f64::NEG_INFINITY; D], max: [f64::INFINITY; D] };
-    /// Nothing.
+    /// Empty box.
     pub const NOTHING: Self = Self { min: [f64::INFINITY; D], max: [f64::NEG_INFINITY; D] };
 
-    /// Is there no point in it?
+    /// True if the box contains no point.
     pub fn is_empty(&self) -> bool {
         (0..D).any(|i| self.min[i] > self.max[i])
     }
-    /// Are all its coordinates finite?
+    /// True if all coordinates are finite.
     pub fn is_finite(&self) -> bool {
         (0..D).all(|i| self.min[i].is_finite() && self.max[i].is_finite())
     }
-    /// Is `x` in it, faces included?
+    /// True if the box contains `x`, faces included.
     pub fn contains(&self, x: [f64; D]) -> bool {
         (0..D).all(|i| self.min[i] <= x[i] && x[i] <= self.max[i])
     }
-    /// The points in both.
+    /// Intersection of two boxes.
     pub fn intersection(&self, other: &Self) -> Self {
         let mut b = *self;
         for i in 0..D {
@@ -36,7 +36,7 @@ impl<const D: usize> Bounds<D> {
         }
         b
     }
-    /// The smallest box around both.
+    /// Bounding box of two boxes.
     pub fn union(&self, other: &Self) -> Self {
         let mut b = *self;
         for i in 0..D {
@@ -45,7 +45,7 @@ impl<const D: usize> Bounds<D> {
         }
         b
     }
-    /// The smallest box around some points.
+    /// Bounding box of points.
     pub fn around(points: impl IntoIterator<Item = [f64; D]>) -> Self {
         let mut b = Self::NOTHING;
         for x in points {
@@ -56,11 +56,11 @@ impl<const D: usize> Bounds<D> {
         }
         b
     }
-    /// Have the two no volume in common? (They may touch.)
+    /// True if the two boxes have no common volume. (They may touch.)
     pub fn apart(&self, other: &Self) -> bool {
         (0..D).any(|i| self.max[i] <= other.min[i] || other.max[i] <= self.min[i])
     }
-    /// Its `2^D` corners.
+    /// The `2^D` corners of the box.
     pub fn corners(&self) -> impl Iterator<Item = [f64; D]> + '_ {
         (0..1usize << D).map(|bits| {
             let mut x = self.min;

@@ -1,9 +1,9 @@
-//! Unions, intersections and differences.
+//! Boolean operations: unions, intersections and differences.
 
 use super::bounds::Bounds;
 use super::shape::{Metric, Shape};
 
-/// How two shapes lie to one another, where that can be told for certain.
+/// Relative position of two shapes, where it is known for certain.
 #[derive(PartialEq)]
 enum Relation {
     Apart,
@@ -12,7 +12,7 @@ enum Relation {
     Unknown,
 }
 
-/// Does `outer` hold `inner` for certain?
+/// True if `outer` certainly contains `inner`.
 fn holds<const D: usize>(outer: &impl Shape<D>, inner: &impl Shape<D>) -> bool {
     let b = inner.bounds();
     if b.is_empty() {
@@ -44,7 +44,7 @@ fn relation<const D: usize>(a: &impl Shape<D>, b: &impl Shape<D>) -> Relation {
     }
 }
 
-/// The centroid of two weighted centroids; `None` if the weights sum to zero.
+/// Centroid of two weighted centroids; `None` if the weights sum to zero.
 fn mean<const D: usize>(a: (f64, [f64; D]), b: (f64, [f64; D])) -> Option<[f64; D]> {
     let total = a.0 + b.0;
     if total <= 0.0 {
@@ -61,25 +61,25 @@ fn weighted<const D: usize>(s: &impl Shape<D>, sign: f64) -> Option<(f64, [f64; 
     Some((sign * s.measure()?, s.centroid()?))
 }
 
-/// What is in one shape or the other. The distance is a lower bound (exact outside if both parts' are); the
-/// measure is known if the parts' bounds are apart or one certainly holds the other.
+/// Union of two shapes. The distance is a lower bound (exact outside if both distances are exact); the
+/// measure is known if the bounding boxes are disjoint or one shape certainly contains the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Union<A, B> {
     a: A,
     b: B,
 }
 
-/// What is in both shapes. The distance is a lower bound (exact inside if both parts' are); the measure is
-/// known if the parts' bounds are apart or one certainly holds the other.
+/// Intersection of two shapes. The distance is a lower bound (exact inside if both distances are exact); the measure is
+/// known if the bounding boxes are disjoint or one shape certainly contains the other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Intersection<A, B> {
     a: A,
     b: B,
 }
 
-/// What is in the first shape but not in the second. The distance is a lower bound; the measure is known if
-/// the parts' bounds are apart or one certainly holds the other. Particle centres on the surface of the second
-/// shape belong to the difference, so that `a.minus(b)` and `a.and(b)` share out those of `a` without loss.
+/// Difference: the first shape without the second. The distance is a lower bound; the measure is known if
+/// the bounding boxes are disjoint or one shape certainly contains the other. Particle centres on the surface of the second
+/// shape belong to the difference, so that `a.minus(b)` and `a.and(b)` partition the particles of `a`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Difference<A, B> {
     a: A,
@@ -92,7 +92,7 @@ macro_rules! parts {
             pub(super) fn new(a: A, b: B) -> Self {
                 Self { a, b }
             }
-            /// The two shapes, in the order in which they were combined.
+            /// Operands in the order in which they were combined.
             pub fn parts(&self) -> (&A, &B) {
                 (&self.a, &self.b)
             }

@@ -1,15 +1,15 @@
-//! Words and numbers of a file, with the place of what is wrong.
+//! Tokenizer of mesh files, with positions for error messages.
 
 use std::fmt;
 
-/// Where something stands.
+/// Position in a file.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Place {
-    /// A line of text, from 1.
+    /// Line of text, from 1.
     Line(usize),
-    /// A line of an included file, by number of the file.
+    /// Line of an included file, by index of the file.
     LineOf(u32, usize),
-    /// A byte of a binary file, from 0.
+    /// Byte of a binary file, from 0.
     Byte(usize),
 }
 
@@ -22,59 +22,59 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a file is no mesh.
+/// Error of a mesh reader.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(crate) enum ReadError {
-    /// Something that does not belong there.
+    /// Invalid value.
     #[error("{place}: {key} = `{found}` is not allowed; allowed is {allowed}")]
     Found {
-        /// Where.
+        /// Position of the value.
         place: Place,
-        /// What stands there.
+        /// Name of the quantity.
         key: String,
-        /// What was found.
+        /// Found value.
         found: String,
-        /// What would have been allowed.
+        /// Allowed values.
         allowed: String,
     },
-    /// A file that is cut off.
+    /// Truncated file.
     #[error("{place}: the file ends where {expected} was expected")]
     End {
-        /// The last place.
+        /// Last position.
         place: Place,
-        /// What should have been there.
+        /// Expected content.
         expected: String,
     },
-    /// A file that cannot be included.
+    /// File that cannot be included.
     #[error("{place}: `{file}` cannot be included: {reason}")]
     Include {
-        /// Where it is named.
+        /// Position of the include directive.
         place: Place,
-        /// Its name there.
+        /// File name in the directive.
         file: String,
         /// Reason.
         reason: String,
     },
-    /// An error within an included file.
+    /// Error within an included file.
     #[error("{file}, {error}")]
     Within {
-        /// The file.
+        /// Name of the included file.
         file: String,
-        /// The error, with its line.
+        /// Error with its line.
         error: Box<ReadError>,
     },
-    /// What belongs to no place.
+    /// Error of the whole file, without a position.
     #[error("{what}; allowed is {allowed}")]
     Whole {
-        /// What is wrong.
+        /// Description of the error.
         what: String,
-        /// What would have been allowed.
+        /// Allowed content.
         allowed: &'static str,
     },
 }
 
 impl ReadError {
-    /// Where it is, if at one place.
+    /// Position of the error, if it has one.
     pub fn place(&self) -> Option<Place> {
         match self {
             ReadError::Found { place, .. }
@@ -86,26 +86,26 @@ impl ReadError {
     }
 }
 
-/// A word for a message, not too long.
+/// Trim and shorten a word for a message.
 pub(crate) fn shown(text: &[u8]) -> String {
     String::from_utf8_lossy(text).trim().chars().take(40).collect()
 }
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Encoding {
-    /// As words.
+    /// Text.
     Text,
-    /// As bytes.
+    /// Bytes.
     Binary {
-        /// The most significant byte first?
+        /// True if the most significant byte is first.
         big_endian: bool,
-        /// Are `size_t` of eight bytes, rather than four?
+        /// True if `size_t` has eight bytes, false for four.
         long: bool,
     },
 }
 
-/// Reads bytes from front to back.
+/// Sequential reader of bytes.
 pub(crate) struct Cursor<'a> {
     bytes: &'a [u8],
     at: usize,
@@ -118,12 +118,12 @@ impl<'a> Cursor<'a> {
         Self { bytes, at, encoding: Encoding::Text }
     }
 
-    /// What is left from a byte on.
+    /// Create a reader that starts at byte `at`.
     pub fn after(bytes: &'a [u8], at: usize, encoding: Encoding) -> Self {
         Self { bytes, at, encoding }
     }
 
-    /// Bytes that are left.
+    /// Remaining bytes.
     pub fn rest(&self) -> &'a [u8] {
         self.bytes.get(self.at..).unwrap_or_default()
     }
@@ -132,12 +132,12 @@ impl<'a> Cursor<'a> {
         self.at
     }
 
-    /// The place of a byte; lines are counted only when something is wrong.
+    /// Position of a byte; lines are counted only for error messages.
     pub fn place_of(&self, at: usize) -> Place {
         match self.encoding {
             Encoding::Text => {
                 let before = self.bytes.get(..at).unwrap_or(self.bytes);
-                // A carriage return alone ends a line, too.
+                // A single carriage return also ends a line.
                 let feeds = before.iter().filter(|b| **b == b'\n').count();
                 let next = self.bytes.iter().skip(1).map(Some).chain([None]);
                 let returns =
@@ -163,13 +163,13 @@ impl<'a> Cursor<'a> {
         self.at += rest.len() - rest.trim_ascii_start().len();
     }
 
-    /// Is nothing left but blanks?
+    /// True if only blanks remain.
     pub fn is_done(&mut self) -> bool {
         self.skip_blanks();
         self.rest().is_empty()
     }
 
-    /// The next word, and where it begins.
+    /// Read the next word; return its start and bytes.
     pub fn word(&mut self, key: &str) -> Result<(usize, &'a [u8]), ReadError> {
         self.skip_blanks();
         let rest = self.rest();
@@ -182,7 +182,7 @@ impl<'a> Cursor<'a> {
         Ok((start, &rest[..length]))
     }
 
-    /// What is left of the line; goes past its end.
+    /// Read the rest of the line and skip its end.
     pub fn line(&mut self) -> &'a [u8] {
         let rest = self.rest();
         let length = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
@@ -190,7 +190,7 @@ impl<'a> Cursor<'a> {
         rest[..length].trim_ascii()
     }
 
-    /// The next word of the line; none at its end, a line feed or a carriage return.
+    /// Read the next word of the line; `None` at its end, a line feed or a carriage return.
     pub fn word_of_line(&mut self) -> Option<(usize, &'a [u8])> {
         let rest = self.rest();
         let blanks = rest.iter().take_while(|b| matches!(b, b' ' | b'\t' | 0x0b | 0x0c)).count();
@@ -200,7 +200,7 @@ impl<'a> Cursor<'a> {
         Some((self.at - word.len(), word))
     }
 
-    /// Goes past the next place where these bytes stand.
+    /// Skip past the next occurrence of these bytes.
     pub fn skip_past(&mut self, text: &[u8]) -> Result<(), ReadError> {
         match self.rest().windows(text.len()).position(|w| w == text) {
             Some(found) => {
@@ -217,7 +217,7 @@ impl<'a> Cursor<'a> {
         value.ok_or_else(|| self.refuse(start, key, shown(word), allowed))
     }
 
-    /// The next bytes, the least significant first.
+    /// Read the next `N` bytes in little-endian order.
     pub fn raw<const N: usize>(&mut self, big_endian: bool, key: &str) -> Result<[u8; N], ReadError> {
         let mut raw = *self.rest().first_chunk::<N>().ok_or_else(|| self.end(key))?;
         if big_endian {
@@ -227,7 +227,7 @@ impl<'a> Cursor<'a> {
         Ok(raw)
     }
 
-    /// A `size_t`: a count or a tag of a node or an element.
+    /// Read a `size_t`: a count or a tag of a node or an element.
     pub fn size(&mut self, key: &str) -> Result<u64, ReadError> {
         match self.encoding {
             Encoding::Text => self.parsed(key, "a whole number that is not negative"),
@@ -238,7 +238,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// An `int`: a tag of an entity, a dimension or a type.
+    /// Read an `int`: a tag of an entity, a dimension or a type.
     pub fn int(&mut self, key: &str) -> Result<i32, ReadError> {
         match self.encoding {
             Encoding::Text => self.parsed(key, "a whole number"),
@@ -246,7 +246,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// A finite `double`.
+    /// Read a finite `double`.
     pub fn double(&mut self, key: &str) -> Result<f64, ReadError> {
         const ALLOWED: &str = "a finite number";
         self.skip_text_blanks();
@@ -258,7 +258,7 @@ impl<'a> Cursor<'a> {
         if value.is_finite() { Ok(value) } else { Err(self.refuse(start, key, value, ALLOWED)) }
     }
 
-    /// Blanks before a number that is a word; before one of bytes they would be part of it.
+    /// Skip blanks before a number in text; in binary files such bytes belong to the number.
     pub fn skip_text_blanks(&mut self) {
         if self.encoding == Encoding::Text {
             self.skip_blanks();

@@ -1,31 +1,31 @@
-//! What geometry refuses, and why.
+//! Errors of shapes, seeding, meshes and searches.
 
 use super::elements::MeshError;
 use super::search::SearchError;
 
-/// Why a shape, a lattice or a seeding is refused.
+/// Error of a shape, a lattice, a seeding, a mesh or a search.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GeometryError {
-    /// A parameter outside what its owner allows.
+    /// Parameter outside its allowed range.
     #[error("{owner}: {field} = {value} is not allowed; it must be {allowed}")]
     Parameter {
-        /// The shape, lattice or option.
+        /// Shape, lattice or option that owns the parameter.
         owner: &'static str,
-        /// The field.
+        /// Name of the parameter.
         field: &'static str,
-        /// What was given.
+        /// Value of the parameter.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A shape that reaches to infinity cannot be filled.
+    /// Unbounded shape, which cannot be filled.
     #[error("the shape is unbounded along axis {axis}; intersect it with a bounded shape")]
     Unbounded {
-        /// The coordinate axis along which it is unbounded.
+        /// Coordinate axis along which the shape is unbounded.
         axis: usize,
     },
-    /// No particle centre lies inside the shape.
+    /// No particle centre inside the shape.
     #[error(
         "no particle lies inside the shape: it is empty, or too small for particles {particle_edge} m apart"
     )]
@@ -33,70 +33,70 @@ pub enum GeometryError {
         /// Edge of a particle (m).
         particle_edge: f64,
     },
-    /// The shape covers more lattice points than can be counted.
+    /// Too many particle sites.
     #[error("the shape covers {points:e} particle sites; at most {allowed:e} are allowed (units mixed up?)")]
     TooFine {
         /// Number of particle sites within the bounds of the shape.
         points: f64,
-        /// The most that are allowed.
+        /// Maximum number of sites.
         allowed: f64,
     },
-    /// What is asked for takes more memory than is allowed, or than there is.
+    /// Memory above the limit, or failed allocation.
     #[error(transparent)]
     Memory(#[from] impactite_simd::memory::MemoryError),
-    /// A triangle names a vertex that does not exist.
+    /// Triangle that refers to a vertex that does not exist.
     #[error("mesh: triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
     VertexOutOfRange {
-        /// The triangle.
+        /// Triangle index.
         triangle: usize,
-        /// The vertex it names.
+        /// Vertex index that does not exist.
         vertex: usize,
         /// Number of vertices.
         vertices: usize,
     },
-    /// A mesh without a single proper triangle.
+    /// Mesh without a triangle of three different corners.
     #[error("mesh: there is no triangle with three different corners")]
     EmptyMesh,
-    /// A mesh with holes.
+    /// Open surface mesh.
     #[error("mesh: the surface is not closed: {open_edges} of its edges have a triangle on one side only")]
     OpenMesh {
-        /// Number of edges used by an odd number of triangles.
+        /// Number of open edges: edges of an odd number of triangles.
         open_edges: usize,
     },
-    /// A closed mesh whose neighbouring triangles disagree about which side is outside.
+    /// Closed mesh with inconsistent triangle orientation.
     #[error("mesh: {edges} edges join triangles of opposite orientation; make the orientation consistent")]
     InconsistentMesh {
-        /// Number of edges whose triangles run through them in the same direction.
+        /// Number of edges that two triangles use in the same direction.
         edges: usize,
     },
-    /// A mesh that encloses nothing.
+    /// Mesh that encloses no volume.
     #[error("mesh: the enclosed volume is {volume} m3; a body must enclose some volume")]
     NoVolume {
-        /// The volume found (m3).
+        /// Enclosed volume (m3).
         volume: f64,
     },
-    /// A mesh of elements that is none, or that does not allow what is asked of it.
+    /// Error of an element mesh.
     #[error(transparent)]
     Elements(#[from] MeshError),
-    /// Points that a neighbour search refuses.
+    /// Error of a neighbour search.
     #[error(transparent)]
     Search(#[from] SearchError),
-    /// A file that cannot be read as a mesh.
+    /// Mesh file that cannot be read.
     #[error("cannot read {path}: {reason}")]
     File {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// What the reader said.
+        /// Error of the reader.
         reason: String,
     },
 }
 
-/// Refuses the parameters of one owner.
+/// Parameter checks on behalf of one owner.
 #[derive(Clone, Copy)]
 pub(super) struct Check(pub &'static str);
 
 impl Check {
-    /// `value` if `holds` and it is finite, else an error saying what is `allowed`.
+    /// Return `value` if `holds` and it is finite, else an error with the `allowed` values.
     pub fn that(
         self,
         holds: bool,
@@ -110,18 +110,18 @@ impl Check {
             Err(GeometryError::Parameter { owner: self.0, field, value, allowed })
         }
     }
-    /// `value` if it is positive and finite.
+    /// Return `value` if it is positive and finite.
     pub fn positive(self, field: &'static str, value: f64) -> Result<f64, GeometryError> {
         self.that(value > 0.0, field, value, "positive and finite")
     }
-    /// `x` if all its components are finite.
+    /// Return `x` if all its components are finite.
     pub fn point<const D: usize>(self, field: &'static str, x: [f64; D]) -> Result<[f64; D], GeometryError> {
         for value in x {
             self.that(true, field, value, "finite")?;
         }
         Ok(x)
     }
-    /// The unit vector along `x`.
+    /// Return the unit vector along `x`.
     pub fn direction<const D: usize>(
         self,
         field: &'static str,

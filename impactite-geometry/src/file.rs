@@ -1,30 +1,30 @@
-//! Files of meshes: regular ones of a size that memory holds, and told apart by what is in them.
+//! Mesh files: size limit and detection of the format from the content.
 
 use std::io::Read;
 use std::path::Path;
 
-/// Bytes of a file at most, 4 GiB: a binary STL file of 8.6e7 triangles.
+/// Maximum number of bytes of a file, 4 GiB: a binary STL file of 8.6e7 triangles.
 pub(crate) const MOST_BYTES: u64 = 4 << 30;
 
-/// Content of a file.
+/// File format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// Triangles, text or binary.
+    /// STL: triangles, text or binary.
     Stl,
-    /// Polygons of Wavefront.
+    /// Wavefront OBJ: polygons.
     Obj,
-    /// Polygons of the Stanford format, text or binary.
+    /// Stanford PLY: polygons, text or binary.
     Ply,
-    /// Elements of Gmsh.
+    /// Gmsh: elements.
     Gmsh,
-    /// Elements of Abaqus.
+    /// Abaqus: elements.
     Abaqus,
     /// Format without a reader.
     Other(&'static str),
 }
 
 impl Kind {
-    /// Format of the file, and its reader.
+    /// Description of the format and the suggested reader, for messages.
     fn told(self) -> (&'static str, &'static str) {
         match self {
             Kind::Stl => {
@@ -44,7 +44,7 @@ impl Kind {
         }
     }
 
-    /// The kind of a file with these bytes, where they tell.
+    /// Detect the format of a file from its bytes; `None` if they are ambiguous.
     fn of(bytes: &[u8]) -> Option<Kind> {
         let others: [(&[u8], &'static str); 7] = [
             (b"\x89PNG", "a picture"),
@@ -76,12 +76,12 @@ impl Kind {
     }
 }
 
-/// The bytes of a regular file that is not of another kind than `wanted`.
+/// Read the bytes of a regular file, unless its format is detected and differs from `wanted`.
 ///
 /// # Errors
-/// A folder, pipe or device; more than 4 GiB; another kind of file, with what reads it.
+/// A folder, pipe or device; more than 4 GiB; another format, with the reader for it.
 pub(crate) fn read(path: &Path, wanted: Kind) -> Result<Vec<u8>, String> {
-    // Before it is opened: who opens a pipe waits for its other end.
+    // Checked before opening: opening a pipe blocks until its other end is opened.
     let found = std::fs::metadata(path).map_err(|e| e.to_string())?;
     if !found.is_file() {
         let what = if found.is_dir() { "a folder" } else { "a pipe or device" };
@@ -99,7 +99,7 @@ pub(crate) fn read(path: &Path, wanted: Kind) -> Result<Vec<u8>, String> {
         return Err(too_large(bytes.len() as u64));
     }
     match Kind::of(&bytes) {
-        // A binary STL file begins with whatever its author wrote.
+        // The header of a binary STL file is arbitrary.
         Some(kind) if kind != wanted && !(wanted == Kind::Stl && crate::stl::is_binary(&bytes)) => {
             let (what, remedy) = kind.told();
             Err(format!("it is {what}; {remedy}"))

@@ -1,14 +1,14 @@
-//! The uniform background lattice.
+//! Uniform background lattice.
 
 use super::bounds::Bounds;
 use super::error::{Check, GeometryError};
 
-/// Number of cells from the origin beyond which whole numbers are no longer told apart, 2^53.
+/// Maximum distance from the origin in cells, 2^53: beyond it, floating-point numbers do not resolve integers.
 const FURTHEST: f64 = 9_007_199_254_740_992.0;
 
-/// The uniform background of cubic cells: where the nodes are, without an extent.
+/// Uniform unbounded lattice of cubic cells: positions of the background grid nodes.
 ///
-/// Node `i` sits at `origin + i h`; cell `i` lies between the nodes `i` and `i + 1` of every axis.
+/// Node `i` is at `origin + i h`; cell `i` extends from node `i` to node `i + 1` along every axis.
 ///
 /// ```
 /// use impactite_geometry::Lattice;
@@ -24,10 +24,10 @@ pub struct Lattice<const D: usize> {
 }
 
 impl<const D: usize> Lattice<D> {
-    /// A lattice with node zero at `origin` (m) and cells of edge `spacing` (m).
+    /// Create a lattice with node zero at `origin` (m) and cells of edge `spacing` (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless `spacing` is positive and everything is finite.
+    /// [`GeometryError::Parameter`] unless `spacing` is positive and both are finite.
     pub fn new(origin: [f64; D], spacing: f64) -> Result<Self, GeometryError> {
         let check = Check("Lattice");
         Ok(Self { origin: check.point("origin", origin)?, spacing: check.positive("spacing", spacing)? })
@@ -60,8 +60,8 @@ impl<const D: usize> Lattice<D> {
         }
         x
     }
-    /// The cell that holds `x`: a point on a face belongs to the cell above it. `None` where `x` is not finite, or so far off that a
-    /// coordinate in cells, of 2^53 and more, no longer tells neighbours apart.
+    /// Cell that contains `x`: a point on a face belongs to the cell above it. `None` if `x` is not finite, or so far away that its
+    /// coordinate in cells, 2^53 or more, is not resolved.
     pub fn cell_of(&self, x: [f64; D]) -> Option<[i64; D]> {
         let mut cell = [0; D];
         for i in 0..D {
@@ -70,7 +70,7 @@ impl<const D: usize> Lattice<D> {
         }
         Some(cell)
     }
-    /// Position within its cell, in cells, each component in `[0, 1)` up to rounding.
+    /// Position within its cell, in cells; each component is in `[0, 1)` to within rounding.
     pub fn local(&self, x: [f64; D]) -> [f64; D] {
         let mut u = [0.0; D];
         for i in 0..D {
@@ -79,11 +79,11 @@ impl<const D: usize> Lattice<D> {
         }
         u
     }
-    /// Bounds of a cell (m).
+    /// Bounding box of a cell (m).
     pub fn cell_bounds(&self, cell: [i64; D]) -> Bounds<D> {
         let mut max = self.origin;
         for i in 0..D {
-            // Added as numbers that do not overflow.
+            // Floating-point addition, since integers could overflow.
             max[i] += (cell[i] as f64 + 1.0) * self.spacing;
         }
         Bounds { min: self.node(cell), max }

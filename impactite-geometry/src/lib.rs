@@ -1,9 +1,9 @@
-//! Shapes, particles seeded from them, meshes of elements, and the search for neighbours among points.
+//! Shapes, particle seeding, finite element meshes, and neighbour search among points.
 //!
-//! A [`Shape`] is a signed distance with bounds and, where known, an exact measure. Shapes combine by method
-//! chaining; [`fill`] seeds particles on a [`Lattice`] and makes their mass exact. [`search`] finds the points
-//! within reach of each other. [`structured`] meshes simple shapes with elements; an [`ElementMesh`] checks, measures, joins and cuts
-//! meshes, finds their surface, and reads them from Gmsh and Abaqus files (feature `mesh`).
+//! A [`Shape`] is a signed distance function with a bounding box and, where known, an exact measure. Shapes combine by method
+//! chaining; [`fill`] seeds particles on a [`Lattice`] and corrects their volumes to the exact measure. [`search`] finds pairs of points
+//! within a search radius. [`structured`] meshes simple shapes with elements; an [`ElementMesh`] checks, measures, joins and cuts
+//! meshes, extracts their surface, and reads them from Gmsh and Abaqus files (feature `mesh`).
 //!
 //! ```
 //! use impactite_geometry::{Compose, Cuboid, Cylinder, Filling, Lattice, fill};

@@ -1,4 +1,4 @@
-//! Closed surfaces of triangles.
+//! Solids bounded by closed triangle meshes.
 
 use std::collections::HashMap;
 
@@ -8,14 +8,13 @@ use super::shape::Shape;
 use super::tree::Tree;
 use super::vector::{add, along, cross, dot, norm, sub, sum};
 
-/// A solid inside a closed surface of triangles, in 3D. Exact distance, exact volume.
+/// Solid bounded by a closed triangle mesh in 3D. Exact distance, exact volume.
 ///
-/// Points are told apart by counting the crossings of a line along the third axis, in a way that edges and
-/// corners cannot confuse; a whole row of points costs one line. The surface must not cross itself, which is
-/// not checked. It may have several pieces; a piece inside another is a cavity.
+/// The inside test counts crossings of a line along the third axis and is robust at edges and corners; a row of points shares one
+/// line. The surface must not intersect itself, which is not checked. It may have several pieces; a piece inside another is a cavity.
 ///
-/// Cost: memory in proportion to the number of triangles (some 60 to 120 bytes each, 200 while it is made), time a little more; a line or a
-/// distance asks those near it, found by a tree of boxes.
+/// Cost: memory proportional to the number of triangles (some 60 to 120 bytes each, 200 during construction), time slightly more than
+/// proportional. A bounding volume tree restricts line and distance queries to nearby triangles.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: Vec<[f64; 3]>,
@@ -27,13 +26,12 @@ pub struct TriangleMesh {
 }
 
 impl TriangleMesh {
-    /// A solid from vertices (m) and triangles, which name their three vertices. Vertices at the same place
-    /// are made one, triangles that then lack three different corners are dropped, and the whole is turned
-    /// outside out if need be.
+    /// Build a solid from vertices (m) and triangles of vertex indices. Coincident vertices are merged, triangles without
+    /// three different corners are removed, and triangles are oriented outwards.
     ///
     /// # Errors
-    /// [`GeometryError`] if a vertex is missing or not finite, nothing is left, edges are open, neighbouring
-    /// triangles disagree about the outside, or no volume is enclosed.
+    /// [`GeometryError`] if a vertex is missing or not finite, no triangle is left, edges are open, neighbouring
+    /// triangles have inconsistent orientations, or no volume is enclosed.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Result<Self, GeometryError> {
         let check = Check("triangle mesh");
         check.that(
@@ -47,7 +45,7 @@ impl TriangleMesh {
         let mut number = Vec::with_capacity(vertices.len());
         for x in vertices {
             check.point("vertices", *x)?;
-            // Adding zero makes -0 and 0 one.
+            // Adding zero merges -0 and 0.
             let key = x.map(|c| (c + 0.0).to_bits());
             number.push(*seen.entry(key).or_insert_with(|| {
                 kept.push(x.map(|c| c + 0.0));
@@ -86,32 +84,32 @@ impl TriangleMesh {
         Ok(Self { vertices: kept, triangles: proper, bounds, volume, centroid, tree })
     }
 
-    /// A solid from triangles that each bring their own corners (m), as in an STL file.
+    /// Build a solid from triangles with corners of their own (m), as in an STL file.
     ///
     /// # Errors
-    /// As [`TriangleMesh::new`].
+    /// Errors of [`TriangleMesh::new`].
     pub fn from_soup(triangles: &[[[f64; 3]; 3]]) -> Result<Self, GeometryError> {
         let vertices: Vec<[f64; 3]> = triangles.iter().flatten().copied().collect();
         let indices: Vec<[usize; 3]> = (0..triangles.len()).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
         Self::new(&vertices, &indices)
     }
 
-    /// The vertices (m), each place once.
+    /// Vertices (m), without duplicates.
     pub fn vertices(&self) -> &[[f64; 3]] {
         &self.vertices
     }
-    /// The triangles, seen from outside counter-clockwise.
+    /// Triangles by vertex index, counter-clockwise from outside.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
-    /// Area of the surface (m2).
+    /// Surface area (m2).
     pub fn area(&self) -> f64 {
         sum(self.triangles.iter().map(|t| {
             let [a, b, c] = corners(&self.vertices, t);
             0.5 * norm(cross(sub(b, a), sub(c, a)))
         }))
     }
-    /// The third coordinate of all crossings of the line through (x, y) with the surface, rising.
+    /// Third coordinates of all crossings of the line through (x, y) with the surface, ascending.
     fn crossings(&self, x: f64, y: f64, out: &mut Vec<f64>) {
         out.clear();
         self.tree.column([x, y], [f64::NEG_INFINITY, f64::INFINITY], |t| {
@@ -148,8 +146,8 @@ impl Shape<3> for TriangleMesh {
             return false;
         }
         let mut inside = false;
-        // A line crosses the surface an even number of times, so that what is below and what is above tell the same: the shorter way
-        // is taken. Crossings lie within the heights of their triangles, so that those beyond it need not be asked.
+        // The total number of crossings of a line is even, so that the crossings below and above have the same parity: count the shorter
+        // side. Crossings are within the height range of their triangles, so that triangles beyond that side need no test.
         let below = x[2] - self.bounds.min[2] < self.bounds.max[2] - x[2];
         let way = if below { [f64::NEG_INFINITY, x[2]] } else { [x[2], f64::INFINITY] };
         self.tree.column([x[0], x[1]], way, |t| {
@@ -176,12 +174,12 @@ fn corners(vertices: &[[f64; 3]], t: &[u32; 3]) -> [[f64; 3]; 3] {
     t.map(|v| vertices[v as usize])
 }
 
-/// Where the line through (x, y) along the third axis crosses a triangle.
+/// Height at which the line through (x, y) along the third axis crosses a triangle, if it does.
 ///
 /// In the plane of the first two coordinates, an edge is passed if a ray from (x, y) along the first axis
-/// crosses it; the line crosses the triangle if one edge is passed and another not. Whether an edge is passed
-/// depends on nothing but the edge, always looked at from the same end, so the two triangles at an edge agree
-/// and a closed surface is crossed an even number of times, rounding or not.
+/// crosses it; the line crosses the triangle if exactly one of its edges is passed. The test of an edge
+/// depends on the edge alone, with its ends in a fixed order, so that both triangles at an edge agree
+/// and a closed surface is crossed an even number of times in spite of rounding.
 fn crossing(vertices: &[[f64; 3]], t: &[u32; 3], x: f64, y: f64) -> Option<f64> {
     let mut cut = [[0.0; 2]; 2];
     let (mut cuts, mut passed) = (0, false);
@@ -192,10 +190,10 @@ fn crossing(vertices: &[[f64; 3]], t: &[u32; 3], x: f64, y: f64) -> Option<f64> 
             continue;
         }
         let s = (y - a[1]) / (b[1] - a[1]);
-        // Never beyond the edge's ends, so that the triangles whose boxes hold the place are all that need to be asked.
+        // Clamp to the ends of the edge, so that only triangles whose boxes contain the point need a test.
         let [at, _, height] = [0, 1, 2].map(|i| between(a[i] + s * (b[i] - a[i]), a[i], b[i]));
         passed ^= at > x;
-        // A triangle's outline meets the line at this y exactly twice, or never.
+        // The outline of a triangle crosses the line at this y exactly twice, or never.
         if cuts < 2 {
             cut[cuts] = [at, height];
         }
@@ -210,14 +208,14 @@ fn crossing(vertices: &[[f64; 3]], t: &[u32; 3], x: f64, y: f64) -> Option<f64> 
     Some(between(p[1] + s * (q[1] - p[1]), p[1], q[1]))
 }
 
-/// `x`, or the end of the interval that it lies beyond.
+/// Clamp `x` to the interval between `a` and `b`.
 fn between(x: f64, a: f64, b: f64) -> f64 {
     x.max(a.min(b)).min(a.max(b))
 }
 
-/// Refuses surfaces with open or wrongly oriented edges.
+/// Check for open or inconsistently oriented edges.
 fn check_closed(triangles: &[[u32; 3]]) -> Result<(), GeometryError> {
-    // How often each edge is used, and how much more often in one direction than in the other.
+    // Number of uses of each edge, and the difference between uses in its two directions.
     let mut edges: HashMap<[u32; 2], (u32, i32)> = HashMap::with_capacity(triangles.len() * 3 / 2);
     for t in triangles {
         for i in 0..3 {
@@ -238,7 +236,7 @@ fn check_closed(triangles: &[[u32; 3]]) -> Result<(), GeometryError> {
     Ok(())
 }
 
-/// Volume and centroid by the divergence theorem, taken about `base`.
+/// Volume and centroid by the divergence theorem about the point `base`.
 fn volume(vertices: &[[f64; 3]], triangles: &[[u32; 3]], base: [f64; 3]) -> (f64, [f64; 3]) {
     let tetrahedra = || {
         triangles.iter().map(|t| {
@@ -254,10 +252,10 @@ fn volume(vertices: &[[f64; 3]], triangles: &[[u32; 3]], base: [f64; 3]) -> (f64
     (volume, centroid)
 }
 
-/// Turns each piece of the surface so that it faces away from the solid: outwards, or into a cavity if it lies
-/// within an odd number of other pieces.
+/// Orient each piece of the surface away from the solid: outwards, or into a cavity if it is
+/// inside an odd number of other pieces.
 fn orient(vertices: &[[f64; 3]], triangles: &mut [[u32; 3]]) {
-    // Pieces: vertices joined by triangles, each with the smallest of its vertices as its name.
+    // Connected components: vertices joined by triangles, each labelled by its smallest vertex.
     let mut parent: Vec<u32> = (0..vertices.len() as u32).collect();
     fn root(parent: &mut [u32], mut v: u32) -> u32 {
         while parent[v as usize] != v {
@@ -275,7 +273,7 @@ fn orient(vertices: &[[f64; 3]], triangles: &mut [[u32; 3]]) {
     let piece_of: Vec<u32> = triangles.iter().map(|t| root(&mut parent, t[0])).collect();
     let mut by_piece: Vec<u32> = (0..triangles.len() as u32).collect();
     by_piece.sort_unstable_by_key(|t| (piece_of[*t as usize], *t));
-    // Between which heights each piece lies, by its name.
+    // Height range of each piece, by label.
     let mut heights = vec![[f64::INFINITY, f64::NEG_INFINITY]; vertices.len()];
     for (t, piece) in triangles.iter().zip(&piece_of) {
         let [low, high] = &mut heights[*piece as usize];
@@ -283,8 +281,8 @@ fn orient(vertices: &[[f64; 3]], triangles: &mut [[u32; 3]]) {
             (*low, *high) = (low.min(x[2]), high.max(x[2]));
         }
     }
-    // A piece is crossed below a place within its heights alone: below all of it never, above all of it an even number of times.
-    // So that stacks of pieces cost no more than pieces side by side, triangles are looked for by the heights of their pieces.
+    // A piece is crossed an odd number of times only below points within its height range: never below all of it, an even number above.
+    // The boxes of triangles have the height range of their piece, so that stacked pieces cost no more than pieces side by side.
     let several = piece_of.iter().any(|p| *p != piece_of[0]);
     let tree = several.then(|| {
         Tree::of_boxes(triangles.len(), |t| {
@@ -297,7 +295,7 @@ fn orient(vertices: &[[f64; 3]], triangles: &mut [[u32; 3]]) {
     for members in by_piece.chunk_by(|a, b| piece_of[*a as usize] == piece_of[*b as usize]) {
         let piece = piece_of[members[0] as usize];
         let base = vertices[piece as usize];
-        // All other pieces are closed, so the parity of their crossings below a vertex of this one says
+        // All other pieces are closed, so the parity of their crossings below a vertex of this one determines
         // whether it is inside an odd number of them.
         let mut cavity = false;
         if let Some(tree) = &tree {
@@ -357,7 +355,7 @@ fn triangle_distance(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
     if total > 0.0 {
         norm(along(along(ap, -vb / total, ab), -vc / total, ac))
     } else {
-        // A triangle without area is its longest edges.
+        // Degenerate triangle: use the distance to its edges.
         use super::primitives::segment_distance;
         segment_distance(p, a, b).min(segment_distance(p, b, c)).min(segment_distance(p, c, a))
     }
@@ -367,7 +365,7 @@ fn triangle_distance(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
 mod tests {
     use super::*;
 
-    /// A double cone of very thin triangles about an axis, its two tips far from the middle of its rim.
+    /// Double cone of very thin triangles about an axis; its two tips are far from the centre of its rim.
     fn fans(sides: usize, axis: [f64; 3]) -> TriangleMesh {
         let axis = axis.map(|c| c / norm(axis));
         let other = cross(axis, [0.3, 0.9, -0.1]);
@@ -384,7 +382,7 @@ mod tests {
         TriangleMesh::new(&vertices, &triangles).expect("closed")
     }
 
-    /// Places in and around the bounds, some of them right above vertices.
+    /// Sample points in and around the bounding box, some of them directly above vertices.
     fn places(mesh: &TriangleMesh, count: usize) -> Vec<[f64; 3]> {
         let mut state = 1u64;
         let mut draw = || {
@@ -427,7 +425,7 @@ mod tests {
         }
     }
 
-    /// Ten times as many triangles do not mean that ten times as many are asked, though their boxes overlap.
+    /// Ten times as many triangles must not need ten times as many tests, although their boxes overlap.
     #[test]
     fn thin_triangles_are_asked_where_they_are() {
         for axis in AXES {
@@ -444,14 +442,14 @@ mod tests {
                 }
                 [crossed, distances].map(|n| n as f64 / places.len() as f64)
             });
-            // One in a thousand, and one in forty: there are many nearly nearest ones near the axis of the fan.
+            // One in a thousand for lines, one in forty for distances: many triangles are almost nearest close to the axis of the fan.
             assert!(asked[1][0] < 40.0 && asked[1][1] < 1000.0, "{axis:?}: {asked:?}");
         }
     }
 
     #[test]
     fn pieces_in_piles_and_nests_ask_little() {
-        // Plates above each other, each within the column of all, and every fourth of them with a cavity.
+        // Plates in a stack, each within the column of all, every fourth with a cavity.
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         let mut add_box = |low: [f64; 3], high: [f64; 3]| {
             let first = vertices.len();

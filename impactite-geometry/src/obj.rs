@@ -1,16 +1,16 @@
-//! Triangles from Wavefront OBJ files: the lines `v` and `f`.
+//! Reader of Wavefront OBJ files: the lines `v` and `f`.
 
 use super::cursor::{Place, ReadError, shown};
 use super::triangles::{Triangles, fan};
 
-/// Vertices and triangles of a file, in its unit.
+/// Read vertices and triangles of a file, in its unit.
 ///
 /// # Errors
 /// [`ReadError`] for a vertex without three finite coordinates, and a face without three vertices of the file.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, ReadError> {
     let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
     let mut corners = Vec::new();
-    // The largest number of a vertex, and the line of its face: vertices may come after it.
+    // Largest vertex index and the line of its face: vertices may follow the faces that use them.
     let mut largest = (0, 0);
     for (number, line) in Lines::new(bytes) {
         let refuse = |key: &str, found: &[u8], allowed: &str| ReadError::Found {
@@ -30,7 +30,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, ReadError> {
                     *coordinate =
                         value.ok_or_else(|| refuse("coordinate of a vertex", word, "a finite number"))?;
                 }
-                // A fourth number is a weight; colours come after.
+                // A fourth number is a weight; colours follow.
                 vertices.push(x);
             }
             Some(b"f") => {
@@ -71,7 +71,7 @@ fn parsed<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Lines with the number of the first of those that a backslash joins. They end by a line feed, a carriage return, or both.
+/// Logical lines with the number of their first line; a backslash joins lines. Line ends are a line feed, a carriage return, or both.
 struct Lines<'a> {
     rest: &'a [u8],
     number: usize,

@@ -1,9 +1,9 @@
-//! Triangles from PLY files. After Greg Turk's description of the format (1994).
+//! Reader of PLY files. After Greg Turk's description of the format (1994).
 
 use super::cursor::{Cursor, Encoding, Place, ReadError, shown};
 use super::triangles::{Triangles, fan};
 
-/// Type of a number.
+/// Number type.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Scalar {
     I8,
@@ -33,7 +33,7 @@ impl Scalar {
         })
     }
 
-    /// The next number: all are exact in double precision.
+    /// Read the next number: all types are exact in double precision.
     fn read(self, cursor: &mut Cursor, key: &str) -> Result<f64, ReadError> {
         let Encoding::Binary { big_endian: big, .. } = cursor.encoding else {
             let line_end = ReadError::End { place: cursor.place_of(cursor.at()), expected: key.into() };
@@ -54,27 +54,27 @@ impl Scalar {
     }
 }
 
-/// A property of an element.
+/// Property of an element.
 struct Property {
     name: Vec<u8>,
-    /// Property and element, for messages.
+    /// Names of property and element, for messages.
     key: String,
-    /// Type of the length of a list; none of a single number.
+    /// Type of the length of a list; `None` for a single number.
     length: Option<Scalar>,
     scalar: Scalar,
 }
 
-/// Elements of the same properties.
+/// Element type: a number of elements with the same properties.
 struct Element {
     name: Vec<u8>,
     count: u64,
     properties: Vec<Property>,
 }
 
-/// Vertices and triangles of a file, in its unit.
+/// Read vertices and triangles of a file, in its unit.
 ///
 /// # Errors
-/// [`ReadError`] for a header or data that are no PLY file, and one without places of vertices or corners of faces.
+/// [`ReadError`] for an invalid header or invalid data, and for a file without vertex positions or face corners.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, ReadError> {
     let (elements, mut cursor) = header(bytes)?;
     let count = elements.iter().find(|e| e.name == b"vertex").map_or(0, |e| e.count);
@@ -98,7 +98,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, ReadError> {
             }
         }
     }
-    // Some programs end a file with a line feed or zeros.
+    // Some programs append a line feed or zeros to a file.
     let rest = cursor.rest();
     if let Some(more) = rest.iter().position(|b| !(b.is_ascii_whitespace() || *b == 0)) {
         let at = cursor.at() + more;
@@ -108,7 +108,7 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Triangles, ReadError> {
     Ok((vertices, triangles))
 }
 
-/// The header, and the data after it.
+/// Parse the header; return the elements and the data after the header.
 fn header(bytes: &[u8]) -> Result<(Vec<Element>, Cursor<'_>), ReadError> {
     let end: &[u8] = match bytes {
         [b'p', b'l', b'y', b'\r', b'\n', ..] => b"\r\n",
@@ -214,7 +214,7 @@ fn is_corners(property: &Property) -> bool {
     matches!(&property.name[..], b"vertex_indices" | b"vertex_index")
 }
 
-/// Reads an element; every number goes to `take` with its property and where it begins.
+/// Read an element; call `take` for every number with its property and position.
 fn read(
     cursor: &mut Cursor,
     element: &Element,

@@ -6,7 +6,7 @@ use super::primitives::segment_distance;
 use super::shape::Shape;
 use super::vector::{sub, sum};
 
-/// A simple polygon, given by its corners in order (either way round). Its edges must not cross; that is not
+/// Simple polygon, defined by its corners in order (either orientation). Its edges must not cross, which is not
 /// checked. In axisymmetric use: the profile (r, z) of any body of revolution. Exact distance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polygon {
@@ -16,18 +16,18 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// The polygon with these corners (m); the last is joined to the first.
+    /// Build the polygon with these corners (m); the last is joined to the first.
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless there are three corners at least, all finite, enclosing an area,
-    /// whose area and centroid are numbers.
+    /// [`GeometryError::Parameter`] unless there are at least three corners, all finite, that enclose an area,
+    /// and area and centroid are finite.
     pub fn new(corners: Vec<[f64; 2]>) -> Result<Self, GeometryError> {
         let check = Check("Polygon");
         check.that(corners.len() >= 3, "corners", corners.len() as f64, "three or more")?;
         for x in &corners {
             check.point("corners", *x)?;
         }
-        // About a corner, to lose nothing where the polygon is far from the origin.
+        // Relative to a corner, against cancellation in a polygon far from the origin.
         let base = corners[0];
         let local: Vec<[f64; 2]> = corners.iter().map(|x| sub(*x, base)).collect();
         let doubled = |[a, b]: [[f64; 2]; 2]| a[0] * b[1] - a[1] * b[0];
@@ -41,7 +41,7 @@ impl Polygon {
         check.point("centroid", centroid)?;
         Ok(Self { corners, area: signed.abs(), centroid })
     }
-    /// The corners, in order (m).
+    /// Corners in order (m).
     pub fn corners(&self) -> &[[f64; 2]] {
         &self.corners
     }
@@ -74,7 +74,7 @@ impl Shape<2> for Polygon {
         let mut inside = false;
         for (a, b) in self.edges() {
             if (a[1] > x[1]) != (b[1] > x[1]) {
-                // Each edge is looked at from the same end whichever way it runs.
+                // Orient each edge upwards, so that the test does not depend on its direction.
                 let (low, high) = if a[1] < b[1] { (a, b) } else { (b, a) };
                 let crossing = low[0] + (x[1] - low[1]) / (high[1] - low[1]) * (high[0] - low[0]);
                 inside ^= x[0] < crossing;

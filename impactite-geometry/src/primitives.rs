@@ -1,4 +1,4 @@
-//! The simple shapes.
+//! Primitive shapes.
 
 use std::f64::consts::PI;
 
@@ -20,7 +20,7 @@ fn box_distance<const D: usize>(x: [f64; D], half: [f64; D]) -> f64 {
     if outside > 0.0 { outside.sqrt() } else { inside }
 }
 
-/// An axis-aligned box: an interval, rectangle or cuboid. Exact distance.
+/// Axis-aligned box: an interval, rectangle or cuboid. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid<const D: usize> {
     min: [f64; D],
@@ -28,7 +28,7 @@ pub struct Cuboid<const D: usize> {
 }
 
 impl<const D: usize> Cuboid<D> {
-    /// The box between two opposite corners (m), in any order.
+    /// Create the box between two opposite corners (m), in any order.
     ///
     /// # Errors
     /// [`GeometryError::Parameter`] unless the corners are finite and differ in every coordinate.
@@ -47,11 +47,11 @@ impl<const D: usize> Cuboid<D> {
         }
         Ok(Self { min: b.min, max: b.max })
     }
-    /// The corner of smallest coordinates (m).
+    /// Corner of smallest coordinates (m).
     pub fn min(&self) -> [f64; D] {
         self.min
     }
-    /// The corner of largest coordinates (m).
+    /// Corner of largest coordinates (m).
     pub fn max(&self) -> [f64; D] {
         self.max
     }
@@ -59,7 +59,7 @@ impl<const D: usize> Cuboid<D> {
 
 impl<const D: usize> Shape<D> for Cuboid<D> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
-        // From the faces, not from centre and half edges: a point on a face has distance zero exactly.
+        // Measured from the faces, not from centre and half edges: the distance on a face is exactly zero.
         let (mut outside, mut inside) = (0.0, f64::NEG_INFINITY);
         for i in 0..D {
             let q = (self.min[i] - x[i]).max(x[i] - self.max[i]);
@@ -101,23 +101,23 @@ impl<const D: usize> Shape<D> for Cuboid<D> {
     }
 }
 
-/// A ball: a disc in 2D, a sphere in 3D. Exact distance.
+/// Ball: a disc in 2D, a sphere in 3D. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball<const D: usize> {
     centre: [f64; D],
     radius: f64,
 }
 
-/// A disc (2D).
+/// Disc (2D).
 pub type Disc = Ball<2>;
-/// A sphere (3D).
+/// Sphere (3D).
 pub type Sphere = Ball<3>;
 
 impl<const D: usize> Ball<D> {
-    /// The ball about `centre` (m) of this `radius` (m).
+    /// Create the ball about `centre` (m) of this `radius` (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless the radius is positive and all is finite.
+    /// [`GeometryError::Parameter`] unless the radius is positive and both are finite.
     pub fn new(centre: [f64; D], radius: f64) -> Result<Self, GeometryError> {
         let check = Check("Ball");
         Ok(Self { centre: check.point("centre", centre)?, radius: check.positive("radius", radius)? })
@@ -141,7 +141,7 @@ fn ball_measure<const D: usize>(radius: f64) -> Option<f64> {
     }
 }
 
-/// The integral of r over the part r > 0 of a disc about r = `centre`.
+/// Integral of r over the part r > 0 of a disc about r = `centre`.
 fn revolved_disc(centre: f64, radius: f64) -> f64 {
     if centre >= radius {
         PI * radius * radius * centre
@@ -178,7 +178,7 @@ impl<const D: usize> Shape<D> for Ball<D> {
     }
 }
 
-/// What lies between two concentric balls: a ring in 2D, a hollow sphere in 3D. Exact distance.
+/// Shell between two concentric balls: a ring in 2D, a hollow sphere in 3D. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shell<const D: usize> {
     pub(super) centre: [f64; D],
@@ -186,14 +186,14 @@ pub struct Shell<const D: usize> {
     pub(super) outer: f64,
 }
 
-/// A plane ring, an annulus (2D). Its 3D sibling is [`Tube`].
+/// Plane ring, an annulus (2D). Its 3D counterpart is [`Tube`].
 pub type Ring = Shell<2>;
 
 impl<const D: usize> Shell<D> {
-    /// The shell about `centre` (m) between the radii `inner` and `outer` (m).
+    /// Create the shell about `centre` (m) between the radii `inner` and `outer` (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless `0 < inner < outer` and all is finite.
+    /// [`GeometryError::Parameter`] unless `0 < inner < outer` and all values are finite.
     pub fn new(centre: [f64; D], inner: f64, outer: f64) -> Result<Self, GeometryError> {
         let check = Check("Shell");
         check.point("centre", centre)?;
@@ -226,7 +226,7 @@ impl<const D: usize> Shape<D> for Shell<D> {
     }
 }
 
-/// All points on one side of a plane (3D) or line (2D). Unbounded: combine it with something bounded.
+/// Half-space on one side of a plane (3D) or line (2D). Unbounded: combine it with a bounded shape.
 /// Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace<const D: usize> {
@@ -235,10 +235,10 @@ pub struct HalfSpace<const D: usize> {
 }
 
 impl<const D: usize> HalfSpace<D> {
-    /// The side away from which `outward` points (any length), bounded by the plane through `point` (m).
+    /// Create the half-space bounded by the plane through `point` (m), with the outward normal `outward` (any length).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless `outward` is not zero and all is finite.
+    /// [`GeometryError::Parameter`] unless `outward` is not zero and all values are finite.
     pub fn new(point: [f64; D], outward: [f64; D]) -> Result<Self, GeometryError> {
         let check = Check("half-space");
         Ok(Self { point: check.point("point", point)?, normal: check.direction("outward", outward)? })
@@ -268,7 +268,7 @@ impl<const D: usize> Shape<D> for HalfSpace<D> {
     }
 }
 
-/// An axis: where a rod starts, and which way it points.
+/// Axis of a rod: start point and unit direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Axis<const D: usize> {
     pub(super) start: [f64; D],
@@ -286,7 +286,7 @@ impl<const D: usize> Axis<D> {
     fn at(&self, z: f64) -> [f64; D] {
         along(self.start, z, self.direction)
     }
-    /// Bounds of the body whose support function in the meridian plane is `support(cos, sin)`: the largest
+    /// Bounding box of a body of revolution with the support function `support(cos, sin)` in the meridian plane: the maximum of
     /// `z cos + r sin` over the body.
     fn bounds(&self, support: impl Fn(f64, f64) -> f64) -> Bounds<D> {
         let mut b = Bounds { min: self.start, max: self.start };
@@ -299,7 +299,7 @@ impl<const D: usize> Axis<D> {
         b
     }
     /// Volume per radian of a body of revolution of this `volume` about this axis, if this is the axis r = 0
-    /// of the plane (r, z); else by area and centroid.
+    /// of the plane (r, z); else from area and centroid.
     fn revolved(&self, volume: f64, shape: &impl Shape<D>) -> Option<f64> {
         if D != 2 {
             None
@@ -313,8 +313,8 @@ impl<const D: usize> Axis<D> {
     }
 }
 
-/// A right circular cylinder on any axis. In 2D it is its section along the axis: a rectangle at any angle;
-/// on the axis r = 0 of axisymmetric coordinates that is the cylinder again. Exact distance.
+/// Right circular cylinder about any axis. In 2D its axial section: a rectangle at any angle, which
+/// about the axis r = 0 of axisymmetric coordinates represents the cylinder. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder<const D: usize> {
     pub(super) axis: Axis<D>,
@@ -323,10 +323,10 @@ pub struct Cylinder<const D: usize> {
 }
 
 impl<const D: usize> Cylinder<D> {
-    /// From the centre of one end (m), the direction of the axis (any length), length and radius (m).
+    /// Create it from the centre of one end (m), the direction of the axis (any length), length and radius (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless length and radius are positive, `direction` is not zero and all is
+    /// [`GeometryError::Parameter`] unless length and radius are positive, `direction` is not zero and all values are
     /// finite.
     pub fn new(
         start: [f64; D],
@@ -378,7 +378,7 @@ impl<const D: usize> Shape<D> for Cylinder<D> {
     }
 }
 
-/// A straight tube on any axis; in 2D its section along the axis, two parallel bars. Exact distance.
+/// Straight tube about any axis; in 2D its axial section, two parallel bars. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tube<const D: usize> {
     pub(super) axis: Axis<D>,
@@ -388,11 +388,11 @@ pub struct Tube<const D: usize> {
 }
 
 impl<const D: usize> Tube<D> {
-    /// From the centre of one end (m), the direction of the axis (any length), length and radii (m).
+    /// Create it from the centre of one end (m), the direction of the axis (any length), length and radii (m).
     ///
     /// # Errors
     /// [`GeometryError::Parameter`] unless the length is positive, `0 < inner < outer`, `direction` is not
-    /// zero and all is finite.
+    /// zero and all values are finite.
     pub fn new(
         start: [f64; D],
         direction: [f64; D],
@@ -443,7 +443,7 @@ impl<const D: usize> Shape<D> for Tube<D> {
     }
 }
 
-/// A truncated cone on any axis, or a whole one if one radius is zero; in 2D its section along the axis.
+/// Truncated cone about any axis, or a full cone if one radius is zero; in 2D its axial section.
 /// Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum<const D: usize> {
@@ -453,12 +453,12 @@ pub struct Frustum<const D: usize> {
 }
 
 impl<const D: usize> Frustum<D> {
-    /// From the centre of the first end (m), the direction towards the second (any length), length, and the
+    /// Create it from the centre of the first end (m), the direction towards the second (any length), length, and the
     /// radius at each end (m).
     ///
     /// # Errors
     /// [`GeometryError::Parameter`] unless the length is positive, the radii are not negative and not both
-    /// zero, `direction` is not zero and all is finite.
+    /// zero, `direction` is not zero and all values are finite.
     pub fn new(
         start: [f64; D],
         direction: [f64; D],
@@ -534,10 +534,10 @@ impl<const D: usize> Shape<D> for Frustum<D> {
     }
 }
 
-/// A rod with a tangent ogive nose, on any axis; in 2D its section along the axis, which on the axis r = 0 of
-/// axisymmetric coordinates is the rod again. Exact distance.
+/// Rod with a tangent ogive nose, about any axis; in 2D its axial section, which about the axis r = 0 of
+/// axisymmetric coordinates represents the rod. Exact distance.
 ///
-/// The nose is an arc of radius `crh * diameter` (calibre-radius-head) that meets the shank without a kink;
+/// The nose is an arc of radius `crh * diameter` (calibre-radius-head), tangent to the shank;
 /// its length is `diameter / 2 * sqrt(4 crh - 1)`. A `crh` of one half gives a hemispherical nose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OgiveRod<const D: usize> {
@@ -553,12 +553,12 @@ pub struct OgiveRod<const D: usize> {
 }
 
 impl<const D: usize> OgiveRod<D> {
-    /// From the centre of the flat tail (m), the direction of flight (any length), diameter, length from tail
+    /// Create it from the centre of the flat tail (m), the direction of flight (any length), diameter, length from tail
     /// to tip (m), and calibre-radius-head.
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless the diameter is positive, `crh` at least one half, the length not
-    /// less than the nose's, `direction` is not zero and all is finite.
+    /// [`GeometryError::Parameter`] unless the diameter is positive, `crh` at least one half, the length at least that
+    /// of the nose, `direction` is not zero and all values are finite.
     pub fn new(
         tail: [f64; D],
         direction: [f64; D],
@@ -571,7 +571,7 @@ impl<const D: usize> OgiveRod<D> {
         check.that(crh >= 0.5, "crh", crh, "at least 1/2, and finite")?;
         let radius = 0.5 * diameter;
         let nose = radius * (4.0 * crh - 1.0).sqrt();
-        // A rod that is all nose may miss its length by rounding.
+        // The length of a rod without shank may differ from that of its nose by rounding.
         check.that(
             length >= nose * (1.0 - 1e-12),
             "length",
@@ -597,11 +597,11 @@ impl<const D: usize> OgiveRod<D> {
     pub fn tip(&self) -> [f64; D] {
         self.axis.at(self.shank + self.nose)
     }
-    /// How far the centre of the arc lies beyond the axis.
+    /// Distance of the centre of the arc beyond the axis.
     pub(super) fn beyond(&self) -> f64 {
         self.arc - self.radius
     }
-    /// The integral of the arc's height over the nose, both measured from the centre of the arc.
+    /// Integral of the height of the arc over the nose, both relative to the centre of the arc.
     fn arc_area(&self) -> f64 {
         let (l, c) = (self.nose, self.beyond());
         0.5 * (l * c + self.arc * self.arc * (l / self.arc).min(1.0).asin())
@@ -618,7 +618,7 @@ impl<const D: usize> Shape<D> for OgiveRod<D> {
         let p @ [z, r] = self.axis.meridian(x);
         let shoulder = [self.shank, self.radius];
         let tip = [self.shank + self.nose, 0.0];
-        // From the centre of the arc.
+        // Relative to the centre of the arc.
         let (dz, dr) = (z - self.shank, r + self.beyond());
         let from_centre = dz.hypot(dr);
         let in_sector = dz >= 0.0 && dz * self.beyond() <= dr * self.nose;
@@ -660,7 +660,7 @@ impl<const D: usize> Shape<D> for OgiveRod<D> {
     }
     fn centroid(&self) -> Option<[f64; D]> {
         let (l, c, arc) = (self.nose, self.beyond(), self.arc);
-        // First moments of the nose about its shoulder, of the whole about the tail.
+        // First moments of the nose about its shoulder, and of the whole rod about the tail.
         let (half_size, moment) = match D {
             2 => {
                 let size = self.arc_area() - c * l;
@@ -689,7 +689,7 @@ impl<const D: usize> Shape<D> for OgiveRod<D> {
     }
 }
 
-/// A shape given by a function, for what has no type of its own.
+/// Shape defined by a function, for shapes without a type of their own.
 #[derive(Clone, Copy, Debug)]
 pub struct Implicit<F, const D: usize> {
     distance: F,
@@ -697,7 +697,7 @@ pub struct Implicit<F, const D: usize> {
 }
 
 impl<F: Fn([f64; D]) -> f64 + Send + Sync, const D: usize> Implicit<F, D> {
-    /// The points where `distance` is negative, all of them within `bounds`. The function obeys the contract of
+    /// Create the shape of the points where `distance` is negative, all of them within `bounds`. The function must satisfy the contract of
     /// [`Shape::signed_distance`].
     pub fn new(bounds: Bounds<D>, distance: F) -> Self {
         Self { distance, bounds }

@@ -1,4 +1,4 @@
-//! Discs as concentric rings of particles.
+//! Seeding of discs by concentric rings of particles.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,19 +6,19 @@ use super::error::Check;
 use super::{GeometryError, Seeds};
 use impactite_simd::memory::{Budget, MOST_BYTES};
 
-/// A full disc as concentric rings of particles, `count` of them and each as wide as particles are long, with exact
-/// area: its edge is as smooth as a circle, where that of a lattice has steps on which it would rattle. Rings are turned
-/// against each other by the golden angle.
+/// Seed a full disc by `count` concentric rings of particles, each as wide as its particles are long, with exact
+/// area. The edge is as smooth as a circle, whereas a lattice has steps on which a disc would rattle. Consecutive rings are rotated
+/// by the golden angle.
 ///
 /// # Errors
-/// A centre that is not finite, a radius that is not positive and finite, no ring, areas that are too large or too small for a number,
-/// or more particles than [`MOST_BYTES`] have room for (some 15000 rings).
+/// A centre that is not finite, a radius that is not positive and finite, no ring, areas outside the range of floating-point numbers,
+/// or more particles than [`MOST_BYTES`] can store (some 15000 rings).
 pub fn rings(centre: [f64; 2], radius: f64, count: usize) -> Result<Seeds<2>, GeometryError> {
     let check = Check("rings");
     let (centre, radius) = (check.point("centre", centre)?, check.positive("radius", radius)?);
     check.that(count > 0, "count", count as f64, "at least 1")?;
     let budget = Budget { what: "a disc of so many rings", allowed: MOST_BYTES, remedy: "use fewer rings" };
-    // Rings of 2 pi (k + 1/2) particles, each rounded to a whole number.
+    // Ring k has 2 pi (k + 1/2) particles, rounded to a whole number.
     let most = PI * count as f64 * count as f64 + 0.5 * count as f64;
     budget.holds(most * (size_of::<[f64; 2]>() + size_of::<f64>()) as f64)?;
     let width = radius / count as f64;

@@ -1,4 +1,4 @@
-//! Particles from shapes.
+//! Particle seeding of shapes.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -9,22 +9,22 @@ use super::vector::{norm, sum};
 use impactite_simd::Team;
 use impactite_simd::memory::{Budget, MOST_BYTES};
 
-/// The most particle sites that a filling looks at.
+/// Maximum number of candidate sites of a filling.
 const MOST_SITES: f64 = 1e12;
-/// Columns of cells handled by one task. Fixed, so that nothing depends on the number of threads.
+/// Columns of cells per task. Constant, so that results do not depend on the number of threads.
 const COLUMNS_PER_TASK: usize = 16;
 
-/// Which sites become particles, and with what volume.
+/// Criterion for seeding a site, and volume of its particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Edge {
-    /// A site whose particle's centre is inside, with its whole volume.
+    /// Seed sites whose particle centre is inside, with the whole volume.
     Centre,
-    /// Every site the shape reaches into, with the part of its volume that is inside.
+    /// Seed every site that the shape overlaps, with the fraction of the volume that is inside.
     Partial { subsamples: usize, drop_below: f64 },
 }
 
-/// How to fill a shape. The default is Cartesian, one particle at every site whose centre is inside, the outermost layer
-/// moved to half a particle below the surface ([`Filling::at_sites`] leaves it), volumes corrected to the exact
+/// Options for filling a shape. Default: Cartesian, one particle at every site whose centre is inside, the outermost layer
+/// moved to half a particle below the surface ([`Filling::at_sites`] disables this), volumes corrected to the exact
 /// measure of the shape.
 ///
 /// ```
@@ -55,76 +55,75 @@ impl Default for Filling {
 }
 
 impl Filling {
-    /// The plain filling.
+    /// Create the default options.
     pub fn new() -> Self {
         Self::default()
     }
-    /// Counts volume in this metric.
+    /// Set the metric of volumes.
     pub fn metric(mut self, metric: Metric) -> Self {
         self.metric = metric;
         self
     }
-    /// Coordinates are (r, z); volumes are per radian (m3). Only r > 0 is filled.
+    /// Use coordinates (r, z) and volumes per radian (m3). Only r > 0 is filled.
     pub fn axisymmetric(self) -> Self {
         self.metric(Metric::Axisymmetric)
     }
-    /// Particles at the surface get the part of their volume that is inside, found with `subsamples` points
-    /// per axis. Those with less than the part `drop_below` of a whole particle are left out and their volume
-    /// is given to the fullest neighbour. Particles stay at their sites, even if the site is outside.
+    /// Give particles at the surface the fraction of their volume that is inside, sampled with `subsamples` points
+    /// per axis. Particles below the fraction `drop_below` of a whole particle are dropped, and their volume
+    /// goes to the largest neighbour. Particles stay at their sites, even if the site is outside.
     pub fn partial(mut self, subsamples: usize, drop_below: f64) -> Self {
         self.edge = Edge::Partial { subsamples, drop_below };
         self
     }
-    /// Moves each particle at random by up to `amount` (0 to 1) of half its edge along every axis, before it is
-    /// asked whether it is inside. The same `seed` gives the same particles; a site draws the same displacement
-    /// whatever the shape.
+    /// Displace each particle at random by up to `amount` (0 to 1) of half its edge along every axis, before the
+    /// inside test. The same `seed` gives the same particles; the displacement of a site does not depend
+    /// on the shape.
     pub fn jittered(mut self, seed: u64, amount: f64) -> Self {
         self.jitter = Some((seed, amount));
         self
     }
-    /// Leaves all particles at their sites. Without it those of the outermost layer, where they are not jittered or
-    /// [partial](Filling::partial), are moved along the normal until they are half a particle below the surface, by half a particle at most (at edges, where two
-    /// surfaces move them, by a whole one):
-    /// a curved or oblique surface is as smooth as the shape, and not a stair on which bodies that slide catch and bodies
-    /// that meet begin to touch too early or too late. Where a surface lies between the sites already, nothing moves.
+    /// Leave all particles at their sites. By default, particles of the outermost layer that are neither jittered nor
+    /// [partial](Filling::partial) are moved along the normal to half a particle below the surface. The displacement is at most half a
+    /// particle (at edges, where two surfaces act, a whole one). A curved or oblique surface is then as smooth as the shape; a staircase
+    /// would catch sliding bodies and start contact too early or too late. Where a surface is already midway between sites, nothing moves.
     pub fn at_sites(mut self) -> Self {
         self.fit = false;
         self
     }
-    /// Leaves the volumes as they are, instead of scaling them to the measure of the shape.
+    /// Leave the volumes uncorrected, instead of scaling them to the measure of the shape.
     pub fn uncorrected(mut self) -> Self {
         self.correct = false;
         self
     }
-    /// The bytes of memory that the filling may take, instead of [`MOST_BYTES`].
+    /// Set the memory limit of the filling in bytes; default [`MOST_BYTES`].
     pub fn memory(mut self, bytes: u64) -> Self {
         self.memory = bytes;
         self
     }
 }
 
-/// Particles ready to become a body.
+/// Seeded particles, ready to become a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seeds<const D: usize> {
-    /// Positions (m), sorted by the cell of their site and by site within a cell, the first axis varying slowest in both.
+    /// Positions (m), sorted by cell and by site within a cell; the first axis varies slowest in both.
     pub positions: Vec<[f64; D]>,
     /// Volumes: m3 in 3D, m2 in 2D, m3 per radian in axisymmetric use.
     pub volumes: Vec<f64>,
     /// Half the edge of a particle along each axis (m).
     pub half_size: [f64; D],
-    /// The sum of the volumes before correction.
+    /// Sum of the volumes before correction.
     pub raw_measure: f64,
-    /// The exact measure of the shape, where known.
+    /// Exact measure of the shape, where known.
     pub exact_measure: Option<f64>,
-    /// The finely sampled measure of the shape, where the exact one is unknown and a correction was asked for.
+    /// Sampled measure of the shape, where the exact one is unknown and a correction is requested.
     pub sampled_measure: Option<f64>,
-    /// The factor by which the volumes were multiplied; one if no correction was asked for.
+    /// Correction factor of the volumes: target measure over raw measure; 1 without correction.
     pub correction: f64,
 }
 
 impl<const D: usize> Seeds<D> {
-    /// Particles at these positions, m, of these volumes and this half size, m: where no shape is filled. They are looked at when
-    /// they are added to a scene.
+    /// Create particles at these positions, m, of these volumes and this half size, m, without filling a shape. The values are checked
+    /// when the particles are added to a scene.
     pub fn placed(positions: Vec<[f64; D]>, volumes: Vec<f64>, half_size: [f64; D]) -> Self {
         let raw_measure = sum(volumes.iter().copied());
         Seeds {
@@ -141,15 +140,15 @@ impl<const D: usize> Seeds<D> {
     pub fn len(&self) -> usize {
         self.positions.len()
     }
-    /// Are there none?
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
-    /// The sum of the volumes.
+    /// Sum of the volumes.
     pub fn measure(&self) -> f64 {
         sum(self.volumes.iter().copied())
     }
-    /// The centroid of the particles (m).
+    /// Centroid of the particles (m).
     pub fn centroid(&self) -> [f64; D] {
         let total = self.measure();
         let mut c = [0.0; D];
@@ -160,7 +159,7 @@ impl<const D: usize> Seeds<D> {
     }
 }
 
-/// A range of cells, and how each is divided.
+/// Candidate sites: a range of cells, and the number of sites per cell edge.
 struct Sites<'a, const D: usize> {
     lattice: &'a Lattice<D>,
     parts: usize,
@@ -177,7 +176,7 @@ impl<const D: usize> Sites<'_, D> {
     fn rows(&self) -> usize {
         self.parts.pow(D.saturating_sub(1) as u32)
     }
-    /// Cell of the column, its last index that of the lowest cell.
+    /// Return the cell of a column; its last index is that of the lowest cell.
     fn column_cell(&self, column: usize) -> [i64; D] {
         let (mut cell, mut rest) = (self.low, column);
         for i in (0..D.saturating_sub(1)).rev() {
@@ -186,7 +185,7 @@ impl<const D: usize> Sites<'_, D> {
         }
         cell
     }
-    /// Part of the cell's edge along each axis but the last.
+    /// Return the site index within a cell along each axis but the last.
     fn row_part(&self, row: usize) -> [usize; D] {
         let (mut part, mut rest) = ([0; D], row);
         for i in (0..D.saturating_sub(1)).rev() {
@@ -204,18 +203,18 @@ impl<const D: usize> Sites<'_, D> {
     }
 }
 
-/// A particle that keeps only a sliver of its volume.
+/// Particle below the volume fraction `drop_below`, whose volume goes to a neighbour.
 struct Sliver<const D: usize> {
     cell: [i64; D],
     part: [usize; D],
     volume: f64,
 }
 
-/// What a task found.
+/// Particles found by a task.
 struct Found<const D: usize> {
     positions: Vec<[f64; D]>,
     volumes: Vec<f64>,
-    /// Cell and part of each particle, if slivers are to find their neighbours.
+    /// Cell and site of each particle, for the neighbour search of slivers.
     keys: Vec<([i64; D], [usize; D])>,
     slivers: Vec<Sliver<D>>,
 }
@@ -224,7 +223,7 @@ impl<const D: usize> Found<D> {
     fn new() -> Self {
         Self { positions: Vec::new(), volumes: Vec::new(), keys: Vec::new(), slivers: Vec::new() }
     }
-    /// Gives back memory beyond what is held.
+    /// Release unused capacity.
     fn shrink(&mut self) {
         self.positions.shrink_to_fit();
         self.volumes.shrink_to_fit();
@@ -233,14 +232,14 @@ impl<const D: usize> Found<D> {
     }
 }
 
-/// Bytes that a filling takes.
+/// Memory estimate of a filling, bytes.
 #[derive(Clone, Copy)]
 struct Cost {
-    /// Sites within the bounds.
+    /// Number of sites within the bounds.
     points: f64,
-    /// For them, whatever comes out.
+    /// Bytes of working memory for the sites, independent of the result.
     sites: f64,
-    /// For a particle, and for a sliver: in a task's list and in that of all.
+    /// Bytes per particle, in the list of a task and in the combined list; `sliver` likewise.
     particle: u64,
     sliver: u64,
 }
@@ -254,8 +253,8 @@ impl Cost {
         let columns = count.iter().take(D.saturating_sub(1)).product::<f64>();
         let tasks = (columns / COLUMNS_PER_TASK as f64).ceil();
         let threads = (Team::ambient().threads() as f64).min(tasks);
-        // In each thread, a column's parts, a row's answers and the list of rows, and what shapes that are moved and combined hold for a
-        // row; the coordinates of a row; the tasks.
+        // Per thread: the volume fractions of a column, the inside flags of a row, the list of rows, and the buffers of transformed and
+        // combined shapes for a row. Shared: the coordinates of a row; the tasks.
         let thread =
             (rows * row + row) * size_of::<f64>() as f64 + 2.0 * row + rows * size_of::<[usize; D]>() as f64;
         let shared = row * size_of::<f64>() as f64 + tasks * size_of::<Found<D>>() as f64;
@@ -270,7 +269,7 @@ impl Cost {
     }
 }
 
-/// One step of the splitmix64 generator: a good mix of the 64 bits.
+/// Advance the splitmix64 generator: mix 64 bits.
 fn mix(x: u64) -> u64 {
     let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -278,7 +277,7 @@ fn mix(x: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// Displacements in (-1, 1), fixed by seed, cell and part.
+/// Pseudorandom displacement in (-1, 1), determined by seed, cell and site.
 fn displacement<const D: usize>(seed: u64, cell: [i64; D], part: [usize; D]) -> [f64; D] {
     let mut state = mix(seed);
     for i in 0..D {
@@ -288,18 +287,18 @@ fn displacement<const D: usize>(seed: u64, cell: [i64; D], part: [usize; D]) -> 
     let mut u = [0.0; D];
     for c in &mut u {
         state = mix(state);
-        // The middle of one of 2^52 equal intervals.
+        // Midpoint of one of 2^52 equal intervals.
         *c = ((state >> 12) as f64 + 0.5) / (1u64 << 51) as f64 - 1.0;
     }
     u
 }
 
-/// Fills a shape with particles: `per_axis` of them along each axis of a cell of the lattice, at the centres
+/// Fill a shape with particles: `per_axis` particles along each axis of a lattice cell, at the centres
 /// of equal parts of the cell.
 ///
-/// Volumes are those of the parts (times r in axisymmetric use), then all scaled by one factor so that their
-/// sum is the exact measure of the shape, or a finely sampled one where that is unknown; the factor is
-/// reported. Positions are free of accumulated rounding, and everything is the same for any number of threads.
+/// Volumes are those of the parts (times r in axisymmetric use), scaled by one factor so that their
+/// sum equals the exact measure of the shape, or a sampled one where that is unknown; the result includes the
+/// factor. Positions are free of accumulated rounding, and results are identical for any number of threads.
 ///
 /// ```
 /// use impactite_geometry::{Disc, Filling, Lattice, fill};
@@ -310,12 +309,12 @@ fn displacement<const D: usize>(seed: u64, cell: [i64; D], part: [usize; D]) -> 
 /// # Ok::<(), impactite_geometry::GeometryError>(())
 /// ```
 ///
-/// Memory: twice what the particles hold (32 bytes each in space, 80 if slivers are dropped), and a number for every site of a column of
-/// cells, as many columns as there are threads.
+/// Memory: twice that of the particles (32 bytes each in space, 80 if slivers are dropped), and a number for every site of a column of
+/// cells, for as many columns as there are threads.
 ///
 /// # Errors
-/// [`GeometryError`] if an option is out of range, the shape is unbounded, nothing comes out, or it takes more memory than
-/// [`Filling::memory`] allows.
+/// [`GeometryError`] if an option is out of range, the shape is unbounded, there are no particles, or the memory exceeds
+/// [`Filling::memory`].
 pub fn fill<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     lattice: &Lattice<D>,
@@ -350,7 +349,7 @@ pub fn fill<const D: usize>(
         remedy: "use a coarser lattice or fewer particles per cell, look at the units of shape and lattice, or allow more by `Filling::memory`",
     };
     let cost = Cost::of::<D>(&sites, filling);
-    // Where the measure is known, so is the number of particles, nearly.
+    // A known measure gives an estimate of the number of particles.
     let known = shape.measure().map(|m| m / edge.powi(D as i32)).filter(|n| *n >= 0.0);
     budget.holds(cost.sites + known.map_or(0.0, |n| n.min(cost.points) * cost.particle as f64))?;
     let last: Vec<f64> = (0..sites.count.last().copied().unwrap_or(0) * per_axis)
@@ -370,8 +369,8 @@ pub fn fill<const D: usize>(
             emit(&sites, column, &parts, filling, edge, found);
             let new = (found.positions.len() - before[0]) as u64 * cost.particle
                 + (found.slivers.len() - before[1]) as u64 * cost.sliver;
-            // Whole numbers, whose sum is the same in any order. Beyond the limit all is counted, to name how much it is, and
-            // nothing kept.
+            // Integers, whose sum does not depend on the order. Above the limit, particles are counted for the error message but
+            // not stored.
             if beyond(held.fetch_add(new, Ordering::Relaxed).saturating_add(new)) {
                 *found = Found::new();
             }
@@ -407,7 +406,7 @@ pub fn fill<const D: usize>(
 
     let exact_measure = filling.metric.measure(shape);
     let mut sampled = None;
-    // What slivers without neighbours lost is spread over all particles.
+    // The volume of slivers without neighbours is distributed over all particles.
     let kept = raw_measure - homeless;
     let (correction, scale) = if filling.correct {
         let target = match exact_measure {
@@ -439,10 +438,10 @@ pub fn fill<const D: usize>(
     })
 }
 
-/// How often a particle is moved: by the nearest surface first, then by those that it is too near to still, as at edges.
+/// Maximum number of moves of a particle: first for the nearest surface, then for others that are still too near, as at edges.
 const FITS: usize = 4;
 
-/// Where a particle of this edge belongs that is at `x`: half an edge below the surface, if it is in the outermost layer.
+/// Return the fitted position of a particle of this edge at `x`: half an edge below the surface, if it is in the outermost layer.
 fn fit<const D: usize>(shape: &(impl Shape<D> + ?Sized), x: [f64; D], edge: f64) -> [f64; D] {
     let (half, step) = (0.5 * edge, 1e-4 * edge);
     let mut place = x;
@@ -462,11 +461,11 @@ fn fit<const D: usize>(shape: &(impl Shape<D> + ?Sized), x: [f64; D], edge: f64)
             normal[i] = rise / (2.0 * step);
             square += normal[i] * normal[i];
         }
-        // In the middle between two surfaces there is no normal.
+        // Midway between two surfaces the normal is undefined.
         if (square - 1.0).abs() > 0.1 {
             break;
         }
-        // Along the axis that is closest to the normal, sites are an edge apart: one of each row is in this layer.
+        // Along the axis closest to the normal, sites are an edge apart: one site of each row is in this layer.
         let steepest = normal.iter().fold(0.0_f64, |a, n| a.max(n.abs()));
         let outermost = if pass == 0 { depth < steepest * edge * (1.0 - 1e-9) } else { depth < half };
         let beyond: [f64; D] = std::array::from_fn(|i| place[i] + normal[i] * (depth + 0.1 * edge));
@@ -481,7 +480,7 @@ fn fit<const D: usize>(shape: &(impl Shape<D> + ?Sized), x: [f64; D], edge: f64)
     if way <= edge * edge && shape.contains(place) { place } else { x }
 }
 
-/// The cells within the bounds of the shape.
+/// Find the range of cells within the bounds of the shape.
 fn find_sites<'a, const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     lattice: &'a Lattice<D>,
@@ -520,7 +519,7 @@ fn find_sites<'a, const D: usize>(
         let first = lattice.coordinate(i, bounds.min[i]).floor();
         let cells = lattice.coordinate(i, bounds.max[i]).floor() - first + 1.0;
         points *= cells * parts as f64;
-        // Beyond this, a cell's number and a position within it no longer fit one floating-point number.
+        // Beyond this limit, a floating-point number does not resolve a position within a cell.
         let furthest = first.abs().max((first + cells).abs());
         if !(points <= MOST_SITES && furthest <= 1e12) {
             return Err(GeometryError::TooFine { points: points.max(furthest), allowed: MOST_SITES });
@@ -531,7 +530,7 @@ fn find_sites<'a, const D: usize>(
     Ok(Sites { lattice, parts, low, count })
 }
 
-/// The part of each site of a column that is inside, row by row.
+/// Compute the inside fraction of each site of a column, row by row.
 fn column_parts<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     sites: &Sites<'_, D>,
@@ -576,7 +575,7 @@ fn column_parts<const D: usize>(
                         i += 1;
                         continue;
                     }
-                    // The surface keeps at least this far from the centres of the next particles, too.
+                    // The distance bound also holds for the centres of the following particles.
                     let value = if distance < 0.0 { 1.0 } else { 0.0 };
                     let leap = last[i] + sure * (1.0 - 1e-9);
                     out[i] = value;
@@ -591,13 +590,13 @@ fn column_parts<const D: usize>(
     }
 }
 
-/// Cell of site `i` of a row.
+/// Return the cell of site `i` of a row.
 fn site_cell<const D: usize>(sites: &Sites<'_, D>, mut cell: [i64; D], i: usize) -> [i64; D] {
     cell[D - 1] += (i / sites.parts) as i64;
     cell
 }
 
-/// Part of site `i` of a row.
+/// Return the index within its cell of site `i` of a row.
 fn site_part<const D: usize>(sites: &Sites<'_, D>, mut part: [usize; D], i: usize) -> [usize; D] {
     part[D - 1] = i % sites.parts;
     part
@@ -618,7 +617,7 @@ fn jitter<const D: usize>(
     x
 }
 
-/// The part of the cube of this edge about `x` that is inside the shape, from `n^D` points.
+/// Volume fraction of the cube of this edge about `x` that is inside the shape, sampled at `n^D` points.
 fn part_inside<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     x: [f64; D],
@@ -648,7 +647,7 @@ fn part_inside<const D: usize>(
     if all > 0.0 { hits / all } else { 0.0 }
 }
 
-/// Turns the parts of a column into particles, cell by cell.
+/// Create particles from the inside fractions of a column, cell by cell.
 fn emit<const D: usize>(
     sites: &Sites<'_, D>,
     column: usize,
@@ -677,7 +676,7 @@ fn emit<const D: usize>(
                 let mut x = sites.site(cell, part);
                 let mut volume = whole * inside;
                 if filling.metric == Metric::Axisymmetric {
-                    // The integral of r over the part, wherever in it the particle ends up.
+                    // Integral of r over the part, whatever the final position of the particle.
                     volume *= x[0];
                 }
                 if inside < drop_below {
@@ -698,8 +697,8 @@ fn emit<const D: usize>(
     }
 }
 
-/// Gives each sliver's volume to the neighbour with the largest volume, a face's neighbour if there is one,
-/// else one at an edge or corner; returns the volume that found no neighbour.
+/// Add the volume of each sliver to its largest face neighbour, or else to its largest edge or corner
+/// neighbour; return the volume of slivers without a neighbour.
 fn merge<const D: usize>(
     slivers: &[Sliver<D>],
     keys: &[([i64; D], [usize; D])],
@@ -715,7 +714,7 @@ fn merge<const D: usize>(
         }
         keys.binary_search(&key).ok()
     };
-    // Chosen by the volumes before anything is given, so that the order of giving does not matter.
+    // Select the neighbours before any volume is added, so that the result does not depend on the order.
     let mut gifts = Vec::with_capacity(slivers.len());
     let mut homeless = 0.0;
     for s in slivers {
@@ -727,7 +726,7 @@ fn merge<const D: usize>(
                 steps += usize::from(*o != 0);
                 rest /= 3;
             }
-            // All face neighbours are tried before any other.
+            // Face neighbours take precedence.
             let rank = if steps <= 1 { 1 } else { 2 };
             if steps == 0 || rank > fewest {
                 continue;
@@ -753,14 +752,14 @@ fn merge<const D: usize>(
     homeless
 }
 
-/// The measure of a bounded shape by sampling its signed distance, for shapes whose exact measure is unknown.
+/// Sample the signed distance of a bounded shape to compute its measure where the exact one is unknown.
 ///
-/// Boxes that the distance proves to be wholly inside or outside are never divided; the others are, down to
-/// an edge of about `resolution` (m) or less (but not more than about a million of them). The error of second
-/// order in that edge is extrapolated away. The result is the same for any number of threads.
+/// Boxes that the distance proves to be wholly inside or outside are not subdivided; the others are, down to
+/// an edge of about `resolution` (m) or less (limited to about a million boxes). Richardson extrapolation
+/// removes the error of second order in that edge. The result is identical for any number of threads.
 ///
 /// # Errors
-/// [`GeometryError`] if the shape is unbounded or empty, `resolution` is not positive, or a distance or the measure is not a number.
+/// [`GeometryError`] if the shape is unbounded or empty, `resolution` is not positive, or a distance or the measure is NaN.
 pub fn sampled_measure<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     metric: Metric,
@@ -785,8 +784,8 @@ pub fn sampled_measure<const D: usize>(
         longest = longest.max(extent);
         shortest = shortest.min(extent);
     }
-    // Fine against the lattice and the shape, but with a bound on the number of boxes at the surface.
-    // In the plane, where boxes at the surface are few, finer still.
+    // Fine relative to lattice and shape, with a limit on the number of boxes at the surface.
+    // Finer in the plane, where there are few boxes at the surface.
     let finest = if D <= 2 { 2048.0 } else { 256.0 };
     let mut leaf = resolution.min(longest / finest).min(shortest / 64.0);
     let most = 1e6;
@@ -797,7 +796,7 @@ pub fn sampled_measure<const D: usize>(
     if D > 1 {
         leaf = leaf.max((faces / most).powf(1.0 / (D as f64 - 1.0)));
     }
-    // A first division into nearly cubic boxes, about 16 along the longest side.
+    // Initial division into nearly cubic boxes, about 16 along the longest side.
     let (mut count, mut size) = ([1usize; D], [0.0; D]);
     for i in 0..D {
         let extent = b.max[i] - b.min[i];
@@ -819,7 +818,7 @@ pub fn sampled_measure<const D: usize>(
     check.that(true, "measure", fine + (fine - coarse) / 3.0, "finite")
 }
 
-/// The measure of the shape within a box, from boxes `depth` divisions smaller and from those twice as large.
+/// Measure of the shape within a box, from boxes after `depth` subdivisions and from those twice as large.
 fn box_measure<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     centre: [f64; D],
@@ -832,7 +831,7 @@ fn box_measure<const D: usize>(
     if distance >= 0.5 * diagonal {
         return [0.0; 2];
     }
-    // What is no distance proves nothing about the box, however often it is divided.
+    // A distance of NaN: subdivision is useless.
     if distance.is_nan() {
         return [f64::NAN; 2];
     }
@@ -863,8 +862,8 @@ fn box_measure<const D: usize>(
     [fine, coarse]
 }
 
-/// The part of a small box that is inside, taking the surface for the plane at this distance from its centre.
-/// Exact for planes along the faces; else its errors cancel along the surface.
+/// Volume fraction of a small box that is inside, with the surface approximated by a plane at this distance from its centre.
+/// Exact for planes parallel to the faces; otherwise errors cancel along the surface.
 fn part_below<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     centre: [f64; D],
@@ -878,7 +877,7 @@ fn part_below<const D: usize>(
         normal[i] = (shape.signed_distance_within(x, norm(size)) - distance) / step;
     }
     let length = norm(normal);
-    // How far the box extends along the normal. On a ridge, where there is none, any guess will do.
+    // Extent of the box along the normal. On a ridge, where the normal is undefined, any estimate suffices.
     let mut extent = norm(size) / (D as f64).sqrt();
     if length > 0.1 {
         extent = (0..D).map(|i| normal[i].abs() / length * size[i]).sum();

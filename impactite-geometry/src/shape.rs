@@ -1,32 +1,32 @@
-//! What a shape is.
+//! Shape trait and metric.
 
 use std::sync::Arc;
 
 use super::bounds::Bounds;
 
-/// A solid in D dimensions, given by its signed distance. Coordinates in metres.
+/// Solid in D dimensions, defined by its signed distance. Coordinates in metres.
 ///
-/// A shape of your own needs [`Shape::signed_distance`] and [`Shape::bounds`]; the rest sharpens results or
+/// Implement [`Shape::signed_distance`] and [`Shape::bounds`] for a new shape; the other methods improve accuracy or
 /// speed. In axisymmetric use D is 2, the first coordinate is the radius r and the second the axial z.
 pub trait Shape<const D: usize>: Send + Sync {
     /// Signed distance to the surface (m): negative inside, positive outside.
     ///
     /// Its magnitude never exceeds the true distance to the surface: a ball of that radius about `x` is
-    /// wholly inside or wholly outside. It is the true distance where [`Shape::exact_distance`] says so.
+    /// wholly inside or wholly outside. It is the true distance if [`Shape::exact_distance`] is true.
     fn signed_distance(&self, x: [f64; D]) -> f64;
 
-    /// The signed distance where its magnitude is below `limit` (m, positive); elsewhere any value of the right
-    /// sign and a magnitude from `limit` up to that of the signed distance. For shapes that find out sooner
-    /// that a point is far off than how far.
+    /// Signed distance with a cutoff: exact value where the magnitude is below `limit` (m, positive); elsewhere any value of the
+    /// correct sign and a magnitude from `limit` up to that of the signed distance. For shapes for which a bound
+    /// is cheaper than the distance.
     fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
         let _ = limit;
         self.signed_distance(x)
     }
 
-    /// A box that holds the shape.
+    /// Bounding box of the shape.
     fn bounds(&self) -> Bounds<D>;
 
-    /// Is the signed distance the true distance everywhere (rather than a lower bound of it)?
+    /// True if the signed distance is the true distance everywhere (rather than a lower bound).
     fn exact_distance(&self) -> bool {
         false
     }
@@ -41,26 +41,25 @@ pub trait Shape<const D: usize>: Send + Sync {
         None
     }
 
-    /// Volume per radian (m3) of the body that the part with r > 0 sweeps out about the axis r = 0, that is
+    /// Volume per radian (m3) of the body of revolution of the part with r > 0 about the axis r = 0:
     /// the integral of r over that part, where known exactly. By default from area and centroid (Pappus) if
-    /// the shape lies on the side r >= 0.
+    /// the shape is on the side r >= 0.
     fn revolved_measure(&self) -> Option<f64> {
         if D == 2 && self.bounds().min[0] >= 0.0 { Some(self.measure()? * self.centroid()?[0]) } else { None }
     }
 
-    /// Is it known to be convex?
+    /// True if the shape is known to be convex.
     fn convex(&self) -> bool {
         false
     }
 
-    /// Is `x` inside? (The surface is not.)
+    /// True if `x` is inside. (Surface points are not.)
     fn contains(&self, x: [f64; D]) -> bool {
         self.signed_distance(x) < 0.0
     }
 
-    /// Tells which points of a row are inside: point `i` is `first` with its last coordinate replaced by
-    /// `last[i]`. `last` increases; `inside` has its length. The default leaps as far as the signed distance
-    /// allows.
+    /// Test a row of points for inside: point `i` is `first` with its last coordinate replaced by
+    /// `last[i]`. `last` increases; `inside` has its length. By default, points within the signed distance are skipped.
     fn contains_row(&self, first: [f64; D], last: &[f64], inside: &mut [bool]) {
         let mut x = first;
         let mut i = 0;
@@ -74,7 +73,7 @@ pub trait Shape<const D: usize>: Send + Sync {
             }
             let distance = self.signed_distance_within(x, limit);
             let within = distance < 0.0;
-            // The margin keeps points that are on the surface but for rounding out of the leap.
+            // The margin excludes points on the surface to within rounding from the skip.
             let safe = last[i] + (distance.abs() * (1.0 - 1e-9) - 1e-12 * last[i].abs());
             inside[i] = within;
             i += 1;
@@ -126,7 +125,7 @@ forward!(&S);
 forward!(Box<S>);
 forward!(Arc<S>);
 
-/// How volume is counted.
+/// Metric of volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Metric {
     /// Volume in 3D (m3), area in 2D (m2: volume per metre of depth), length in 1D (m).
@@ -137,7 +136,7 @@ pub enum Metric {
 }
 
 impl Metric {
-    /// The exact measure of a shape in this metric, where known.
+    /// Exact measure of a shape in this metric, where known.
     pub fn measure<const D: usize>(self, shape: &(impl Shape<D> + ?Sized)) -> Option<f64> {
         match self {
             Metric::Cartesian => shape.measure(),

@@ -1,14 +1,14 @@
-//! Triangles from STL files.
+//! Reader of STL files.
 
-/// Bytes before the triangles of a binary file: a text of 80, then their number.
+/// Header of a binary file, bytes: a text of 80, then the number of triangles.
 const HEAD: usize = 84;
-/// Bytes of a triangle in a binary file: normal, three corners, two bytes of attributes.
+/// Triangle of a binary file, bytes: normal, three corners, two bytes of attributes.
 const RECORD: usize = 50;
 
-/// Why bytes are not an STL file.
+/// Error of an STL file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub(super) enum StlError {
-    /// Neither kind of STL file begins like this.
+    /// Neither a text nor a binary STL file.
     #[error(
         "this is no STL file: text must begin with the word `solid`, and a binary file has at least {HEAD} bytes (found {found})"
     )]
@@ -16,52 +16,52 @@ pub(super) enum StlError {
         /// Number of bytes.
         found: u64,
     },
-    /// A binary file that is cut off, or has room for more triangles.
+    /// Binary file that is truncated or too long for its number of triangles.
     #[error("a binary STL file of {triangles} triangles has {expected} bytes, but {found} were found")]
     Length {
-        /// Number of triangles, by the file itself.
+        /// Number of triangles in the header.
         triangles: u32,
-        /// The length that belongs to it.
+        /// Expected length, bytes.
         expected: u64,
-        /// The length found.
+        /// Length of the file, bytes.
         found: u64,
     },
-    /// A corner in a binary file that is at no place.
+    /// Coordinate in a binary file that is not finite.
     #[error("triangle {triangle} (counted from 0): coordinate {value} is not allowed; it must be finite")]
     Place {
-        /// The triangle.
+        /// Triangle index.
         triangle: usize,
-        /// The coordinate.
+        /// Coordinate.
         value: f32,
     },
-    /// A word that does not belong there.
+    /// Unexpected word.
     #[error("line {line}: expected {expected}, found `{found}`")]
     Word {
-        /// The line, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What would have been allowed.
+        /// Expected word.
         expected: &'static str,
-        /// What is there.
+        /// Found word.
         found: String,
     },
-    /// A text that is cut off.
+    /// Truncated text file.
     #[error("the file ends in line {line}, where {expected} was expected")]
     End {
-        /// The last line that holds something, from 1.
+        /// Last line that is not empty, from 1.
         line: usize,
-        /// What would have been allowed.
+        /// Expected word.
         expected: &'static str,
     },
 }
 
-/// The triangles of all solids of a file, ASCII or binary, corners in the unit of the file. Fewer bytes than a triangle has may follow those of
-/// a binary file.
+/// Read the triangles of all solids of a file, ASCII or binary, corners in the unit of the file. Up to 49 bytes, fewer than a triangle,
+/// may follow the triangles of a binary file.
 ///
 /// # Errors
-/// [`StlError`] for anything but whole solids, and blanks around them.
+/// [`StlError`] for anything but complete solids and blanks around them.
 pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
     let found = bytes.len() as u64;
-    // Many binary files begin with the word that marks the ASCII ones, so the length is asked first.
+    // Many binary files begin with the word that marks ASCII files, so check the length first.
     if is_binary(bytes) {
         return binary(bytes);
     }
@@ -72,28 +72,28 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
     }
 }
 
-/// Number of triangles, if the file is binary.
+/// Number of triangles if the file is binary.
 fn count(bytes: &[u8]) -> Option<u32> {
     let head: &[u8; HEAD] = bytes.first_chunk()?;
     Some(u32::from_le_bytes([head[80], head[81], head[82], head[83]]))
 }
 
-/// Length of a binary file.
+/// Length of a binary file, bytes.
 fn length(triangles: u32) -> u64 {
     HEAD as u64 + RECORD as u64 * u64::from(triangles)
 }
 
-/// Has a file the length of a binary one with its number of triangles, or fewer bytes more than another triangle would have?
+/// True if a file has the length of a binary file with its number of triangles, or up to 49 bytes more.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
     let more = count(bytes).and_then(|count| (bytes.len() as u64).checked_sub(length(count)));
     more.is_some_and(|more| more < RECORD as u64)
 }
 
-/// Does a file that has not the length of a binary one begin like text?
+/// True if a file begins like text, given that [`is_binary`] is false.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
     let word = start.split(u8::is_ascii_whitespace).next().unwrap_or_default();
-    // The number of triangles holds a zero, which text does not.
+    // The number of triangles of a binary file contains a zero byte, which text does not.
     word.eq_ignore_ascii_case(b"solid") && !bytes.iter().take(HEAD).any(|b| *b == 0)
 }
 
@@ -115,30 +115,30 @@ fn binary(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
     Ok(triangles)
 }
 
-/// Reads a text word by word.
+/// Tokenizer of a text file.
 struct Reader<'a> {
-    /// What is left of the line.
+    /// Rest of the line.
     rest: &'a [u8],
-    /// What is left after the line.
+    /// Text after the line.
     after: &'a [u8],
     line: usize,
-    /// The byte that ends a line.
+    /// Byte that ends a line.
     end: u8,
-    /// The last line in which there was a word.
+    /// Last line that contained a word.
     last: usize,
 }
 
 impl<'a> Reader<'a> {
     fn new(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        // Files of old end their lines with a carriage return alone.
+        // Old files end their lines with a single carriage return.
         let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
         let mut reader = Self { rest: &[], after: bytes, line: 0, end, last: 0 };
         reader.next_line();
         reader
     }
 
-    /// Goes on to the next line; is there one?
+    /// Advance to the next line; `false` at the end of the file.
     fn next_line(&mut self) -> bool {
         if self.after.is_empty() {
             self.rest = &[];
@@ -152,7 +152,7 @@ impl<'a> Reader<'a> {
         true
     }
 
-    /// The next word of the file, if there is one.
+    /// Read the next word of the file, if there is one.
     fn word(&mut self) -> Option<&'a [u8]> {
         loop {
             let text = self.rest.trim_ascii_start();
@@ -179,7 +179,7 @@ impl<'a> Reader<'a> {
         StlError::Word { line: self.last, expected, found }
     }
 
-    /// Goes past these words.
+    /// Read these words and check that they match.
     fn expect(&mut self, words: &[&'static str]) -> Result<(), StlError> {
         for expected in words {
             let word = self.some_word(expected)?;
@@ -196,7 +196,7 @@ impl<'a> Reader<'a> {
         value.ok_or_else(|| self.refuse(expected, word))
     }
 
-    /// All solids of the file.
+    /// Read all solids of the file.
     fn solids(mut self) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
         const SOLID: &str = "`solid` or the end of the file";
         let mut triangles = Vec::new();
@@ -204,7 +204,7 @@ impl<'a> Reader<'a> {
             if !word.eq_ignore_ascii_case(b"solid") {
                 return Err(self.refuse(SOLID, word));
             }
-            // The rest of the line is a name, which may hold any words.
+            // The rest of the line is a name, which may contain any words.
             self.next_line();
             loop {
                 const FACET: &str = "`facet` or `endsolid`";
@@ -222,11 +222,11 @@ impl<'a> Reader<'a> {
         Ok(triangles)
     }
 
-    /// What stands between `facet` and `endfacet`.
+    /// Read the text between `facet` and `endfacet`.
     fn facet(&mut self) -> Result<[[f64; 3]; 3], StlError> {
         self.expect(&["normal"])?;
         for _ in 0..3 {
-            // The order of the corners says where the outside is, so a normal that is no direction does no harm.
+            // The order of the corners defines the outside, so that an invalid normal does no harm.
             self.number("a number of the normal")?;
         }
         self.expect(&["outer", "loop"])?;

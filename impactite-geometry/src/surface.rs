@@ -1,4 +1,4 @@
-//! Closed surfaces from STL, OBJ and PLY files.
+//! Readers of closed surfaces: STL, OBJ and PLY files.
 
 use std::path::Path;
 
@@ -9,21 +9,21 @@ use super::triangles::Triangles;
 use super::{obj, ply, stl};
 
 impl TriangleMesh {
-    /// Reads an STL file, ASCII or binary: all its solids together, as pieces of one. Coordinates are multiplied by
-    /// `unit` (m): 1e-3 for a file in mm. Those of an ASCII file are taken in double precision.
+    /// Read an STL file, ASCII or binary: all its solids become pieces of one solid. Coordinates are multiplied by
+    /// `unit` (m): 1e-3 for a file in mm. Those of an ASCII file are read in double precision.
     ///
     /// # Errors
-    /// [`GeometryError::File`] if it cannot be read, is no regular file or one of more than 4 GiB, is of another kind, is cut off, holds anything but solids, or has a coordinate that is not
-    /// finite; else as [`TriangleMesh::new`].
+    /// [`GeometryError::File`] if it cannot be read, is no regular file, exceeds 4 GiB, has another format, is truncated, contains anything
+    /// but solids, or has a coordinate that is not finite; errors of [`TriangleMesh::new`].
     pub fn read_stl(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
         let (name, bytes) = load(path.as_ref(), Kind::Stl, unit)?;
         Self::from_stl(&name, &bytes, unit)
     }
 
-    /// The solid of the bytes of an STL file; `name` stands for the file in errors.
+    /// Build the solid from the bytes of an STL file; `name` is the file name in errors.
     ///
     /// # Errors
-    /// As [`read_stl`](Self::read_stl).
+    /// Errors of [`read_stl`](Self::read_stl).
     pub fn from_stl(name: &str, bytes: &[u8], unit: f64) -> Result<Self, GeometryError> {
         Check("triangle mesh").positive("unit", unit)?;
         let mut soup = stl::triangles(bytes).map_err(|e| refuse(name, e))?;
@@ -33,38 +33,39 @@ impl TriangleMesh {
         Self::from_soup(&soup)
     }
 
-    /// Reads a Wavefront OBJ file: all its groups together, polygons split into triangles about their first corner. Coordinates are
-    /// multiplied by `unit` (m): 1e-3 for a file in mm. Materials, normals, textures and colours of vertices are no part of a shape; lines may be
-    /// continued by a backslash and end in any way.
+    /// Read a Wavefront OBJ file: all its groups together, polygons split into triangles about their first corner. Coordinates are
+    /// multiplied by `unit` (m): 1e-3 for a file in mm. Materials, normals, textures and vertex colours are ignored; lines may be
+    /// continued by a backslash, and any line ending is accepted.
     ///
     /// # Errors
-    /// [`GeometryError::File`] if it cannot be read, with the line, what was found and what is allowed; else as [`TriangleMesh::new`].
+    /// [`GeometryError::File`] if it cannot be read, with the line, the found and the allowed value; errors of [`TriangleMesh::new`].
     pub fn read_obj(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
         let (name, bytes) = load(path.as_ref(), Kind::Obj, unit)?;
         Self::from_obj(&name, &bytes, unit)
     }
 
-    /// The solid of the bytes of an OBJ file; `name` stands for the file in errors.
+    /// Build the solid from the bytes of an OBJ file; `name` is the file name in errors.
     ///
     /// # Errors
-    /// As [`read_obj`](Self::read_obj).
+    /// Errors of [`read_obj`](Self::read_obj).
     pub fn from_obj(name: &str, bytes: &[u8], unit: f64) -> Result<Self, GeometryError> {
         Check("triangle mesh").positive("unit", unit)?;
         Self::scaled_by(unit, obj::triangles(bytes).map_err(|e| refuse(name, e))?)
     }
 
-    /// Reads a PLY file, ASCII or binary of either order of bytes: its faces, polygons split into triangles about their first corner. Coordinates
-    /// are multiplied by `unit` (m): 1e-3 for a file in mm. Other elements and properties than the places of vertices and the corners of
-    /// faces (`vertex_indices` or `vertex_index`) are skipped.
+    /// Read a PLY file, ASCII or binary of either byte order: its faces, polygons split into triangles about their first corner.
+    /// Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm. Elements and properties other than vertex positions and face
+    /// corners (`vertex_indices` or `vertex_index`) are skipped.
     ///
     /// # Errors
-    /// [`GeometryError::File`] if it cannot be read, with the line or byte, what was found and what is allowed; else as [`TriangleMesh::new`].
+    /// [`GeometryError::File`] if it cannot be read, with the line or byte, the found and the allowed value; errors of
+    /// [`TriangleMesh::new`].
     pub fn read_ply(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
         let (name, bytes) = load(path.as_ref(), Kind::Ply, unit)?;
         Self::from_ply(&name, &bytes, unit)
     }
 
-    /// The solid of the bytes of a PLY file; `name` stands for the file in errors.
+    /// Build the solid from the bytes of a PLY file; `name` is the file name in errors.
     ///
     /// ```
     /// use impactite_geometry::{Shape, TriangleMesh};
@@ -77,7 +78,7 @@ impl TriangleMesh {
     /// ```
     ///
     /// # Errors
-    /// As [`read_ply`](Self::read_ply).
+    /// Errors of [`read_ply`](Self::read_ply).
     pub fn from_ply(name: &str, bytes: &[u8], unit: f64) -> Result<Self, GeometryError> {
         Check("triangle mesh").positive("unit", unit)?;
         Self::scaled_by(unit, ply::triangles(bytes).map_err(|e| refuse(name, e))?)

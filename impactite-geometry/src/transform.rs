@@ -1,4 +1,4 @@
-//! Shapes moved, turned and scaled.
+//! Rigid motion and scaling of shapes.
 
 use nalgebra::{Rotation, SVector};
 
@@ -7,12 +7,12 @@ use super::error::{Check, GeometryError};
 use super::shape::Shape;
 use super::vector::{add, sub};
 
-/// Volume per radian from area and centroid, for a shape on the side r >= 0.
+/// Volume per radian from area and centroid (Pappus), for a shape on the side r >= 0.
 fn pappus<const D: usize>(shape: &impl Shape<D>) -> Option<f64> {
     if D == 2 && shape.bounds().min[0] >= 0.0 { Some(shape.measure()? * shape.centroid()?[0]) } else { None }
 }
 
-/// A shape moved without turning. Keeps whether the distance is exact.
+/// Translated shape. The distance is exact if that of the shape is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Translated<S, const D: usize> {
     shape: S,
@@ -63,8 +63,8 @@ impl<S: Shape<D>, const D: usize> Shape<D> for Translated<S, D> {
     }
 }
 
-/// A shape turned about a point. Keeps whether the distance is exact; its bounds are those of the turned
-/// bounds, hence not the tightest.
+/// Shape rotated about a point. The distance is exact if that of the shape is; the bounding box encloses the rotated
+/// bounding box, hence is not the tightest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rotated<S, const D: usize> {
     shape: S,
@@ -132,7 +132,7 @@ impl<S: Shape<D>, const D: usize> Shape<D> for Rotated<S, D> {
     }
 }
 
-/// A shape made larger or smaller about a point. Keeps whether the distance is exact.
+/// Shape scaled about a point. The distance is exact if that of the shape is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaled<S, const D: usize> {
     shape: S,

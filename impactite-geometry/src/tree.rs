@@ -1,19 +1,19 @@
-//! A tree of boxes around triangles.
+//! Bounding volume hierarchy of triangles.
 
 use nalgebra::{Matrix3, SymmetricEigen};
 
 use super::bounds::Bounds;
 use super::vector::{add, dot, sub};
 
-/// Triangles in a leaf of the tree.
+/// Maximum number of triangles of a leaf.
 const LEAF: usize = 4;
-/// Nodes that wait at most. Each level halves the number of triangles, which is below 2^32, and leaves one node waiting.
+/// Size of the traversal stack: each level halves the number of triangles, which is below 2^32, and adds one node.
 const WAITING: usize = 40;
-/// A node is given a leaning box if the boxes of its triangles are together this many times as large as its own. Where triangles are
-/// as long as they are wide they are about as large; those of a fan are as many times as large as there are triangles.
+/// Threshold for an oriented box: the sum of the squared extents of the triangle boxes over that of the node. The ratio is about 1 for
+/// compact triangles, and about the number of triangles for a fan.
 const OVERLAP: f64 = 4.0;
 
-/// A tree of boxes around triangles: for the nearest one, and for those on a line along the third axis.
+/// Bounding volume hierarchy of triangles: for the nearest triangle, and for triangles on a line along the third axis.
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
@@ -24,32 +24,32 @@ pub(super) struct Tree {
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Bounds<3>,
-    /// Range of triangles.
+    /// Range of triangles in `order`.
     range: [u32; 2],
-    /// The second child; the first follows its parent. Zero in a leaf.
+    /// Index of the second child; the first child follows its parent. Zero in a leaf.
     second: u32,
-    /// Number of the leaning box plus one, or zero.
+    /// Index of the oriented box plus one, or zero without one.
     leaning: u32,
 }
 
-/// A box along the triangles of a node, where one along the axes holds far more than them: long triangles side by side.
+/// Oriented bounding box of a node, where an axis-aligned box is much larger than its triangles: long triangles side by side.
 #[derive(Clone, Copy, Debug)]
 struct Leaning {
     axes: [[f64; 3]; 3],
-    /// Least and largest coordinate along each axis.
+    /// Minimum and maximum coordinate along each axis.
     ranges: [[f64; 2]; 3],
-    /// In the plane of the first two coordinates, the direction across the triangles.
+    /// Direction across the triangles in the plane of the first two coordinates.
     across: [f64; 2],
-    /// Least and largest coordinate along it.
+    /// Minimum and maximum coordinate along `across`.
     width: [f64; 2],
-    /// What rounding may change in a coordinate.
+    /// Bound of the rounding error of a coordinate.
     margin: f64,
 }
 
 impl Leaning {
-    /// The box around some triangles, whose coordinates are at most `largest`, if numbers allow it.
+    /// Oriented bounding box of triangles with coordinates of at most `largest`; `None` on overflow.
     fn around(triangles: impl Iterator<Item = [[f64; 3]; 3]> + Clone, largest: f64) -> Option<Self> {
-        // The directions of the edges.
+        // Sum of the dyadic products of the edges, for their principal directions.
         let mut edges = Matrix3::<f64>::zeros();
         for [a, b, c] in triangles.clone() {
             for edge in [sub(b, a), sub(c, b), sub(a, c)] {
@@ -75,8 +75,8 @@ impl Leaning {
             }
         }
         let [first, second, third, width] = ranges;
-        // A crossing is found up to 6 roundings (of the largest coordinate) beside its triangle, and each product of two
-        // vectors that are compared is known up to 3.
+        // A crossing may be computed up to 6 roundings (of the largest coordinate) outside its triangle, and each dot product
+        // in a comparison has an error of up to 3.
         let margin = 32.0 * f64::EPSILON * largest + f64::MIN_POSITIVE;
         Some(Self { axes, ranges: [first, second, third], across, width, margin })
     }
@@ -84,7 +84,7 @@ impl Leaning {
         let place = flat(self.across, x);
         self.width[0] - self.margin <= place && place <= self.width[1] + self.margin
     }
-    /// A distance from `x` that no point of the box falls below.
+    /// Lower bound of the distance from `x` to the box.
     fn distance(&self, x: [f64; 3]) -> f64 {
         let mut square = 0.0;
         for (axis, range) in self.axes.iter().zip(&self.ranges) {
@@ -92,7 +92,7 @@ impl Leaning {
             let gap = (range[0] - place).max(place - range[1]).max(0.0);
             square += gap * gap;
         }
-        // The axes are at right angles up to rounding.
+        // The axes are orthogonal to within rounding.
         square.sqrt() * (1.0 - 1e-12) - self.margin - 8.0 * f64::EPSILON * largest(x)
     }
 }
@@ -106,7 +106,7 @@ fn largest(x: [f64; 3]) -> f64 {
 }
 
 impl Tree {
-    /// A tree around triangles given by their corners; a leaf's box is `within` of its triangles.
+    /// Build a tree of `count` triangles with bounding boxes `within`, and oriented boxes by `leaning`.
     fn build(
         count: usize,
         within: impl Fn(u32) -> Bounds<3>,
@@ -114,7 +114,7 @@ impl Tree {
     ) -> Self {
         let boxes: Vec<Bounds<3>> = (0..count as u32).map(within).collect();
         let mut tree = Self { nodes: Vec::new(), leaning: Vec::new(), order: (0..count as u32).collect() };
-        // Pending ranges, with the node whose second child they are.
+        // Pending ranges; `Some` is the node of which the range becomes the second child.
         let mut pending: Vec<([usize; 2], Option<usize>)> = vec![([0, count], None)];
         while let Some(([from, to], parent)) = pending.pop() {
             let here = tree.nodes.len();
@@ -150,7 +150,7 @@ impl Tree {
                 let middle = (to - from) / 2;
                 let place = |t: u32| boxes[t as usize].min[axis] + boxes[t as usize].max[axis];
                 slice.select_nth_unstable_by(middle, |a, b| place(*a).total_cmp(&place(*b)).then(a.cmp(b)));
-                // The last one pushed is built next and so follows its parent.
+                // The last range pushed is built next and so follows its parent.
                 pending.push(([from + middle, to], Some(here)));
                 pending.push(([from, from + middle], None));
             }
@@ -159,19 +159,19 @@ impl Tree {
         tree
     }
 
-    /// A tree around the triangles that these boxes hold, for columns alone.
+    /// Build a tree of triangles with these boxes, for [`column`](Self::column) queries only.
     pub(super) fn of_boxes(count: usize, within: impl Fn(u32) -> Bounds<3>) -> Self {
         Self::build(count, within, |_, _| None)
     }
 
-    /// A tree around triangles given by their corners.
+    /// Build a tree of triangles with these corners.
     pub(super) fn of_triangles(count: usize, corners: impl Fn(u32) -> [[f64; 3]; 3]) -> Self {
         let leaning = |slice: &[u32], largest| Leaning::around(slice.iter().map(|t| corners(*t)), largest);
         Self::build(count, |t| Bounds::around(corners(t)), leaning)
     }
 
-    /// Calls for every triangle whose box meets the line through (x, y) along the third axis between two of its coordinates, and may
-    /// call for others.
+    /// Call `act` for every triangle whose box intersects the line through (x, y) along the third axis between two coordinates, and
+    /// possibly for others.
     #[inline]
     pub(super) fn column(&self, x: [f64; 2], [from, to]: [f64; 2], mut act: impl FnMut(u32)) {
         let mut waiting = [0u32; WAITING];
@@ -208,14 +208,14 @@ impl Tree {
         if node.leaning == 0 { None } else { self.leaning.get(node.leaning as usize - 1) }
     }
 
-    /// A distance from `x` that no triangle of the node falls below.
+    /// Lower bound of the distance from `x` to the triangles of a node.
     fn least(&self, index: u32, x: [f64; 3]) -> f64 {
         let node = &self.nodes[index as usize];
         let least = node.bounds.distance(x);
         self.leaning_of(node).map_or(least, |leaning| least.max(leaning.distance(x)))
     }
 
-    /// Distance from `x` to the nearest triangle, or `limit` if that is less, with the distance to a triangle by `of`.
+    /// Distance from `x` to the nearest triangle, or `limit` if that is less; `of` computes the distance to one triangle.
     #[inline]
     pub(super) fn distance(&self, x: [f64; 3], limit: f64, mut of: impl FnMut(u32) -> f64) -> f64 {
         let mut best = limit;

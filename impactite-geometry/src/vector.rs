@@ -1,4 +1,4 @@
-//! Plain functions on `[f64; D]`.
+//! Vector functions on `[f64; D]`.
 
 pub(super) fn sub<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     let mut c = a;
@@ -41,7 +41,7 @@ pub(super) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Sum whose rounding error does not grow with the number of terms (Neumaier).
+/// Compensated sum (Neumaier): the rounding error does not grow with the number of terms.
 pub(super) fn sum(terms: impl IntoIterator<Item = f64>) -> f64 {
     let (mut total, mut lost) = (0.0f64, 0.0f64);
     for x in terms {

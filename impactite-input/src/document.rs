@@ -1,4 +1,4 @@
-//! The text of a scene: reading it, changing keys, and finding where things are.
+//! Text of a scene: parsing, changes of keys, and error positions.
 
 use std::io::Read;
 use std::ops::Range;
@@ -14,26 +14,26 @@ use crate::model::over_time::TableSpec;
 use crate::quantity::Parameters;
 use crate::table::Table as Values;
 
-/// A scene as text, in TOML.
+/// Scene text in TOML.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// What errors call it.
+    /// Name in error messages.
     pub name: String,
-    /// The text.
+    /// TOML text.
     pub text: String,
-    /// The text that it was made of, where that is JSON: places of errors are there.
+    /// Original JSON text, to which error positions refer; `None` for TOML.
     json: Option<String>,
-    /// Keys that were changed beside the file.
+    /// Keys changed after the file was read.
     changed: Vec<String>,
 }
 
-/// Size of the largest scene file, bytes: what reads devices and endless pipes must end.
+/// Maximum size of a scene file, bytes: reading of devices and endless pipes must end.
 const LARGEST: u64 = 16 << 20;
 
-/// Keys that a run which goes on from a checkpoint may change, since no step depends on them.
+/// Keys that a run resumed from a checkpoint may change, since no step depends on them.
 pub const RESUMABLE: &[&str] = &["end", "until", "title", "description", "checks"];
 
-/// One step down from a table or a list.
+/// Step from a table or a list to its entry.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Step {
     Key(String),
@@ -41,15 +41,15 @@ pub(crate) enum Step {
 }
 
 impl Source {
-    /// A TOML text.
+    /// Create a source from TOML text.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         Source { name: name.into(), text: text.into(), json: None, changed: Vec::new() }
     }
 
-    /// The file `path`: TOML, or JSON if it ends with `.json`.
+    /// Read the file `path`: TOML, or JSON if it ends with `.json`.
     ///
     /// # Errors
-    /// A file that cannot be read, is too large, or is no text in UTF-8; invalid JSON.
+    /// File that cannot be read, is too large, or is no UTF-8 text; invalid JSON.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         let path = path.as_ref();
         let read = || -> std::io::Result<String> {
@@ -70,10 +70,10 @@ impl Source {
         Ok(Source::new(name, text))
     }
 
-    /// A JSON text, as TOML.
+    /// Convert JSON text to TOML.
     ///
     /// # Errors
-    /// What is no JSON; a `null`, which TOML has not; a top that is no object.
+    /// Invalid JSON; `null`, which TOML does not have; a top-level value that is no object.
     pub fn from_json(name: impl Into<String>, text: &str) -> Result<Self, InputError> {
         let name = name.into();
         let fault = |line: Option<usize>, column: usize, message: String| Fault {
@@ -118,7 +118,7 @@ impl Source {
         }
     }
 
-    /// Copy with the files that it names by their full paths, so that the text means the same anywhere.
+    /// Copy with absolute paths of further files, so that the text is valid in any folder.
     #[must_use]
     pub fn anchored(&self) -> Self {
         let folder = Path::new(&self.name).parent().unwrap_or(Path::new(""));
@@ -135,7 +135,7 @@ impl Source {
         if moved { Source { text: document.to_string(), ..self.clone() } } else { self.clone() }
     }
 
-    /// Does a run of this scene go on as one of `other`, whose keys differ by those of [`RESUMABLE`] and by words alone?
+    /// True if a run of this scene can resume as one of `other`: they differ only in the keys of [`RESUMABLE`] and in descriptive texts.
     #[must_use]
     pub fn resumes_as(&self, other: &Source) -> bool {
         let substance = |source: &Source| -> Option<serde_json::Value> {
@@ -157,10 +157,11 @@ impl Source {
         substance(self).is_some_and(|here| substance(other) == Some(here))
     }
 
-    /// The same with one key changed: `bodies.rod.speed=600`. The value is TOML, or a text where it is no TOML. Tables on the way are made.
+    /// Copy with one key changed: `bodies.rod.speed=600`. The value is TOML, else plain text. Missing tables are created.
     ///
     /// # Errors
-    /// No `=`; a parameter that the file has not, since it would change nothing; a key through something that is no table; a list that is not so long; a text that is no TOML.
+    /// No `=`; a parameter that the file does not have, since it would have no effect; a key through something that is no table; a list
+    /// that is too short; invalid TOML.
     pub fn set(&self, assignment: &str) -> Result<Self, InputError> {
         let wrong = |why: String| InputError::Set { assignment: assignment.into(), why };
         let (key, value) = assignment
@@ -197,11 +198,11 @@ impl Source {
         *place = Item::Value(value);
         let mut changed = self.changed.clone();
         changed.push(key.into());
-        // The text of the file is that of the errors no longer.
+        // Error positions refer to the changed TOML text, not to the original JSON.
         Ok(Source { name: self.name.clone(), text: document.to_string(), json: None, changed })
     }
 
-    /// Refuse a value of a parameter that measures something else than the file's own.
+    /// Refuse a parameter value whose dimension differs from that in the file.
     fn check_measure(&self, name: &str, value: &Value) -> Result<(), String> {
         let Ok(document) = Document::parse(self.text.as_str()) else { return Ok(()) };
         let Ok(known) = self.parameters(&document) else { return Ok(()) };
@@ -225,10 +226,10 @@ impl Source {
         }
     }
 
-    /// The scene.
+    /// Parse the scene.
     ///
     /// # Errors
-    /// With its place: what is no TOML; keys that there are not (near misses are suggested), values of other kinds, quantities of other measures.
+    /// With the position: invalid TOML; unknown keys (near misses are suggested), values of wrong types, quantities of wrong dimensions.
     pub fn parse(&self) -> Result<SceneFile, InputError> {
         let document = Document::parse(self.text.as_str()).map_err(|e| Box::new(self.syntax(&e)))?;
         let parameters = self.with_tables(self.parameters(&document)?, &document)?;
@@ -270,7 +271,7 @@ impl Source {
         Ok(parameters)
     }
 
-    /// The parameters with the tables of the file.
+    /// Add the tables of the file to the parameters.
     fn with_tables(
         &self,
         mut parameters: Parameters,
@@ -281,12 +282,12 @@ impl Source {
             let fault = |message: String| {
                 InputError::from(Box::new(self.fault(item.span(), format!("tables.{name}"), message, None)))
             };
-            // What it is in words is said where the whole scene is read.
+            // Parsing of the whole scene reports invalid tables.
             let Ok(text) = item.clone().into_table().map(|table| table.to_string()) else { continue };
             let Ok(spec) = parameters.during(|| toml_edit::de::from_str::<TableSpec>(&text)) else {
                 continue;
             };
-            // One that cannot be had is refused where the scene is built.
+            // Building the scene reports unreadable tables.
             if let Ok(table) = spec.table(&self.folder()).or_else(|_| Values::new([(0.0, 0.0), (1.0, 0.0)])) {
                 parameters.define_table(name, table).map_err(fault)?;
             }
@@ -294,7 +295,7 @@ impl Source {
         Ok(parameters)
     }
 
-    /// A fault at a key, as `bodies.rod.shape`, or at what of it there is.
+    /// Create an error at a key, as `bodies.rod.shape`, or at its deepest existing parent.
     #[must_use]
     pub fn fault_at(&self, key: &str, message: impl Into<String>, help: Option<String>) -> Fault {
         let span = Document::parse(self.text.as_str()).ok().and_then(|document| {
@@ -314,7 +315,7 @@ impl Source {
                     _ => None,
                 };
                 span = match &next {
-                    // The heading of a table, not all of it.
+                    // Heading of a table only, not its whole content.
                     Item::Table(_) | Item::ArrayOfTables(_) => at_key.or(next.span()),
                     _ => next.span().or(at_key),
                 }
@@ -326,7 +327,7 @@ impl Source {
         self.fault(span, key.into(), message.into(), help)
     }
 
-    /// The scene of another text, whose lines are not those of the file.
+    /// Copy with another text, whose lines are not those of the file.
     pub(crate) fn with_text(&self, text: String) -> Self {
         Source { text, json: None, ..self.clone() }
     }
@@ -338,7 +339,7 @@ impl Source {
     fn fault(&self, span: Option<Range<usize>>, key: String, message: String, help: Option<String>) -> Fault {
         let (file, message) = (self.name.clone(), message.replace('\n', "; "));
         let (text, span) = match &self.json {
-            // The value of the key, or of what of it there is.
+            // Value of the key, or of its deepest existing parent.
             Some(json) => {
                 let within = |of: &str| {
                     key.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
@@ -352,7 +353,7 @@ impl Source {
         let Some(span) = span.filter(|s| s.start <= text.len()) else {
             return Fault { file, line: None, column: 1, width: 0, text: String::new(), key, message, help };
         };
-        // A span of bytes; a character that it would cut belongs to it.
+        // Byte span, extended to whole characters.
         let start = (0..=span.start).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
         let before = &text[..start];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
@@ -365,7 +366,7 @@ impl Source {
     }
 }
 
-/// The text of a parameter: a finite number, or a text.
+/// Return the text of a parameter: a finite number, or a text.
 pub(crate) fn text_of(item: &Item) -> Option<String> {
     match item.as_value()? {
         Value::String(text) => Some(text.value().clone()),
@@ -375,7 +376,7 @@ pub(crate) fn text_of(item: &Item) -> Option<String> {
     }
 }
 
-/// Replace relative paths of files that an item names by full ones. True if there were any.
+/// Make the file paths of an item absolute. Return true if it has any.
 fn anchor(item: &mut Item, folder: &Path) -> bool {
     match item {
         Item::Value(Value::Array(list)) => list.iter_mut().fold(false, |moved, value| {
@@ -397,7 +398,7 @@ fn anchor_table(table: &mut dyn TableLike, folder: &Path) -> bool {
     })
 }
 
-/// The steps of a key: `bodies.rod.velocity[2]`.
+/// Split a key into its steps: `bodies.rod.velocity[2]`.
 pub(crate) fn steps_of(key: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     for part in key.split('.').filter(|p| !p.is_empty()) {

@@ -1,4 +1,4 @@
-//! What is wrong with a file, and where.
+//! Errors in scene files, with their positions.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use impactite::output::printable;
 use impactite_scene_file::remedy::in_scene_files;
 
-/// A message of the libraries for whoever wrote a scene file: remedies by the keys of such files, and no character that steers a terminal.
+/// Convert a library message for authors of scene files: remedies by keys of such files, without terminal control characters.
 ///
 /// ```
 /// let shown = impactite_input::shown("body `a\u{1b}[31m` trembles; take `Method::impact`");
@@ -17,50 +17,49 @@ pub fn shown(message: &str) -> String {
     printable(&in_scene_files(message)).into_owned()
 }
 
-/// Why a file is no scene.
+/// Error of reading a scene file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum InputError {
-    /// A file that cannot be read.
+    /// Unreadable file.
     #[error("cannot read `{}`: {source}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Something in it.
+    /// Error at a position in the file.
     #[error(transparent)]
     At(#[from] Box<Fault>),
-    /// A change of a key that was asked for beside the file.
+    /// Invalid change of a key.
     #[error("--set {assignment}: {why}")]
     Set {
-        /// As it was given.
+        /// Assignment as entered.
         assignment: String,
-        /// What is wrong with it.
+        /// Reason.
         why: String,
     },
 }
 
-/// Error in a file, with its place. [`Display`](fmt::Display) shows the line with a mark below it, and no character that steers a
-/// terminal.
+/// Error in a file, with its position. [`Display`](fmt::Display) shows the line with a mark below it, without terminal control characters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// Name of the file.
     pub file: String,
-    /// Line, from 1; none where the whole file is meant.
+    /// Line, from 1; `None` for the whole file.
     pub line: Option<usize>,
     /// Column in characters, from 1.
     pub column: usize,
-    /// Characters that are meant.
+    /// Number of marked characters.
     pub width: usize,
-    /// The text of the line.
+    /// Text of the line.
     pub text: String,
-    /// The key, as `bodies.rod.velocity`; empty for the whole file.
+    /// Key, as `bodies.rod.velocity`; empty for the whole file.
     pub key: String,
-    /// What is wrong.
+    /// Description of the error.
     pub message: String,
-    /// What to do.
+    /// Suggested remedy.
     pub help: Option<String>,
 }
 
@@ -80,10 +79,10 @@ impl fmt::Display for Fault {
         if let Some(line) = self.line {
             let number = line.to_string();
             let blank = " ".repeat(number.len());
-            // A mark at the place of a tab is below it, whatever its width.
+            // Repeat tabs in the blank line, so that the mark is aligned whatever their width.
             let before: String =
                 self.text.chars().take(self.column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-            // One mark a character, so that those below stay where they are.
+            // Replace each control character by one character, so that the marks stay aligned.
             let steers = |c: char| c != '\t' && printable(c.encode_utf8(&mut [0; 4])).len() > c.len_utf8();
             let text: String = self.text.chars().map(|c| if steers(c) { '\u{fffd}' } else { c }).collect();
             write!(

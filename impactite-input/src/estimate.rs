@@ -1,4 +1,4 @@
-//! Estimate of size and cost of a scene that was set up: points, mass, memory, first step, number of steps, time.
+//! Estimate of size and cost of a scene after set-up: points, mass, memory, first step, number of steps, time.
 
 use impactite::materials::material::{Material, Response, States};
 use impactite::parallel::Float;
@@ -12,68 +12,68 @@ use crate::model::body::Body;
 use crate::model::method::{Method, Purpose, ShapeFunction, TimeStep};
 use crate::model::{SceneFile, Space};
 
-/// Most steps that a run may be expected to make: some months of the smallest scene.
+/// Maximum expected number of steps: some months for the smallest scene.
 const MOST_STEPS: f64 = 1e11;
 
-/// Speed of sound beyond that of any material, m/s: diamond has 18 000.
+/// Upper bound of wave speeds, m/s: diamond has 18 000.
 const FASTEST_WAVES: f64 = 50_000.0;
 
-/// Time of a run from which on it is said to be long, s.
+/// Run time from which a scene is reported as long, s.
 const DAYS: f64 = 2.0 * 86_400.0;
 
-/// Courant number c dt / h of a fixed step beyond which it is refused: no explicit method here is stable there.
+/// Courant number c dt / h above which a fixed step is refused: no explicit method here is stable above it.
 const UNSTABLE: f64 = 2.0;
 
 /// Content of a scene at its start, and expected cost of its run.
 #[derive(Clone, Debug)]
 pub struct SceneEstimate {
-    /// The bodies.
+    /// Bodies.
     pub bodies: Vec<BodyEstimate>,
     /// Memory of bodies and scratch, bytes.
     pub bytes: usize,
-    /// The first step, s.
+    /// First time step, s.
     pub step: f64,
-    /// Limit of the step, in words.
+    /// Criterion that limits the step, in words.
     pub limit: String,
     /// Number of steps until the end, if all are as long as the first.
     pub steps: f64,
-    /// Unit of masses: that of the whole, or of a radian or metre of depth of it.
+    /// Unit of masses: of the whole body, per radian, or per metre of depth.
     pub mass_unit: String,
-    /// Warnings: allowed and probably not meant.
+    /// Warnings: allowed values that are probably unintended.
     pub notes: Vec<String>,
 }
 
-/// A body at the start.
+/// Body at the start.
 #[derive(Clone, Debug)]
 pub struct BodyEstimate {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Name of its law.
+    /// Name of the constitutive law.
     pub law: &'static str,
-    /// Number of its points.
+    /// Number of points.
     pub points: usize,
-    /// Mass, in the scene's unit of masses.
+    /// Mass, in the scene's unit of mass.
     pub mass: f64,
-    /// Lower and upper corner of its points with their half widths, m.
+    /// Lower and upper corner of the bounding box of the points with their half widths, m.
     pub bounds: [Vec<f64>; 2],
-    /// Volume of its points over that of as many cells of the lattice, by which they fill their shape (`mpm`, `sph`); of other points over
-    /// that of the shape, where it is known: the part of its mass that the body has.
+    /// Volume ratio. Particles of a lattice (`mpm`, `sph`): volume of the points over that of as many lattice cells. Other points: volume
+    /// over that of the shape, if known, which is the represented fraction of the mass.
     pub volume_factor: Option<f64>,
-    /// Are its points particles of a lattice, whose volumes are scaled to those of the shape?
+    /// True for particles of a lattice, whose volumes are scaled to that of the shape.
     pub lattice: bool,
-    /// Width of its cells: the cell of the grid, or the smallest width of a point or an element, m.
+    /// Cell width, m: cell of the grid, or smallest width of a point or element.
     pub width: Option<f64>,
-    /// Speed of longitudinal waves at rest, m/s; none of a rigid body.
+    /// Speed of longitudinal waves at rest, m/s; `None` for a rigid body.
     pub wave_speed: Option<f64>,
-    /// Largest speed of its points, m/s.
+    /// Largest speed of the points, m/s.
     pub fastest: f64,
 }
 
 impl Source {
-    /// Estimate of size and cost of a scene that was set up from this text and has made no step.
+    /// Estimate size and cost of a scene that was built from this text and has made no step.
     ///
     /// # Errors
-    /// A step so short that no run ends; wave speeds that give none; a field that no body has.
+    /// Step too short for a run to end; wave speeds without a finite step; unknown field.
     pub fn estimate(&self, scene: &SceneFile, solver: &mut dyn Solver) -> Result<SceneEstimate, InputError> {
         let at = |key: &str, message: String, help: &str| {
             InputError::from(Box::new(self.fault_at(key, message, Some(help.into()))))
@@ -103,7 +103,7 @@ impl Source {
             });
             let spec = scene.expanded.get(body.name());
             let spacing = spec.and_then(|b| size::spacing(&scene.method, b));
-            // Particles of a lattice have equal volumes, scaled by one factor to those of their shape; other points have volumes of their own.
+            // Particles of a lattice have equal volumes, scaled by one factor to that of the shape; other points have individual volumes.
             let lattice = match &scene.method {
                 Method::Mpm(_) => spec.is_some_and(|b| b.elements.is_none()),
                 Method::Sph(_) => true,
@@ -183,7 +183,7 @@ impl Source {
         })
     }
 
-    /// The measure of a body's shape, m^3 (per radian or metre of depth), where it is known.
+    /// Return the measure of a body's shape, m^3 (per radian or metre of depth), if known.
     fn measure(&self, scene: &SceneFile, body: &Body) -> Option<f64> {
         use impactite::geometry::Shape;
         let (spec, folder) = (body.shape.as_ref()?, wrong::Folder(self.folder()));
@@ -262,14 +262,14 @@ impl Source {
 }
 
 impl BodyEstimate {
-    /// Is the other one a repetition of the same body?
+    /// True if the other body is a repetition of the same body.
     fn is_repeated_as(&self, other: &BodyEstimate) -> bool {
         let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
         stem(&self.name).ends_with(' ') && stem(&self.name) == stem(&other.name) && self.law == other.law
     }
 }
 
-/// Corners of a box, with coordinates that are rounding beside its edges as zero.
+/// Format the corners of a box; coordinates of rounding size are zero.
 fn box_of([low, high]: &[Vec<f64>; 2]) -> String {
     let largest = low.iter().zip(high).map(|(l, h)| h - l).fold(0.0, f64::max);
     let list = |x: &[f64]| {
@@ -282,20 +282,21 @@ fn box_of([low, high]: &[Vec<f64>; 2]) -> String {
 }
 
 impl SceneEstimate {
-    /// Memory of bodies and scratch with its unit.
+    /// Return the memory of bodies and scratch with its unit.
     #[must_use]
     pub fn memory(&self) -> String {
         size::size(self.bytes as f64)
     }
 
-    /// Number of steps, and their time on this machine: `about 2488; about 16.7 s here`. `seconds` is the time of a step, where it was measured.
+    /// Return the number of steps, and their time on this machine: `about 2488; about 16.7 s here`. `seconds` is the measured time per
+    /// step.
     #[must_use]
     pub fn cost(&self, seconds: Option<f64>) -> String {
         let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
         format!("about {:.0}{time}", self.steps.ceil())
     }
 
-    /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
+    /// Return lines for people; `seconds` is the measured time per step on this machine.
     #[must_use]
     pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
         let unit = &self.mass_unit;
@@ -341,7 +342,7 @@ impl SceneEstimate {
     }
 }
 
-/// Speed of longitudinal waves in the material of a body at rest, m/s.
+/// Return the speed of longitudinal waves in the material of a body at rest, m/s.
 fn wave_speed(scene: &SceneFile, body: &str) -> Option<f64> {
     let name = scene.expanded.get(body)?.material.as_ref()?;
     let plates = scene.space == Space::PlaneStress;
@@ -359,7 +360,7 @@ fn wave_speed(scene: &SceneFile, body: &str) -> Option<f64> {
     Some(response.outputs().first()?.step_speed.0[0].as_ref()[0])
 }
 
-/// A time in the unit that suits it.
+/// Format a duration with a suitable unit.
 fn duration(seconds: f64) -> String {
     let (unit, factor) = match seconds {
         s if s < 90.0 => ("s", 1.0),

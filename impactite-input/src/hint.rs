@@ -1,11 +1,11 @@
-//! Hints at what was probably meant.
+//! Suggestions for misspelt keys and words.
 
 use crate::keys;
 
-/// Keys elsewhere that a hint names at most.
+/// Maximum number of keys in a suggestion.
 const NAMED: usize = 3;
 
-/// A message of serde, and what was probably meant: the key or word most like the unknown one, or the keys of this name that stand elsewhere.
+/// Return a message of serde and a suggestion: the key or word most similar to the unknown one, or the paths of keys with this name.
 pub(crate) fn helped(message: &str) -> (String, Option<String>) {
     let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
     let unknown = ["unknown field", "unknown variant"].iter().any(|start| message.starts_with(start));
@@ -14,7 +14,7 @@ pub(crate) fn helped(message: &str) -> (String, Option<String>) {
     (message.into(), alike.or_else(|| elsewhere(wrong)))
 }
 
-/// Where keys of this name stand.
+/// Return the paths of keys with this name.
 fn elsewhere(name: &str) -> Option<String> {
     let mut paths: Vec<String> = keys::all().into_iter().map(|key| key.path).collect();
     paths.retain(|path| path.rsplit('.').next() == Some(name));
@@ -25,7 +25,7 @@ fn elsewhere(name: &str) -> Option<String> {
     (!list.is_empty()).then(|| format!("`{name}` is a key elsewhere: {list}"))
 }
 
-/// The name that is most like another one, if it is much.
+/// Return the most similar name, if it is close enough.
 pub(crate) fn near<'a>(wrong: &str, right: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let alike = |name: &&str| strsim::damerau_levenshtein(&wrong.to_lowercase(), &name.to_lowercase());
     let best = right.into_iter().min_by_key(alike)?;

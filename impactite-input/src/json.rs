@@ -1,29 +1,29 @@
-//! Places of values in a JSON text, for errors.
+//! Positions of values in a JSON text, for errors.
 
 use std::collections::HashSet;
 use std::ops::Range;
 
-/// A value of a JSON text.
+/// Value of a JSON text, with its position.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Place {
-    /// Its key, as `bodies.rod.velocity[2]`; empty for the whole text.
+    /// Key, as `bodies.rod.velocity[2]`; empty for the whole text.
     pub key: String,
-    /// Where it stands, bytes.
+    /// Byte range.
     pub span: Range<usize>,
-    /// Why a scene cannot have it.
+    /// Reason for which scenes do not allow the value.
     pub wrong: Option<Wrong>,
 }
 
 /// JSON that scenes do not allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wrong {
-    /// Its key stands twice in its object.
+    /// Duplicate key in an object.
     Twice,
-    /// `null`.
+    /// Value `null`.
     Null,
 }
 
-/// All values of a text that is valid JSON, parents before their children.
+/// Return all values of a valid JSON text, parents before their children.
 pub(crate) fn places(text: &str) -> Vec<Place> {
     let mut scan = Scan { text, at: 0, found: Vec::new() };
     scan.value(String::new(), None);
@@ -45,7 +45,7 @@ impl Scan<'_> {
         bytes.get(self.at).copied()
     }
 
-    /// A string, of which the first quotation mark is next.
+    /// Scan a string from its opening quotation mark.
     fn string(&mut self) -> String {
         let (bytes, start) = (self.text.as_bytes(), self.at);
         self.at += 1;

@@ -1,7 +1,8 @@
 //! Scenes of [`impactite`] from files.
 //!
-//! A scene file is TOML (or JSON of the same shape). Quantities are numbers in SI units or texts with units; named parameters can be
-//! used in all of them; velocities and loads may be formulas of place and time. What is wrong is told with file, line, column, key, value and what is allowed.
+//! A scene file is TOML (or JSON of the same shape). Quantities are numbers in SI units or texts with units; named parameters can be used
+//! in all of them; velocities and loads may be formulas of position and time. Errors contain file, line, column, key, value and the allowed
+//! values.
 //!
 //! ```
 //! use impactite_input::Source;

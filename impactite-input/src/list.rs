@@ -1,4 +1,4 @@
-//! Lists of what scene files accept, made from the schema and from the laws and kernels that are compiled.
+//! Lists of accepted keys and values of scene files, generated from the schema and from the compiled laws and kernels.
 
 use crate::build::kernels::{PARTS, PURPOSES, word};
 use crate::build::material::{METALS, described};
@@ -10,7 +10,7 @@ use crate::model::material::Library;
 pub enum Topic {
     /// Methods.
     Methods,
-    /// Combinations of parts and of laws that are compiled.
+    /// Compiled combinations of parts and of laws.
     Parts,
     /// Keys of bodies.
     Bodies,
@@ -18,7 +18,7 @@ pub enum Topic {
     Shapes,
     /// Named sets of constants.
     Materials,
-    /// Laws of materials.
+    /// Constitutive laws of materials.
     Laws,
     /// Laws and detectors of contact.
     Contacts,
@@ -35,7 +35,7 @@ pub enum Topic {
 }
 
 impl Topic {
-    /// All, with the words of the command line.
+    /// All topics, with their command-line words.
     pub const ALL: [(Topic, &str); 12] = [
         (Topic::Methods, "methods"),
         (Topic::Parts, "parts"),
@@ -51,7 +51,7 @@ impl Topic {
         (Topic::Output, "output"),
     ];
 
-    /// Topic of the list.
+    /// Describe the topic.
     #[must_use]
     pub fn what(self) -> &'static str {
         match self {
@@ -70,7 +70,7 @@ impl Topic {
         }
     }
 
-    /// Names, descriptions, and keys below them.
+    /// Return the lines of the list: names, descriptions, and keys below them.
     #[must_use]
     pub fn lines(self) -> Vec<Line> {
         match self {
@@ -90,25 +90,25 @@ impl Topic {
     }
 }
 
-/// A line of a list.
+/// Line of a list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// The key that it stands under.
+    /// Key above the entry.
     pub group: String,
-    /// The name.
+    /// Name.
     pub name: String,
     /// Description.
     pub what: String,
-    /// Keys below it, `?` after those that may be left out; of named sets their properties.
+    /// Keys below the entry, optional ones with `?`; properties for named sets.
     pub fields: Vec<String>,
 }
 
-/// The part of a path below another one, if it is there.
+/// Return the part of a path below another one, or `None`.
 fn within<'a>(path: &'a str, above: &str) -> Option<&'a str> {
     path.strip_prefix(above)?.strip_prefix('.')
 }
 
-/// Keys and words right below some keys.
+/// Return the keys and words directly below the given keys.
 fn children(above: &[&str]) -> Vec<Line> {
     let keys = keys::all();
     above.iter().flat_map(|above| below(&keys, above)).collect()
@@ -138,7 +138,7 @@ fn below(keys: &[Key], above: &str) -> Vec<Line> {
     lines
 }
 
-/// Keys right below a key.
+/// Return the keys directly below a key.
 fn options(keys: &[Key], above: &str) -> Vec<String> {
     let right_below = keys.iter().filter_map(|key| {
         let name = within(&key.path, above)?;
@@ -148,7 +148,7 @@ fn options(keys: &[Key], above: &str) -> Vec<String> {
     right_below.collect()
 }
 
-/// Laws under the key of a material that takes them: `strength.johnson_cook`.
+/// List laws below their key of a material: `strength.johnson_cook`.
 fn laws() -> Vec<Line> {
     let keys = keys::all();
     let material = "materials.NAME";
@@ -181,7 +181,7 @@ fn parts() -> Vec<Line> {
     of_purpose.chain(of_parts).chain(metals).collect()
 }
 
-/// Named sets with what they are.
+/// List named sets with their properties.
 fn materials() -> Vec<Line> {
     let keys = keys::all();
     let lines = below(&keys, "materials.NAME.library").into_iter();

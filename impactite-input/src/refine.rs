@@ -1,4 +1,4 @@
-//! Refinement: sizes that set the resolution of a scene, and the scene with all of them scaled by one parameter.
+//! Refinement: sizes that determine the resolution of a scene, and their scaling by one parameter.
 
 use toml_edit::{Document, DocumentMut, Item, Table, TableLike, Value};
 
@@ -8,14 +8,14 @@ use crate::model::SceneFile;
 use crate::model::body::Mesh;
 use crate::model::method::{Method, TimeStep};
 
-/// A key that belongs to the resolution of a scene.
+/// Key of a size that determines the resolution.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Size {
-    /// The key, as `method.mpm.cell`.
+    /// Key, as `method.mpm.cell`.
     pub key: String,
-    /// Its value in SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// Its SI unit: `m` of cells, spacings and edges, `s` of steps.
+    /// SI unit: `m` for cells, spacings and edges, `s` for steps.
     pub unit: &'static str,
 }
 
@@ -23,11 +23,11 @@ pub struct Size {
 const FACTOR: &str = "size_factor";
 
 impl Source {
-    /// Sizes of a scene that shrink together when it is refined: the cell or spacing of the method, the edges of regular meshes and bars, and the
-    /// times that are bound to them, of a fixed step and of the erosion of elements with a small step.
+    /// Return the sizes that are refined together: the cell or spacing of the method, the edges of regular meshes and bars, and the times
+    /// bound to them, of a fixed step and of erosion by time step.
     ///
     /// # Errors
-    /// A mesh from a file, whose edges are not the scene's; a scene without any length.
+    /// Mesh from a file, whose edges are not defined in the scene; scene without any length.
     pub fn sizes(&self, scene: &SceneFile) -> Result<Vec<Size>, InputError> {
         let refused = |key: &str, why: &str, help: String| {
             InputError::from(Box::new(self.fault_at(key, why, Some(help))))
@@ -78,11 +78,11 @@ impl Source {
         Ok(sizes)
     }
 
-    /// Copy in which the values at `keys` are multiplied by a new parameter, which is 1, and the name of that parameter: with `"radius / cells"` at
-    /// a key the copy has `"(radius / cells) * size_factor"`. Keys are those of [`Source::sizes`], or others with a unit.
+    /// Copy in which the values at `keys` are multiplied by a new parameter of value 1; also return its name. With `"radius / cells"` at a
+    /// key the copy has `"(radius / cells) * size_factor"`. Keys are those of [`Source::sizes`], or others with a unit.
     ///
     /// # Errors
-    /// A key that the file does not have; what is no quantity, a formula, or a number without a unit at a key that is no size.
+    /// Key that the file does not have; a value that is no quantity; a formula; a number without a unit at a key that is no size.
     pub fn scaled(&self, sizes: &[Size], keys: &[String]) -> Result<(Self, String), InputError> {
         let mut document: DocumentMut = self.parse_text()?;
         let taken = |name: &str| document.get("parameters").and_then(|p| p.get(name)).is_some();
@@ -118,8 +118,8 @@ impl Source {
         Ok((self.with_text(document.to_string()), name))
     }
 
-    /// Parameters of the resolution that other keys use, too, with those keys: the parameter that a size consists of, or a plain number in it, as
-    /// `cells` of `"radius / cells"`. These keys stay as they are when the sizes at `keys` are scaled.
+    /// Return the parameters of the resolution that other keys use too, with those keys: a parameter that is itself a size, or a plain
+    /// number in a size, as `cells` of `"radius / cells"`. Those other keys are unchanged when the sizes at `keys` are scaled.
     #[must_use]
     pub fn shared_parameters(&self, scene: &SceneFile, keys: &[String]) -> Vec<(String, Vec<String>)> {
         let Ok(document) = Document::parse(self.text.as_str()) else { return Vec::new() };
@@ -146,7 +146,7 @@ impl Source {
     }
 }
 
-/// The item at the end of the steps, if it is there.
+/// Return the item at the end of the steps, if it exists.
 fn found<'a>(item: &'a mut Item, steps: &[Step]) -> Option<&'a mut Item> {
     let down = |here: &'a mut Item, step: &Step| match step {
         Step::Key(key) => here.as_table_like_mut()?.get_mut(key),
@@ -155,7 +155,7 @@ fn found<'a>(item: &'a mut Item, steps: &[Step]) -> Option<&'a mut Item> {
     steps.iter().try_fold(item, down)
 }
 
-/// Add a parameter of value 1 before all others, which may be written with it.
+/// Insert a parameter of value 1 before all others, which may then depend on it.
 fn define_first(document: &mut DocumentMut, name: &str) {
     let parameters = document.entry("parameters").or_insert_with(|| Item::Table(Table::new()));
     let names = |table: &dyn TableLike| table.iter().map(|(name, _)| name.to_string()).collect::<Vec<_>>();
@@ -178,7 +178,7 @@ fn define_first(document: &mut DocumentMut, name: &str) {
     }
 }
 
-/// All texts below an item, with their keys.
+/// Collect all texts below an item, with their keys.
 fn collect(item: &Item, key: &str, texts: &mut Vec<(String, String)>) {
     let below = |name: &str| if key.is_empty() { name.to_string() } else { format!("{key}.{name}") };
     if let Some(text) = item.as_str() {
@@ -196,7 +196,7 @@ fn collect(item: &Item, key: &str, texts: &mut Vec<(String, String)>) {
     }
 }
 
-/// Does a text have a name as a whole word?
+/// True if the text contains the name as a whole word.
 fn has_word(text: &str, name: &str) -> bool {
     text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name)
 }

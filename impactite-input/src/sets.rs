@@ -1,11 +1,11 @@
-//! Properties of the named sets of constants, from the laws themselves.
+//! Properties of named sets of constants, from the laws themselves.
 
 use impactite::materials::Material;
 
 use crate::build::material::Described;
 
 impl Described {
-    /// Density, wave speed, moduli and yield stress; the ingredients with their constants; the failure.
+    /// Return density, wave speed, moduli and yield stress; the parts of the law with their constants; the failure.
     pub(crate) fn properties(&self) -> Vec<String> {
         let law: &dyn Material<f64> = &*self.law;
         let text = law.constants();
@@ -45,7 +45,7 @@ impl Described {
     }
 }
 
-/// A value as `Debug` writes it.
+/// Value parsed from `Debug` output.
 #[derive(Debug, PartialEq)]
 enum Node {
     Table(String, Vec<(String, Node)>),
@@ -58,14 +58,14 @@ impl Node {
     fn is_table(&self) -> bool {
         matches!(self, Node::Table(..))
     }
-    /// True for a constant of the source; false for an absent part or a number that follows from others.
+    /// True for a constant of the source; false for an absent part or a derived number.
     fn is_told(&self, key: &str) -> bool {
         let derived = ["beyond", "chord", "locked", "compression_burn", "delay", "localisation"];
         let absent =
             ["NoFailure", "NoViscosity", "HughesWinget", "Inviscid", "RateIndependent", "Isothermal"];
         !derived.contains(&key) && !matches!(self, Node::Word(word) if absent.contains(&word.as_str()))
     }
-    /// The first number with this name.
+    /// Return the first number with this name.
     fn find(&self, name: &str) -> Option<f64> {
         let Node::Table(_, fields) = self else { return None };
         fields.iter().find_map(|(key, node)| match node {
@@ -93,7 +93,7 @@ impl std::fmt::Display for Node {
     }
 }
 
-/// A number with five digits at most.
+/// Format a number with at most five digits.
 fn short(x: f64) -> String {
     let size = x.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
@@ -109,7 +109,7 @@ fn trimmed(digits: &str) -> &str {
     if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits }
 }
 
-/// Reads what `Debug` writes of structs, arrays, numbers and words.
+/// Parser of `Debug` output of structs, arrays, numbers and words.
 struct Parser<'a> {
     rest: &'a str,
 }
@@ -147,7 +147,7 @@ impl Parser<'_> {
             while !self.rest.trim_start().is_empty() && !self.skip("}") {
                 let key = self.word();
                 if !self.skip(":") {
-                    // Nothing that this reads: the rest is left.
+                    // Unknown syntax: stop parsing.
                     self.rest = "";
                     break;
                 }

@@ -1,29 +1,29 @@
-//! Cells that particles of a snapshot stand for, where they are elements.
+//! Cells of particles that represent elements.
 
 use super::{OutputError, check_length};
 
-/// For each particle the corners of its cell, or none: a snapshot of elements, or of elements beside particles.
+/// Cells of the particles of a snapshot, for elements or for elements beside particles; a free particle has no corners.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Cells {
-    /// Corners, each once, m.
+    /// Node positions, without duplicates, m.
     pub nodes: Vec<[f64; 3]>,
-    /// Those of the cells by place in `nodes`, one cell after the other, in the order of the VTK file format: none (a vertex), two (a line),
-    /// three (a triangle), four (in two dimensions a quadrilateral, in three a tetrahedron), eight (in three a brick), or in two dimensions
-    /// any more (a polygon).
+    /// Connectivity: node indices of the corners, one cell after the other, in the order of the VTK file format: none (a vertex), two (a
+    /// line), three (a triangle), four (a quadrilateral in two dimensions, a tetrahedron in three), eight (a brick in three dimensions), or
+    /// in two dimensions any larger number (a polygon).
     pub corners: Vec<u32>,
-    /// Where the corners of each particle end in `corners`.
+    /// End of the corners of each particle in `corners`.
     pub ends: Vec<u32>,
 }
 
 impl Cells {
-    /// Corners of the cell of particle `i`.
+    /// Node indices of the corners of the cell of particle `i`.
     #[must_use]
     pub fn of(&self, i: usize) -> &[u32] {
         let start = if i == 0 { 0 } else { self.ends[i - 1] };
         &self.corners[start as usize..self.ends[i] as usize]
     }
 
-    /// The type of a cell of so many corners, as VTK numbers them.
+    /// Return the VTK type number of a cell with this number of corners.
     pub(crate) fn kind(corners: usize, dimension: usize) -> Option<u8> {
         match (corners, dimension) {
             (0, _) => Some(1),
@@ -37,7 +37,7 @@ impl Cells {
         }
     }
 
-    /// Refuse what is no list of cells of so many particles.
+    /// Check the lists against the number of particles.
     pub(crate) fn check(&self, particles: usize, dimension: usize) -> Result<(), OutputError> {
         check_length("ends of cells", self.ends.len(), particles)?;
         let end = self.ends.last().map_or(0, |&end| end as usize);

@@ -1,4 +1,4 @@
-//! Histories: a row of numbers an instant, in a CSV file that anything reads.
+//! Histories: CSV files with one row of numbers per output time.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -6,23 +6,23 @@ use std::path::{Path, PathBuf};
 
 use super::{OutputError, WholeFile, check_name};
 
-/// A column of a [`History`]: what it is and its unit.
+/// Column of a [`History`]: name and unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Column {
-    /// What it is, such as "length".
+    /// Name of the quantity, such as "length".
     pub name: String,
-    /// Its unit, such as "m"; "" or "-" if it has none.
+    /// Unit, such as "m"; "" or "-" if dimensionless.
     pub unit: String,
 }
 
 impl Column {
-    /// A column called `name` in `unit` ("-" if it has none).
+    /// Create a column called `name` in `unit` ("-" if dimensionless).
     #[must_use]
     pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { name: name.into(), unit: unit.into() }
     }
 
-    /// As in the header: `length [m]`.
+    /// Title in the header: `length [m]`.
     #[must_use]
     pub fn title(&self) -> String {
         let unit = if self.unit.is_empty() { "-" } else { &self.unit };
@@ -36,8 +36,8 @@ impl From<(&str, &str)> for Column {
     }
 }
 
-/// A CSV file that grows by a row an instant and is flushed after each, so that it can be watched while the
-/// run goes on. Numbers are written in the shortest form that reads back to the same bits.
+/// CSV file that grows by one row per output time and is flushed after each row, so that it can be watched during
+/// the run. Numbers have the shortest form that reads back to the same bits.
 ///
 /// ```
 /// use impactite_output::History;
@@ -86,7 +86,7 @@ impl History {
         Ok(Self { path, columns, file, rows: 0 })
     }
 
-    /// Append a row, one number a column, and flush.
+    /// Append a row, one number per column, and flush.
     ///
     /// # Errors
     /// A row of the wrong length (nothing is written), or a full disk.
@@ -104,19 +104,19 @@ impl History {
         Ok(())
     }
 
-    /// The columns.
+    /// Columns.
     #[must_use]
     pub fn columns(&self) -> &[Column] {
         &self.columns
     }
 
-    /// How many rows were written.
+    /// Number of rows written.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Where the file is.
+    /// Path of the file.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -128,7 +128,7 @@ impl History {
     }
 }
 
-/// The shortest text that reads back to the same bits: `0.0324`, `1e-6`, `NaN`.
+/// Format a number as the shortest text that reads back to the same bits: `0.0324`, `1e-6`, `NaN`.
 fn number(x: f64) -> String {
     let size = x.abs();
     if x == 0.0 || (1.0e-4..1.0e7).contains(&size) || !x.is_finite() {
@@ -138,7 +138,7 @@ fn number(x: f64) -> String {
     }
 }
 
-/// Quote a header that holds a comma or a quotation mark.
+/// Quote a header that contains a comma or a quotation mark.
 fn quoted(text: &str) -> String {
     if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
 }

@@ -1,21 +1,21 @@
-//! What leaves a run: pictures, ParaView files and histories.
+//! Output of a run: pictures, ParaView files and histories.
 //!
-//! Everything here works on a [`Snapshot`] (or plain columns of numbers) and knows nothing of solvers, so that
-//! any particle method can draw itself:
+//! All writers use a [`Snapshot`] (or plain columns of numbers) and are independent of solvers, so that
+//! any particle method can use them:
 //!
 //! | module | writes | read by |
 //! |---|---|---|
-//! | [`vtk`] | one `.vtp` file (of elements `.vtu`) an instant and a `.pvd` time series; with the feature `hdf5` also `.vtkhdf` | ParaView, VisIt, PyVista |
-//! | [`csv`] | histories, one row an instant | everything |
+//! | [`vtk`] | a `.vtp` (elements: `.vtu`) per frame and a `.pvd` series; with the feature `hdf5` `.vtkhdf` | ParaView, VisIt, PyVista |
+//! | [`csv`] | histories, one row per output time | any program |
 //! | [`picture`] | shaded particles, flat fields, line charts and panels of them as PNG | people |
-//! | [`progress`] | a progress bar on the terminal | people who wait |
+//! | [`progress`] | progress bar on the terminal | people |
 //!
-//! All of them write whole files: what is at a path is the old file or the new one, never half, however many processes write there
-//! and whatever ends them ([`WholeFile`]).
+//! Files are replaced atomically: a path refers to the complete old file or the complete new one, however many processes write there
+//! and whatever terminates them ([`WholeFile`]).
 //!
-//! All numbers are SI; pictures and tables convert at the last moment through [`picture::Quantity`] or an
-//! [`picture::Axis`] that names its unit. Bad input is refused with an [`OutputError`] that says which field
-//! was wrong, what it was and what would have been allowed.
+//! All numbers are SI; pictures and tables convert for display only, through [`picture::Quantity`] or an
+//! [`picture::Axis`] that names its unit. Invalid input causes an [`OutputError`] with the field,
+//! its value and the allowed values.
 
 use std::path::{Path, PathBuf};
 
@@ -37,114 +37,114 @@ pub use snapshot::{FieldKind, FieldValues, ParticleSize, Snapshot};
 pub use vtk::{Format, Precision, VtkOptions, VtkSeries};
 pub use whole::{WholeFile, remove_parts, write_whole};
 
-/// Why something could not be drawn or written.
+/// Error of a picture or a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The operating system refused to create, write, flush or rename a file.
+    /// File operation that failed: create, write, flush or rename.
     #[error("cannot {action} `{}`: {source}", path.display())]
     File {
         /// Attempted operation: "look at", "follow", "create", "write", "rename to", "remove", "open".
         action: &'static str,
-        /// The file or folder.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// Work that was given to a thread failed before.
+    /// Error of an earlier job on a writer thread.
     #[error(transparent)]
     Earlier(std::sync::Arc<OutputError>),
-    /// A thread that draws and writes has ended by a panic.
+    /// Writer thread that ended by a panic.
     #[error(
         "the thread that draws pictures and writes frames has ended; what it was given since is not there"
     )]
     Ended,
-    /// A path where no file can be.
+    /// Path that is no regular file.
     #[error("cannot write `{}`: it is {found}, which is not allowed; it must be a regular file, a link to one, or free", path.display())]
     NoFile {
-        /// The path.
+        /// Path of the file.
         path: PathBuf,
-        /// What is there.
+        /// Type of the existing object.
         found: &'static str,
     },
-    /// The PNG encoder failed.
+    /// Error of the PNG encoder.
     #[error("cannot encode `{}` as PNG: {source}", path.display())]
     Png {
-        /// The picture's file.
+        /// Path of the picture.
         path: PathBuf,
-        /// What the encoder said.
+        /// Error of the encoder.
         source: png::EncodingError,
     },
-    /// What was to be written is not possible in HDF5.
+    /// Error of the HDF5 encoder.
     #[cfg(feature = "hdf5")]
     #[error("cannot encode `{}` as HDF5: {source}", path.display())]
     Hdf {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the encoder said.
+        /// Error of the encoder.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
-    /// A column is not as long as there are particles, points or columns.
+    /// Column of a wrong length: one value per particle, point or column is required.
     #[error("{what} has {found} values, expected {expected}")]
     Length {
-        /// Which column.
+        /// Name of the column.
         what: String,
-        /// Its length.
+        /// Length of the column.
         found: usize,
-        /// The length it must have.
+        /// Required length.
         expected: usize,
     },
-    /// A name that is empty, used twice or holds a forbidden character.
+    /// Invalid name: empty, used twice or with a forbidden character.
     #[error("name {name:?} of {what} is not allowed: {why}")]
     Name {
-        /// What was named.
+        /// Named object.
         what: &'static str,
-        /// The name.
+        /// Name.
         name: String,
-        /// What would have been allowed.
+        /// Requirement that the name violates.
         why: &'static str,
     },
-    /// A field that the snapshot does not hold.
+    /// Field that the snapshot does not contain.
     #[error("no {kind} field {name:?} in the snapshot; it has {available}")]
     NoSuchField {
-        /// "scalar", "vector", "tensor", or "colour" for any number that gives one.
+        /// Kind of the field: "scalar", "vector", "tensor", or "colour" for any quantity that can be shown in colour.
         kind: &'static str,
-        /// The name asked for.
+        /// Requested name.
         name: String,
-        /// The names of that kind that exist.
+        /// Available names of that kind.
         available: String,
     },
-    /// What is asked for takes more memory than is allowed, or than there is.
+    /// Memory above the limit, or failed allocation.
     #[error(transparent)]
     Memory(#[from] impactite_simd::memory::MemoryError),
-    /// A number outside what makes sense.
+    /// Value outside its allowed range.
     #[error("{what} = {value} is not allowed: {allowed}")]
     Value {
-        /// Which number.
+        /// Name of the quantity.
         what: String,
-        /// The number as given.
+        /// Value.
         value: String,
-        /// What would have been allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
 }
 
 impl OutputError {
-    /// A number outside what makes sense.
+    /// Create an error of a value outside its allowed range.
     pub(crate) fn value(what: impl Into<String>, value: impl ToString, allowed: &'static str) -> Self {
         Self::Value { what: what.into(), value: value.to_string(), allowed }
     }
 
-    /// For `map_err`: the operating system refused `action` on `path`.
+    /// Create an error of a file operation `action` on `path`, for `map_err`.
     pub fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::File { action, path: path.to_path_buf(), source }
     }
 }
 
-/// Check a name that ends up in a file: not empty, no control characters, no surrounding blanks.
+/// Check a name for use in a file: not empty, no control characters, no surrounding blanks.
 ///
 /// # Errors
-/// [`OutputError::Name`] says what is not allowed.
+/// [`OutputError::Name`] with the violated requirement.
 pub fn check_name(what: &'static str, name: &str) -> Result<(), OutputError> {
     let refuse = |why| Err(OutputError::Name { what, name: name.to_string(), why });
     if name.trim().is_empty() {
@@ -158,7 +158,7 @@ pub fn check_name(what: &'static str, name: &str) -> Result<(), OutputError> {
     }
 }
 
-/// Refuse a list of another length.
+/// Check the length of a list.
 pub(crate) fn check_length(what: &str, found: usize, expected: usize) -> Result<(), OutputError> {
     if found == expected {
         Ok(())

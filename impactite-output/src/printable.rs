@@ -1,11 +1,11 @@
-//! Text of others on a terminal or a page.
+//! Escaping of untrusted text for a terminal or a page.
 
 use std::borrow::Cow;
 
-/// The text without characters that steer a terminal or turn the direction of writing: each is written as its escape, `\u{1b}`. Line feeds
-/// and tabs stay; a carriage return before a line feed is dropped.
+/// Escape control characters and bidirectional marks of a text as `\u{1b}`. Line feeds
+/// and tabs are kept; a carriage return before a line feed is dropped.
 ///
-/// Titles, names and files come from others; what they hold must not move the cursor, change colours, or hide a part of a line.
+/// Titles, names and files are untrusted: they must not move the cursor, change colours, or hide a part of a line.
 ///
 /// ```
 /// use impactite_output::printable;
@@ -21,7 +21,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     let mut rest = text.chars().peekable();
     while let Some(c) = rest.next() {
         match c {
-            // A line may end as on Windows.
+            // Windows line ending.
             '\r' if rest.peek() == Some(&'\n') => {}
             c if steers(c) => safe.extend(c.escape_unicode()),
             c => safe.push(c),
@@ -30,7 +30,7 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(safe)
 }
 
-/// Control characters, and marks that turn or isolate the direction of writing.
+/// True for control characters, and for marks of bidirectional text.
 fn steers(c: char) -> bool {
     let turns =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{61c}');

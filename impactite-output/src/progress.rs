@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Shows how far a run has come: simulated time, step, particle updates a second and the time left. It draws
-/// to the standard error stream, at most ten times a second, and is silent when that is no terminal, so that
+/// Progress bar of a run: simulated time, step, particle updates per second and remaining time. It draws
+/// to the standard error stream, at most ten times a second, and is hidden if that is no terminal, so that
 /// logs stay clean.
 ///
 /// ```
@@ -24,7 +24,7 @@ pub struct Progress {
 const TICKS: u64 = 1000;
 
 impl Progress {
-    /// A bar titled `name`, hidden if the standard error stream is no terminal.
+    /// Create a bar titled `name`, hidden if the standard error stream is no terminal.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         if std::io::stderr().is_terminal() {
@@ -34,7 +34,7 @@ impl Progress {
         }
     }
 
-    /// A bar that never draws.
+    /// Create a hidden bar.
     #[must_use]
     pub fn hidden() -> Self {
         Self::on(ProgressDrawTarget::hidden(), "")
@@ -49,14 +49,14 @@ impl Progress {
         Self { bar, last: None }
     }
 
-    /// Whether nothing is drawn.
+    /// True if nothing is drawn.
     #[must_use]
     pub fn is_hidden(&self) -> bool {
         self.bar.is_hidden()
     }
 
-    /// The run is at `time` of `end` (s), after `step` steps, at `rate` particle updates a second. Cheap enough
-    /// to call every step.
+    /// Update the bar: simulated `time` of `end` (s), `step` steps, `rate` particle updates per second. Cheap enough
+    /// for a call every step.
     pub fn update(&mut self, time: f64, end: f64, step: u64, rate: f64) {
         if self.is_hidden() || self.last.is_some_and(|last| last.elapsed() < Duration::from_millis(100)) {
             return;
@@ -67,29 +67,29 @@ impl Progress {
         self.bar.set_message(message(time, end, step, rate, self.bar.elapsed()));
     }
 
-    /// Write a line to the standard error stream, above the bar where there is one.
+    /// Write a line to the standard error stream, above a visible bar.
     pub fn line(&self, text: &str) {
         self.bar.suspend(|| eprintln!("{text}"));
     }
 
-    /// Write by other means while the bar is away.
+    /// Hide the bar during `write`.
     pub fn suspend<R>(&self, write: impl FnOnce() -> R) -> R {
         self.bar.suspend(write)
     }
 
-    /// Leave the bar as it stands and start a new line.
+    /// Leave the bar in its current state and start a new line.
     pub fn finish(&mut self) {
         self.bar.abandon();
     }
 }
 
-/// How much of the run is done, between 0 and 1.
+/// Completed fraction of the run, 0 to 1.
 fn fraction(time: f64, end: f64) -> f64 {
     let part = time / end;
     if part.is_finite() { part.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// The text right of the bar.
+/// Format the text to the right of the bar.
 fn message(time: f64, end: f64, step: u64, rate: f64, elapsed: Duration) -> String {
     let part = fraction(time, end);
     let left = if part > 0.0 {

@@ -1,39 +1,39 @@
-//! What one instant of a particle simulation looks like, whatever the solver.
+//! Snapshot of a particle simulation at one time, independent of the solver.
 
 use super::{Cells, OutputError, check_length, check_name};
 
-/// How far from the origin a particle can be and be drawn, m. Beyond the universe, and near enough that volumes and the squares of areas are
-/// numbers.
+/// Maximum distance of a drawn particle from the origin, m. Larger than the universe, and small enough that volumes and squared areas do
+/// not overflow.
 pub(crate) const FARTHEST: f64 = 1e30;
 
-/// Is this somewhere, for a picture?
+/// True if a position is finite and close enough to be drawn.
 pub(crate) fn is_place(x: &[f64; 3]) -> bool {
     x.iter().all(|c| c.abs() <= FARTHEST)
 }
 
-/// Edge length of the cube (square in 2D) of matter that a particle stands for, m.
+/// Edge length of the cube (square in 2D) of matter that a particle represents, m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ParticleSize {
-    /// The same for all, m.
+    /// Uniform size, m.
     Uniform(f64),
-    /// One a particle, m.
+    /// Size of each particle, m.
     Each(Vec<f64>),
 }
 
-/// The values of one named field, one entry a particle, SI units.
+/// Values of one field, one entry per particle, SI units.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FieldValues {
-    /// One number a particle.
+    /// Scalar per particle.
     Scalar(Vec<f64>),
-    /// A vector `[x, y, z]` a particle; z is 0 in two dimensions.
+    /// Vector `[x, y, z]` per particle; z is 0 in two dimensions.
     Vector(Vec<[f64; 3]>),
-    /// A symmetric tensor `[xx, yy, zz, yz, xz, xy]` a particle (the order of
-    /// `Sym3` of mpm-materials, true components, shear not doubled).
+    /// Symmetric tensor `[xx, yy, zz, yz, xz, xy]` per particle (the order of
+    /// `Sym3` of mpm-materials, tensor components, shear not doubled).
     Tensor(Vec<[f64; 6]>),
 }
 
 impl FieldValues {
-    /// The number of entries.
+    /// Number of entries.
     #[must_use]
     pub fn len(&self) -> usize {
         match self {
@@ -43,13 +43,13 @@ impl FieldValues {
         }
     }
 
-    /// Whether there are no entries.
+    /// True if there are no entries.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// The kind of the values.
+    /// Kind of the values.
     #[must_use]
     pub fn kind(&self) -> FieldKind {
         match self {
@@ -60,14 +60,14 @@ impl FieldValues {
     }
 }
 
-/// The kind of a field.
+/// Kind of a field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FieldKind {
-    /// A number a particle.
+    /// Scalar per particle.
     Scalar,
-    /// A vector a particle.
+    /// Vector per particle.
     Vector,
-    /// A symmetric tensor a particle.
+    /// Symmetric tensor per particle.
     Tensor,
 }
 
@@ -81,8 +81,8 @@ impl FieldKind {
     }
 }
 
-/// One instant: where the particles are and what they carry. Lengths and names are checked once, when it is
-/// made, so that writers need not look again.
+/// State at one time: positions and fields of the particles. Lengths and names are checked at construction, so
+/// that writers need no further checks.
 ///
 /// ```
 /// use impactite_output::{ParticleSize, Snapshot};
@@ -109,13 +109,13 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Particles at `positions` (m; z is 0 when `dimension` is 2) at `time` (s) after `step` steps. All belong
-    /// to body 0 until [`with_bodies`](Self::with_bodies) says otherwise.
+    /// Create a snapshot of particles at `positions` (m; z is 0 when `dimension` is 2) at `time` (s) after `step` steps. All belong
+    /// to body 0 unless [`with_bodies`](Self::with_bodies) assigns them.
     ///
     /// # Errors
-    /// A dimension other than 2 or 3, a time that is not finite, a size that is not from 1e-30 to 1e30 m, z that is
+    /// A dimension other than 2 or 3, a time that is not finite, a size outside 1e-30 to 1e30 m, z that is
     /// not 0 in two dimensions, or a list of sizes of the wrong length. Positions that are not finite, or farther than 1e30 m
-    /// from the origin, are accepted (one wants to see a run that went wrong) and left out of pictures.
+    /// from the origin, are accepted (for inspection of a failed run) and omitted from pictures.
     pub fn new(
         dimension: usize,
         time: f64,
@@ -164,27 +164,27 @@ impl Snapshot {
         })
     }
 
-    /// Say which body each particle belongs to.
+    /// Assign a body index to each particle.
     ///
     /// # Errors
-    /// A list that is not as long as there are particles.
+    /// A list of a length other than the number of particles.
     pub fn with_bodies(mut self, bodies: Vec<u32>) -> Result<Self, OutputError> {
         check_length("body", bodies.len(), self.len())?;
         self.bodies = bodies;
         Ok(self)
     }
 
-    /// Names of the bodies, by their numbers: for legends, and ParaView. Bodies beyond the end of the list have none.
+    /// Set the names of the bodies by index, for legends and ParaView. Bodies beyond the end of the list are unnamed.
     #[must_use]
     pub fn with_body_names<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
         self.names = names.into_iter().map(Into::into).collect();
         self
     }
 
-    /// Say which cells the particles stand for.
+    /// Set the cells of the particles.
     ///
     /// # Errors
-    /// Lists that are not those of cells, one a particle.
+    /// Lists that are not valid cells, one per particle.
     pub fn with_cells(mut self, cells: Cells) -> Result<Self, OutputError> {
         cells.check(self.len(), self.dimension)?;
         self.cells = Some(cells);
@@ -194,8 +194,8 @@ impl Snapshot {
     /// Add a field of any kind.
     ///
     /// # Errors
-    /// A list that is not as long as there are particles; a name that is empty, taken, reserved (`body`,
-    /// `size`), or holds control characters.
+    /// A list of a length other than the number of particles; a name that is empty, taken, reserved (`body`,
+    /// `size`), or contains control characters.
     pub fn with_field(mut self, name: impl Into<String>, values: FieldValues) -> Result<Self, OutputError> {
         let name = name.into();
         check_name("a field", &name)?;
@@ -214,7 +214,7 @@ impl Snapshot {
     /// Add a scalar field, SI units.
     ///
     /// # Errors
-    /// As [`with_field`](Self::with_field).
+    /// Errors of [`with_field`](Self::with_field).
     pub fn with_scalar(self, name: impl Into<String>, values: Vec<f64>) -> Result<Self, OutputError> {
         self.with_field(name, FieldValues::Scalar(values))
     }
@@ -222,7 +222,7 @@ impl Snapshot {
     /// Add a vector field, SI units.
     ///
     /// # Errors
-    /// As [`with_field`](Self::with_field).
+    /// Errors of [`with_field`](Self::with_field).
     pub fn with_vector(self, name: impl Into<String>, values: Vec<[f64; 3]>) -> Result<Self, OutputError> {
         self.with_field(name, FieldValues::Vector(values))
     }
@@ -230,17 +230,17 @@ impl Snapshot {
     /// Add a symmetric tensor field `[xx, yy, zz, yz, xz, xy]`, SI units.
     ///
     /// # Errors
-    /// As [`with_field`](Self::with_field).
+    /// Errors of [`with_field`](Self::with_field).
     pub fn with_tensor(self, name: impl Into<String>, values: Vec<[f64; 6]>) -> Result<Self, OutputError> {
         self.with_field(name, FieldValues::Tensor(values))
     }
 
-    /// Add a vector field of the nodes of the cells, SI units: point data in ParaView, where the fields of cells are cell data. Particles beside
-    /// the cells have the field of particles of that name there, or 0.
+    /// Add a vector field of the nodes of the cells, SI units: point data in ParaView, whereas fields of cells are cell data. Free
+    /// particles have the value of the particle field of that name, or 0.
     ///
     /// # Errors
-    /// A snapshot without cells; a list that is not as long as there are nodes; a name that is empty, taken by another field of nodes, or holds
-    /// control characters.
+    /// A snapshot without cells; a list of a length other than the number of nodes; a name that is empty, taken by another field of nodes,
+    /// or contains control characters.
     pub fn with_node_vector(
         mut self,
         name: impl Into<String>,
@@ -261,24 +261,24 @@ impl Snapshot {
         Ok(self)
     }
 
-    /// All vector fields of nodes in the order they were added.
+    /// All vector fields of nodes in the order of addition.
     pub fn node_vectors(&self) -> impl Iterator<Item = (&str, &[[f64; 3]])> {
         self.node_fields.iter().map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 
-    /// The number of particles.
+    /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether there are no particles.
+    /// True if there are no particles.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     #[must_use]
     pub fn dimension(&self) -> usize {
         self.dimension
@@ -290,19 +290,19 @@ impl Snapshot {
         self.time
     }
 
-    /// The number of steps taken.
+    /// Number of steps.
     #[must_use]
     pub fn step(&self) -> u64 {
         self.step
     }
 
-    /// Where the particles are, m.
+    /// Particle positions, m.
     #[must_use]
     pub fn positions(&self) -> &[[f64; 3]] {
         &self.positions
     }
 
-    /// The edge length of particle `i`, m; that of the last one beyond the end of a list.
+    /// Edge length of particle `i`, m; beyond the end of a list, that of the last particle.
     #[must_use]
     pub fn size_of(&self, i: usize) -> f64 {
         match &self.size {
@@ -311,39 +311,39 @@ impl Snapshot {
         }
     }
 
-    /// The particles' sizes, m.
+    /// Particle sizes, m.
     #[must_use]
     pub fn size(&self) -> &ParticleSize {
         &self.size
     }
 
-    /// The body of each particle.
+    /// Body index of each particle.
     #[must_use]
     pub fn bodies(&self) -> &[u32] {
         &self.bodies
     }
 
-    /// Names of the bodies, by their numbers; empty if they have none.
+    /// Names of the bodies by index; empty if unnamed.
     #[must_use]
     pub fn body_names(&self) -> &[String] {
         &self.names
     }
 
-    /// The cells that the particles stand for, if some are elements.
+    /// Cells of the particles, if some are elements.
     #[must_use]
     pub fn cells(&self) -> Option<&Cells> {
         self.cells.as_ref()
     }
 
-    /// All fields in the order they were added.
+    /// All fields in the order of addition.
     pub fn fields(&self) -> impl Iterator<Item = (&str, &FieldValues)> {
         self.fields.iter().map(|(name, values)| (name.as_str(), values))
     }
 
-    /// The same with these fields alone.
+    /// Keep only the fields of these names.
     ///
     /// # Errors
-    /// There is none of a name; the error lists those there are.
+    /// A name without a field; the error lists the available names.
     pub fn with_fields_only<S: AsRef<str>>(mut self, names: &[S]) -> Result<Self, OutputError> {
         let missing = names.iter().map(AsRef::as_ref).find(|name| self.fields.iter().all(|(n, _)| n != name));
         if let Some(name) = missing {
@@ -355,10 +355,10 @@ impl Snapshot {
         Ok(self)
     }
 
-    /// A scalar field by name.
+    /// Return a scalar field by name.
     ///
     /// # Errors
-    /// There is none of that name; the error lists those there are.
+    /// No scalar field of that name; the error lists the available names.
     pub fn scalar(&self, name: &str) -> Result<&[f64], OutputError> {
         match self.fields.iter().find(|(n, _)| n == name) {
             Some((_, FieldValues::Scalar(values))) => Ok(values),
@@ -366,10 +366,10 @@ impl Snapshot {
         }
     }
 
-    /// A vector field by name.
+    /// Return a vector field by name.
     ///
     /// # Errors
-    /// There is none of that name; the error lists those there are.
+    /// No vector field of that name; the error lists the available names.
     pub fn vector(&self, name: &str) -> Result<&[[f64; 3]], OutputError> {
         match self.fields.iter().find(|(n, _)| n == name) {
             Some((_, FieldValues::Vector(values))) => Ok(values),
@@ -377,10 +377,10 @@ impl Snapshot {
         }
     }
 
-    /// A tensor field by name.
+    /// Return a tensor field by name.
     ///
     /// # Errors
-    /// There is none of that name; the error lists those there are.
+    /// No tensor field of that name; the error lists the available names.
     pub fn tensor(&self, name: &str) -> Result<&[[f64; 6]], OutputError> {
         match self.fields.iter().find(|(n, _)| n == name) {
             Some((_, FieldValues::Tensor(values))) => Ok(values),
@@ -388,7 +388,7 @@ impl Snapshot {
         }
     }
 
-    /// The smallest box around the particles that are at finite places (none of them farther than 1e30 m from the origin), particle sizes
+    /// Bounding box of the particles at finite positions within 1e30 m of the origin, particle sizes
     /// included, m; `None` if there are none.
     #[must_use]
     pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {

@@ -1,13 +1,13 @@
-//! ParaView files: one `.vtp` (XML PolyData) an instant and a `.pvd` that lists them with their times; with the feature `hdf5` also
-//! one `.vtkhdf` an instant and a `.vtkhdf.series` ([`Format`]).
+//! ParaView files: one `.vtp` (XML PolyData) per frame and a `.pvd` that lists the frames with their times; with the feature `hdf5` also
+//! one `.vtkhdf` per frame and a `.vtkhdf.series` ([`Format`]).
 //!
 //! The data follow the XML as one raw binary block ("appended raw", little endian), by default compressed by
-//! zlib in blocks of 1 MiB, the layout that VTK's `vtkZLibDataCompressor` writes itself. Each particle is a
-//! vertex, so files open in ParaView with nothing to set; choose "Point Gaussian" to see spheres and scale
-//! them by the array `size`. A snapshot with [cells](super::Cells) becomes a `.vtu` (XML UnstructuredGrid) instead: elements are cells,
-//! particles beside them vertices, and the fields those of the cells; fields of nodes are point data.
+//! zlib in blocks of 1 MiB, the layout of VTK's `vtkZLibDataCompressor`. Each particle is a
+//! vertex, so that files open in ParaView without settings; choose "Point Gaussian" to see spheres and scale
+//! them by the array `size`. A snapshot with [cells](super::Cells) becomes a `.vtu` (XML UnstructuredGrid): elements are cells,
+//! free particles are vertices, and fields are cell data; fields of nodes are point data.
 //!
-//! VTKHDF is the same in HDF5: arrays in chunks of 1 MiB, by default with their bytes shuffled and compressed by deflate.
+//! VTKHDF stores the same arrays in HDF5: chunks of 1 MiB, by default shuffled by bytes and compressed by deflate.
 
 mod arrays;
 #[cfg(feature = "hdf5")]
@@ -22,22 +22,22 @@ use super::{OutputError, Snapshot, check_name, remove_parts, write_whole};
 pub use hdf::write_vtkhdf;
 pub use xml::write_vtp;
 
-/// How many bits a field keeps in a file. Positions and the time always keep all 64.
+/// Precision of fields in a file. Positions and the time are always in double precision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Precision {
-    /// Seven digits (Float32): enough to look at, half the size.
+    /// Single precision, seven digits (Float32): sufficient for visualization, half the size.
     #[default]
     Single,
-    /// All digits (Float64): to compute with.
+    /// Double precision (Float64): for further computation.
     Double,
 }
 
-/// How frames are written, in any [`Format`].
+/// Options of frame files, in any [`Format`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct VtkOptions {
-    /// Whether the data are compressed (zlib's deflate); `false` writes faster and larger files.
+    /// True for compressed data (zlib's deflate); `false` gives larger files that are written faster.
     pub compressed: bool,
-    /// The precision of the fields.
+    /// Precision of the fields.
     pub fields: Precision,
 }
 
@@ -47,7 +47,7 @@ impl Default for VtkOptions {
     }
 }
 
-/// What files the frames of a series are.
+/// File format of the frames of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Format {
@@ -60,10 +60,10 @@ pub enum Format {
     Hdf,
 }
 
-/// The uncompressed size of a compressed block, bytes.
+/// Uncompressed size of a compressed block, bytes.
 const BLOCK: usize = 1 << 20;
 
-/// A time series for ParaView: frame files `NAME_000012.vtp` in a folder and `NAME.pvd`, which lists them with
+/// Time series for ParaView: frame files `NAME_000012.vtp` in a folder and `NAME.pvd`, which lists them with
 /// their times and is complete and valid after every frame; or files of another [`Format`].
 ///
 /// ```
@@ -90,11 +90,11 @@ pub struct VtkSeries {
 }
 
 impl VtkSeries {
-    /// A series called `name` in `folder`, which is created if it does not exist. Frames of an older series of
-    /// that name are overwritten as the new ones arrive; parts of files that a killed process left are removed.
+    /// Create a series called `name` in `folder`, which is created if it does not exist. Frames of an older series of
+    /// that name are overwritten one by one; temporary files of killed processes are removed.
     ///
     /// # Errors
-    /// A name that is empty or holds a path separator, or a folder that cannot be created.
+    /// A name that is empty or contains a path separator, or a folder that cannot be created.
     pub fn create(folder: impl AsRef<Path>, name: impl Into<String>) -> Result<Self, OutputError> {
         let (folder, name) = (folder.as_ref().to_path_buf(), name.into());
         check_name("a series", &name)?;
@@ -113,24 +113,24 @@ impl VtkSeries {
         })
     }
 
-    /// Write frames so.
+    /// Set the options of frame files.
     #[must_use]
     pub fn with_options(mut self, options: VtkOptions) -> Self {
         self.options = options;
         self
     }
 
-    /// Write frames as such files.
+    /// Set the file format of frames.
     #[must_use]
     pub fn with_format(mut self, format: Format) -> Self {
         self.format = format;
         self
     }
 
-    /// Write the next frame and bring the list of frames up to date. Returns the path of the frame.
+    /// Write the next frame and update the list of frames. Returns the path of the frame.
     ///
     /// # Errors
-    /// A file that cannot be written, or a name of a field that the format does not take; the series as it was before stays valid.
+    /// A file that cannot be written, or a field name that the format does not allow; the previous series stays valid.
     pub fn write(&mut self, snapshot: &Snapshot) -> Result<PathBuf, OutputError> {
         let file = match self.format {
             Format::Xml if snapshot.cells().is_some() => self.frame(self.frames.len(), "vtu"),
@@ -149,7 +149,7 @@ impl VtkSeries {
         Ok(path)
     }
 
-    /// Go on with a series whose frames of these times (s) were written before.
+    /// Continue a series whose frames at these times (s) exist.
     pub fn go_on(&mut self, times: &[f64]) {
         let written = |number: usize| match self.format {
             Format::Xml => {
@@ -162,7 +162,7 @@ impl VtkSeries {
         self.frames = times.iter().enumerate().map(|(number, &time)| (time, written(number))).collect();
     }
 
-    /// The path of the file that lists the frames and is to be opened: `NAME.pvd`, or `NAME.vtkhdf.series`.
+    /// Path of the file that lists the frames, to be opened: `NAME.pvd`, or `NAME.vtkhdf.series`.
     #[must_use]
     pub fn index(&self) -> PathBuf {
         let kind = match self.format {
@@ -173,7 +173,7 @@ impl VtkSeries {
         self.folder.join(format!("{}.{kind}", self.name))
     }
 
-    /// How many frames were written.
+    /// Number of frames written.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames.len()
@@ -183,7 +183,7 @@ impl VtkSeries {
         format!("{}_{number:06}.{kind}", self.name)
     }
 
-    /// The frames with their times. `{:e}` is the shortest text that reads back to the same bits.
+    /// Format the list of frames with their times. `{:e}` is the shortest text that reads back to the same bits.
     fn listed(&self) -> String {
         match self.format {
             Format::Xml => xml::listed(&self.frames),

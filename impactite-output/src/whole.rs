@@ -1,4 +1,4 @@
-//! Files that are there whole or not at all.
+//! Atomic file replacement.
 
 use std::ffi::OsStr;
 use std::fs::{File, FileType, OpenOptions};
@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::OutputError;
 
-/// A file in the making: it takes the name it is to have when it is [finished](WholeFile::finish), so that readers see the old one or the
-/// new one, never half, and no other file of that name that is in the making, in this process or another. What is not finished is removed.
+/// Temporary file that replaces the file at its path atomically when it is [finished](WholeFile::finish): readers see the complete old
+/// file or the complete new one, and concurrent writers, in this process or another, do not interfere. An unfinished file is removed.
 ///
-/// Until then it lies beside its place, under that name with the number of the process, a number of its own and `.part` behind it. A
-/// symbolic link stays what it is, and what it points to is replaced. What is no regular file (a folder, a device, a pipe) is not.
+/// Until then it is in the same folder, under the final name with a suffix of process number, serial number and `.part`. A
+/// symbolic link is kept, and its target is replaced. A path that is no regular file (a folder, a device, a pipe) is not replaced.
 ///
 /// ```
 /// use impactite_output::WholeFile;
@@ -28,41 +28,41 @@ use super::OutputError;
 /// ```
 #[derive(Debug)]
 pub struct WholeFile {
-    /// The name it is to have, as it was given.
+    /// Final path, as requested.
     path: PathBuf,
-    /// The same behind symbolic links.
+    /// Final path with symbolic links resolved.
     place: PathBuf,
-    /// Before the name of what is removed, so that it is closed first.
+    /// Declared before the temporary name, so that the file is closed before it is removed.
     file: File,
     part: Part,
 }
 
-/// The name of a file that is removed, unless it has got another one.
+/// Name of a temporary file, which is removed on drop unless it was renamed.
 #[derive(Debug)]
 struct Part(PathBuf);
 
 impl Drop for Part {
     fn drop(&mut self) {
         if !self.0.as_os_str().is_empty() {
-            // Of no use, and not what went wrong.
+            // A failure here is harmless, and not the primary error.
             let _ = std::fs::remove_file(&self.0);
         }
     }
 }
 
-/// Symbolic links on the way to a file: as many as Linux follows.
+/// Maximum number of symbolic links on the path of a file, as in Linux.
 const MOST_LINKS: usize = 40;
-/// Longest name that a part has in its own, bytes: file systems allow 255.
+/// Maximum length of a name that a temporary name contains, bytes: file systems allow 255.
 const LONGEST: usize = 200;
 
-/// Parts of this process so far.
+/// Number of temporary files of this process so far.
 static PARTS: AtomicU64 = AtomicU64::new(0);
 
 impl WholeFile {
-    /// To become the file at `path`.
+    /// Create a temporary file that will replace the file at `path`.
     ///
     /// # Errors
-    /// A path that is something else than a regular file, or names none; a folder where no file can be made.
+    /// A path that is no regular file, or has no file name; a folder in which no file can be created.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, OutputError> {
         let path = path.as_ref();
         let place = place(path)?;
@@ -78,28 +78,28 @@ impl WholeFile {
                     let path = path.to_path_buf();
                     return Ok(WholeFile { path, place, file, part: Part(part) });
                 }
-                // Left by a process that was killed and had this number, or by one of another machine.
+                // Left behind by a killed process of the same number, or by a process on another machine.
                 Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(OutputError::file("create", path)(error)),
             }
         }
     }
 
-    /// The name it is to have.
+    /// Final path.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// All is written: make it the file of its name, on the disk.
+    /// Finish the file: flush it to the disk and rename it to its final path.
     ///
     /// # Errors
-    /// What was written cannot be kept, or the name not be given; then the old file is as it was.
+    /// A failed write or rename; the old file is then unchanged.
     pub fn finish(self) -> Result<(), OutputError> {
         self.settle().map(|_| ())
     }
 
-    /// The same of a file that goes on growing under its name.
+    /// Finish the file like [`finish`](Self::finish), but keep it open for appending.
     pub(crate) fn settle(self) -> Result<File, OutputError> {
         let WholeFile { path, place, file, mut part } = self;
         file.sync_all().map_err(OutputError::file("write", &path))?;
@@ -118,11 +118,11 @@ impl Write for WholeFile {
     }
 }
 
-/// Remove the parts of files that processes left in a folder when they were killed: those of files whose name begins with `name`. Parts of
-/// this process stay, and a folder that is not there has none.
+/// Remove temporary files that killed processes left in a folder, for files whose name begins with `name`. Temporary files of
+/// this process are kept; a missing folder is no error.
 ///
 /// # Errors
-/// A folder that cannot be read, or a part that cannot be removed.
+/// A folder that cannot be read, or a temporary file that cannot be removed.
 pub fn remove_parts(folder: impl AsRef<Path>, name: &str) -> Result<(), OutputError> {
     let folder = folder.as_ref();
     let entries = match std::fs::read_dir(folder) {
@@ -145,7 +145,7 @@ pub fn remove_parts(folder: impl AsRef<Path>, name: &str) -> Result<(), OutputEr
     Ok(())
 }
 
-/// Is this the name of a part, NAME...PROCESS-NUMBER.part, that no file of this process has?
+/// True for the name of a temporary file, NAME...PROCESS-NUMBER.part, that this process does not use.
 fn is_left_part(file: &str, name: &str) -> bool {
     let numbers = file.strip_prefix(name).and_then(|rest| rest.strip_suffix(".part"));
     let Some((process, number)) =
@@ -157,7 +157,7 @@ fn is_left_part(file: &str, name: &str) -> bool {
     process != std::process::id() || number >= PARTS.load(Ordering::Relaxed)
 }
 
-/// Where the file of this path is or is to be, behind symbolic links; what is there must be a regular file.
+/// Resolve symbolic links to the path of an existing regular file or of a file to be created.
 fn place(path: &Path) -> Result<PathBuf, OutputError> {
     let refused = |found| OutputError::NoFile { path: path.to_path_buf(), found };
     let mut place = path.to_path_buf();
@@ -174,13 +174,13 @@ fn place(path: &Path) -> Result<PathBuf, OutputError> {
             return Err(refused(other(kind)));
         }
         let to = std::fs::read_link(&place).map_err(OutputError::file("follow", path))?;
-        // Links are read from where they are; one with a root stands for itself.
+        // Links are relative to their folder; absolute links replace the path.
         place = place.with_file_name("").join(to);
     }
     Err(refused("a symbolic link without an end"))
 }
 
-/// What is neither a file nor a link, in words.
+/// Describe a type that is neither a file nor a link, in words.
 fn other(kind: FileType) -> &'static str {
     if kind.is_dir() {
         return "a folder";
@@ -201,10 +201,10 @@ fn other(kind: FileType) -> &'static str {
     "something else"
 }
 
-/// Write a file whole or not at all ([`WholeFile`]).
+/// Write a file atomically ([`WholeFile`]).
 ///
 /// # Errors
-/// As for [`WholeFile::create`] and [`WholeFile::finish`], and a full disk; then the old file is as it was.
+/// Errors of [`WholeFile::create`] and [`WholeFile::finish`], and a full disk; the old file is then unchanged.
 pub fn write_whole(path: impl AsRef<Path>, bytes: impl AsRef<[u8]>) -> Result<(), OutputError> {
     let path = path.as_ref();
     let mut file = WholeFile::create(path)?;

@@ -1,6 +1,6 @@
-//! ParaView files, histories and snapshots: what was written reads back, bit for bit; what is wrong is refused.
+//! ParaView files, histories and snapshots: files read back bit for bit; invalid input causes errors.
 //!
-//! `IMPACTITE_VTK=folder cargo test -p mpm-core --test output_files` keeps a series for a look with VTK itself.
+//! `IMPACTITE_VTK=folder cargo test -p mpm-core --test output_files` keeps a series for inspection with VTK.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -13,7 +13,7 @@ use impactite_output::{
     WholeFile,
 };
 
-/// A folder of one test, removed at its end.
+/// Temporary folder of a test, removed on drop.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -30,7 +30,7 @@ impl Drop for Folder {
     }
 }
 
-/// Awkward numbers: all bits count.
+/// Special values: all bits count.
 fn number(i: usize) -> f64 {
     match i % 7 {
         0 => f64::NAN,
@@ -66,7 +66,7 @@ fn awkward(n: usize, time: f64, each: bool) -> Snapshot {
     .expect("a good snapshot")
 }
 
-/// Read our own dialect of VTP: name to (type, bytes).
+/// Parse VTP files as written by this crate: name to (type, bytes).
 fn read(path: &std::path::Path) -> HashMap<String, (String, Vec<u8>)> {
     let bytes = std::fs::read(path).expect("the file");
     let marker = b"<AppendedData encoding=\"raw\">\n   _";
@@ -117,7 +117,7 @@ fn doubles(values: impl IntoIterator<Item = f64>) -> Vec<u8> {
 #[test]
 fn a_vtp_file_reads_back_bit_for_bit() {
     let folder = Folder::new("vtp");
-    // 60 000 points are two blocks of positions and a bit; 0 points and 1 point are their own kind of awkward.
+    // 60 000 points: two full blocks of positions and a partial one; 0 points and 1 point: edge cases.
     for n in [0, 1, 13, 60_000] {
         for compressed in [true, false] {
             let snapshot = awkward(n, 1.0e-6 / 3.0, n == 13);
@@ -136,7 +136,7 @@ fn a_vtp_file_reads_back_bit_for_bit() {
                 get("velocity"),
                 doubles(snapshot.vector("velocity").unwrap().iter().flatten().copied())
             );
-            // VTK wants XX YY ZZ XY YZ XZ of our xx yy zz yz xz xy.
+            // VTK's order is XX YY ZZ XY YZ XZ, the field's xx yy zz yz xz xy.
             let stress = [1.0, 2.0, 3.0, 6.0, 4.0, 5.0];
             let all = (0..n).flat_map(|i| stress.map(|c| c + 10.0 * i as f64));
             assert_eq!(get("stress"), doubles(all));
@@ -185,7 +185,7 @@ fn cells_read_back_with_particles_beside_them() {
     assert!(wrong(&|c| c.ends = vec![4, 8, 11]).contains("ends of cells"));
 }
 
-/// Point data: a vector of each node, then of each particle that is no cell.
+/// Point data: a vector of each node, then of each free particle.
 #[test]
 fn fields_of_nodes_are_point_data() {
     let folder = Folder::new("nodes");
@@ -225,9 +225,9 @@ fn names_of_bodies_are_written() {
     let array = "<Array type=\"String\" Name=\"body_names\" NumberOfTuples=\"2\" format=\"ascii\">";
     let (_, rest) = text.split_once(array).expect("the array");
     let numbers = rest.split("</Array>").next().expect("its end").split_whitespace();
-    // Types as in VTK's own writer.
+    // Types of VTK's own writer.
     assert_eq!(numbers.collect::<Vec<_>>(), ["114", "111", "100", "0", "-61", "-87", "0"]);
-    // All else stays readable.
+    // All other arrays stay readable.
     assert!(read(&path).contains_key("velocity"));
 }
 
@@ -287,7 +287,7 @@ fn parts_of_killed_processes_are_removed() {
     VtkSeries::create(&folder.0, "s").expect("a series");
     assert!(left.iter().all(|name| !folder.0.join(name).exists()));
     assert!(stay.iter().all(|name| folder.0.join(name).exists()));
-    // A file of this process in the making stays.
+    // A temporary file of this process is kept.
     let mut file = WholeFile::create(folder.0.join("s_000001.vtp")).expect("a file");
     file.write_all(b"whole").expect("written");
     VtkSeries::create(&folder.0, "s").expect("a series");
@@ -380,7 +380,7 @@ fn a_hidden_progress_bar_is_silent() {
     progress.finish();
 }
 
-/// Numbers of particles beyond what single precision holds.
+/// Particle numbers beyond the integers of single precision.
 #[test]
 fn numbers_of_particles_are_whole() {
     let number = f64::from(1u32 << 24) + 1.0;
@@ -396,7 +396,7 @@ fn numbers_of_particles_are_whole() {
     assert!(bytes.windows(8).any(|w| w == (number as i64).to_le_bytes()));
 }
 
-/// VTKHDF files hold the arrays of the XML ones: names, types and bits.
+/// VTKHDF files contain the arrays of the XML files: names, types and bits.
 #[cfg(feature = "hdf5")]
 mod hdf {
     use super::*;
@@ -407,7 +407,7 @@ mod hdf {
         File::from_bytes(std::fs::read(path).expect("the file")).expect("HDF5")
     }
 
-    /// The bytes of an array of a type by its name in XML, which must be the one it has.
+    /// Bytes of an array, whose type must match its type in XML.
     fn bytes(file: &File, path: &str, kind: &str) -> Vec<u8> {
         let array = file.dataset(path).unwrap_or_else(|e| panic!("{path}: {e}"));
         assert_eq!(
@@ -431,7 +431,7 @@ mod hdf {
     fn particles_are_those_of_the_xml_file() {
         let folder = Folder::new("vtkhdf");
         let (there, here) = (folder.0.join("a.vtp"), folder.0.join("a.vtkhdf"));
-        // 60 000 points are two chunks of positions; scalars of 100 are not worth one.
+        // 60 000 points: two chunks of positions; scalars of 100 points are not chunked.
         for n in [0, 1, 100, 60_000] {
             for (compressed, fields) in
                 [(true, Precision::Double), (true, Precision::Single), (false, Precision::Double)]
@@ -471,7 +471,7 @@ mod hdf {
                     assert_eq!(integers(&file, &format!("VTKHDF/{none}/Offsets")), [0]);
                 }
                 let filters = file.dataset("VTKHDF/PointData/velocity").unwrap().filters();
-                // Shuffle and deflate, as HDF5 numbers them.
+                // HDF5 filter numbers of shuffle and deflate.
                 let expected: &[u16] = if compressed && n > 1 { &[2, 1] } else { &[] };
                 assert_eq!(filters, expected, "{n} points");
             }
@@ -518,7 +518,7 @@ mod hdf {
         let mut series = made();
         let times = [0.0, 1.0e-7 / 3.0, 2.5];
         for (frame, &time) in times.iter().enumerate() {
-            // After the first frame as after a restart.
+            // Continue after the first frame, as after a restart.
             if frame == 1 {
                 series = made();
                 series.go_on(&times[..1]);
@@ -558,7 +558,7 @@ mod hdf {
         }
     }
 
-    /// Size and time beside the XML file, for a million particles that move and are stressed: a matter of time.
+    /// Benchmark: size and time in comparison with the XML file, for a million particles that move and are stressed.
     #[test]
     #[ignore = "a measurement, printed with --nocapture"]
     fn a_million_particles() {
@@ -567,7 +567,7 @@ mod hdf {
         let places = || {
             (0..side * side * side).map(|i| [i % side, i / side % side, i / side / side].map(|k| k as f64))
         };
-        // A wave through a block in order of places: no two numbers alike, and as smooth as it gets.
+        // A wave through a block in spatial order: no two numbers are equal, and neighbours are as similar as possible.
         let wave = |x: [f64; 3], k: f64| (0.07 * (x[0] + 0.3 * x[1] + 0.1 * x[2]) + k).sin();
         let snapshot = Snapshot::new(
             3,

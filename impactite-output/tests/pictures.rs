@@ -1,4 +1,4 @@
-//! Pictures: what is drawn is where it should be, in the colour it should have, fast enough.
+//! Pictures: positions, colours and rendering time.
 //!
 //! `IMPACTITE_PICTURES=folder cargo test --release -p mpm-core --test output_pictures` keeps the pictures.
 
@@ -17,7 +17,7 @@ use proptest::test_runner::RngSeed;
 const RADIUS: f64 = 3.2e-3;
 const LENGTH: f64 = 32.4e-3;
 
-/// Where a point of the undeformed bar (radius r, height z) ends, and its plastic strain: a made-up Taylor bar,
+/// Deformed position of a point of the undeformed bar (radius r, height z), and its plastic strain: a synthetic Taylor bar,
 /// shorter, with a mushroomed foot.
 fn deformed(r: f64, z: f64) -> (f64, f64, f64) {
     let s = z / LENGTH;
@@ -28,7 +28,7 @@ fn deformed(r: f64, z: f64) -> (f64, f64, f64) {
     (r * flare, height, strain)
 }
 
-/// The bar in space, whole or its quarter x, y > 0, with particles of edge `h` (m).
+/// Three-dimensional bar, whole or its quarter x, y > 0, with particles of edge `h` (m).
 fn bar(h: f64, quarter: bool) -> Snapshot {
     let n = (RADIUS / h).ceil() as i64;
     let layers = (LENGTH / h).round() as i64;
@@ -53,7 +53,7 @@ fn bar(h: f64, quarter: bool) -> Snapshot {
         .expect("a good snapshot")
 }
 
-/// The bar as an axisymmetric model.
+/// Axisymmetric model of the bar.
 fn axisymmetric(h: f64) -> Snapshot {
     let (mut positions, mut strain, mut pressure) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..(LENGTH / h) as usize {
@@ -75,7 +75,7 @@ fn strain() -> Quantity {
     Quantity::scalar("plastic_strain").label("equivalent plastic strain")
 }
 
-/// Keep a picture to look at, if asked.
+/// Save a picture for inspection, if requested by the environment.
 fn keep(picture: &Picture, name: &str) {
     if let Some(folder) = std::env::var_os("IMPACTITE_PICTURES") {
         picture.save(PathBuf::from(folder).join(name)).expect("the picture is written");
@@ -87,7 +87,7 @@ fn ink(picture: &Picture) -> usize {
     all.filter(|(x, y)| picture.pixel(*x, *y) != Some([255; 3])).count()
 }
 
-/// How many pixels of two pictures of one size differ by more than a tenth of full scale.
+/// Number of pixels that differ by more than a tenth of full scale between two pictures of one size.
 fn different(a: &Picture, b: &Picture) -> usize {
     assert_eq!((a.width(), a.height()), (b.width(), b.height()));
     let all = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
@@ -159,7 +159,7 @@ fn two_halves_of_an_axisymmetric_field() {
 fn a_square_lies_where_its_axes_say() {
     let one = Snapshot::new(2, 0.0, 0, vec![[1.0, 1.0, 0.0]], ParticleSize::Uniform(2.0)).expect("good");
     let picture = FieldPicture::new(400, 400).bounds([0.0, 0.0], [4.0, 4.0]);
-    // A cell that is alone ends where the square ends.
+    // An isolated cell equals the square.
     let square = picture.clone().mark(Mark::Square).draw(&one).expect("drawn");
     let picture = picture.draw(&one).expect("drawn");
     assert_eq!(square, picture);
@@ -172,7 +172,7 @@ fn a_square_lies_where_its_axes_say() {
     assert!(y0 > 160 && x1 < 220, "it fills the lower left, not {x0}..{x1} {y0}..{y1}");
 }
 
-/// An element is drawn in its shape, whatever squares its neighbours are drawn as.
+/// An element is drawn in its shape, whatever the mark of particles.
 #[test]
 fn elements_are_drawn_in_their_shape() {
     let cells = Cells {
@@ -193,14 +193,14 @@ fn elements_are_drawn_in_their_shape() {
             let (low, high) = area.iter().map(of).fold((usize::MAX, 0), |(l, h), v| (l.min(v), h.max(v)));
             (high + 1 - low) as f64
         };
-        // As wide as 2.5 and as high as 2 of four units, and of an area of 2.25 by Gauss's formula.
+        // Width 2.5 and height 2 of four units, and area 2.25 by the shoelace formula.
         let (wide, high) = (span(|p| p.0), span(|p| p.1));
         assert!((wide / high - 1.25).abs() < 0.03, "{mark:?}: {wide} by {high}");
         assert!((area.len() as f64 / (wide * high) - 2.25 / 5.0).abs() < 0.02, "{mark:?}: {}", area.len());
     }
 }
 
-/// Unit bricks with a corner in the origin as a solid of `n` by `n` by `n`, coloured by x.
+/// Unit bricks in a cube of `n` by `n` by `n` with a corner at the origin, coloured by x.
 fn bricks(n: u32) -> Snapshot {
     let m = n + 1;
     let node = |i: u32, j: u32, k: u32| (k * m + j) * m + i;
@@ -221,7 +221,7 @@ fn bricks(n: u32) -> Snapshot {
 
 #[test]
 fn elements_in_space_are_drawn_by_their_faces() {
-    // Two tetrahedra that share a face, each of its own body.
+    // Two tetrahedra that share a face, each in its own body.
     let nodes = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
     let corners = vec![0, 1, 2, 3, 1, 2, 3, 4];
     let cells = Cells { nodes, corners, ends: vec![4, 8] };
@@ -232,7 +232,7 @@ fn elements_in_space_are_drawn_by_their_faces() {
         .with_body_names(["one", "other"]);
     let picture = ParticlePicture::new(500, 400).title("Two tetrahedra").draw(&two).expect("drawn");
     keep(&picture, "tetrahedra.png");
-    // Seen from below, where x points to the left, the first covers the triangle x + y < 1 and the second the other half of the square.
+    // From below, with x to the left, the first covers the triangle x + y < 1 and the second the other half of the square.
     let from_below = ParticlePicture::new(400, 400)
         .without_marks()
         .camera(Camera::looking([0.5, 0.5, -9.0], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0], 1.25).expect("a camera"))
@@ -255,7 +255,7 @@ fn elements_in_space_are_drawn_by_their_faces() {
     let solid = bricks(6);
     let picture = ParticlePicture::new(500, 400).colour_by(Quantity::scalar("x")).mirrored([Mirror::y(0.0)]);
     keep(&picture.clone().draw(&solid).expect("drawn"), "bricks.png");
-    // Coloured pixels are as many as those of the outline of a box, which balls in the middles would not fill.
+    // The number of coloured pixels equals that of a box; balls at the centres would not fill it.
     let camera = Camera::looking([3.0, 3.0, 99.0], [3.0; 3], [0.0, 1.0, 0.0], 8.0).expect("a camera");
     let above = ParticlePicture::new(400, 400).without_marks().camera(camera).draw(&solid).expect("drawn");
     let side = 6.0 / 8.0 * 0.97 * (400.0 - 22.0);
@@ -277,13 +277,13 @@ fn a_film_keeps_size_window_and_colours() {
         FieldPicture::new(10, 10).fitted([400, 800], [200, 800]).colour_by(Quantity::named("von_mises"));
     let mut film = SeriesView::new();
     let first = field.draw_in(&mut film, &square(0.0, 9.0e7)).expect("drawn");
-    // Four times as long as high, without empty halves.
+    // Aspect ratio of four, without empty halves.
     assert_eq!(first.width(), 800);
     assert!((250..350).contains(&first.height()), "{}", first.height());
     keep(&first, "film.png");
     let again = field.draw_in(&mut film, &square(0.0, 9.0e7)).expect("drawn");
     assert!(again == first);
-    // Colours are those of the range so far, and so are axes.
+    // Colour range and axes are those of the series so far.
     let low = field.draw_in(&mut film, &square(0.0, 1.0e6)).expect("drawn");
     assert!(different(&first, &low) > 0);
     let left_axis = |p: &Picture| (0..p.height()).map(|y| p.pixel(60, y)).collect::<Vec<_>>();
@@ -305,7 +305,7 @@ fn a_film_keeps_size_window_and_colours() {
 
 #[test]
 fn stretched_surfaces_have_no_holes() {
-    // A tube wall of two layers, whose columns are 1.9 sizes apart.
+    // Tube wall of two layers, with columns 1.9 sizes apart.
     let h = 0.1;
     let mut positions = Vec::new();
     for k in 0..60 {
@@ -360,7 +360,7 @@ fn curves() {
     let both = Panels::new(2).panel("(a)", convergence).panel("(b)", history).compose().expect("composed");
     keep(&both, "charts.png");
     assert_eq!(both.width(), 1800);
-    // No point, one point, and points that are no numbers do no harm.
+    // Empty, single and NaN points must not cause a panic.
     Chart::new(200, 100).draw().expect("empty");
     let odd = Series::new("odd", &[1.0, f64::NAN, -1.0], &[f64::INFINITY, 1.0, 0.0]).unwrap();
     Chart::new(200, 100).x(Axis::new("x").logarithmic()).series(odd).draw().expect("odd");
@@ -447,7 +447,7 @@ fn far_debris_changes_neither_speed_nor_looks_of_the_bulk() {
 
 #[test]
 fn hostile_scenes_are_drawn_without_a_panic() {
-    // Debris far apart, sizes far from each other, one particle, none at a finite place beside one that is.
+    // Remote debris, very different sizes, one particle, and positions that are not finite.
     let scenes: [(Vec<[f64; 3]>, ParticleSize); 4] = [
         (vec![[0.0; 3], [1.0e3, 2.0e3, -1.0e3]], ParticleSize::Uniform(1.0e-6)),
         (vec![[0.0; 3], [1.0e-3, 0.0, 0.0]], ParticleSize::Each(vec![1.0, 1.0e-9])),
@@ -472,7 +472,7 @@ fn pictures_beyond_memory_are_refused() {
     let two = Snapshot::new(2, 0.0, 0, vec![[0.0; 3], [1.0, 1.0, 0.0]], ParticleSize::Uniform(0.1)).unwrap();
     let refused = FieldPicture::new(16384, 16384).draw(&two).unwrap_err().to_string();
     assert!(refused.starts_with("a picture of so many pixels would take"), "{refused}");
-    // 4096 copies of each.
+    // 4096 copies of each particle.
     let far = vec![[1e9, 0.0, 0.0]; 100_000];
     let far = Snapshot::new(2, 0.0, 0, far, ParticleSize::Uniform(1e-3)).unwrap();
     let refused = ParticlePicture::new(100, 100).revolved(360.0).draw(&far).unwrap_err().to_string();
@@ -483,7 +483,7 @@ fn pictures_beyond_memory_are_refused() {
         assert!(ParticlePicture::new(100, 100).letters(size).draw(&two).is_err());
         assert!(Chart::new(100, 100).letters(size).draw().is_err());
     }
-    // Far debris of any distance is left out or framed.
+    // Debris at any distance is omitted or framed.
     for x in [1e12, 1e20, 1e30, 1e300, f64::MAX] {
         let list = vec![[0.0; 3], [1e-3, 0.0, 0.0], [x, 0.0, 0.0], [-x, x, 0.0]];
         for dimension in [2, 3] {
@@ -497,13 +497,13 @@ fn pictures_beyond_memory_are_refused() {
     }
     let zoomed = Camera::looking([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.0).unwrap().zoomed(0.0);
     assert!(ParticlePicture::new(60, 60).camera(zoomed).draw(&two).is_err());
-    // A logarithmic axis from the smallest number to the largest.
+    // Logarithmic axis from the smallest number to the largest.
     let all = Series::new("all", &[5e-324, 1.0, f64::MAX], &[-f64::MAX, 0.0, f64::MAX]).unwrap();
     let chart = Chart::new(90, 90).x(Axis::new("x").logarithmic()).series(all.marker(Marker::Circle));
     chart.draw().unwrap();
 }
 
-/// Any number that can be written, with all magnitudes alike.
+/// Strategy for any number, uniform in magnitude.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => (-1.0..1.0f64, -320..309i32).prop_map(|(m, e)| m * 10f64.powi(e)),

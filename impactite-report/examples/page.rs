@@ -1,4 +1,4 @@
-//! The page of a run that is over: `cargo run --release -p impactite-report --example page -- FOLDER`.
+//! Write the page of a finished run: `cargo run --release -p impactite-report --example page -- FOLDER`.
 
 use std::process::ExitCode;
 

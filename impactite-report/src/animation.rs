@@ -1,4 +1,4 @@
-//! Animated PNG files, made from PNG files of equal size.
+//! Animated PNG files from PNG files of equal size.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -8,16 +8,16 @@ use png::{BitDepth, BlendOp, ColorType, Compression, Decoder, DisposeOp, Encoder
 
 use crate::error::ReportError;
 
-/// Frames at most: of more, some are left out at equal distances.
+/// Maximum number of frames: of longer series, frames at equal intervals are selected.
 pub const MOST_FRAMES: usize = 60;
-/// Width at most, pixels: of wider frames, squares of pixels become their mean.
+/// Maximum width, pixels: wider frames are downsampled by averaging squares of pixels.
 pub const WIDEST: usize = 640;
-/// A frame is shown so long, s / 1000, and the last one before it begins anew.
+/// Delay of a frame, s / 1000; [`LAST_DELAY`] applies to the last one.
 pub const DELAY: u16 = 100;
-/// The same of the last frame.
+/// Delay of the last frame before the animation restarts, s / 1000.
 pub const LAST_DELAY: u16 = 1500;
 
-/// A picture of three bytes a pixel.
+/// Picture with three bytes per pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 struct Pixels {
     width: usize,
@@ -25,10 +25,10 @@ struct Pixels {
     bytes: Vec<u8>,
 }
 
-/// Bytes of a pixel.
+/// Bytes per pixel.
 const RGB: usize = 3;
 
-/// Which of `count` frames are taken: the first, the last, and others at equal distances, [`MOST_FRAMES`] at most.
+/// Select frames of `count`: the first, the last, and others at equal intervals, at most [`MOST_FRAMES`].
 #[must_use]
 pub fn taken(count: usize) -> Vec<usize> {
     match count {
@@ -37,11 +37,11 @@ pub fn taken(count: usize) -> Vec<usize> {
     }
 }
 
-/// An animated PNG of these PNG files, in order, that goes round and round: of [`MOST_FRAMES`] frames at most ([`taken`]) and
+/// Build an endless animated PNG from these PNG files, in order: at most [`MOST_FRAMES`] frames ([`taken`]) and
 /// [`WIDEST`] pixels in width. The same files give the same bytes.
 ///
 /// # Errors
-/// No files; one that cannot be read, is no PNG, or has another size than the first.
+/// No files; a file that cannot be read, is no PNG, or has another size than the first.
 pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError> {
     let frames: Vec<&Path> = taken(files.len()).into_iter().map(|n| files[n].as_ref()).collect();
     let Some(first) = frames.first() else {
@@ -76,7 +76,7 @@ pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError>
         }
         let frame = frame.averaged(scaled);
         let [left, top, right, bottom] = frame.changed_from(&before);
-        // A size is checked against the position of the frame before.
+        // The encoder checks a size against the position of the previous frame.
         writer.set_frame_position(0, 0).map_err(failed)?;
         writer.set_frame_dimension((right - left) as u32, (bottom - top) as u32).map_err(failed)?;
         writer.set_frame_position(left as u32, top as u32).map_err(failed)?;
@@ -88,7 +88,7 @@ pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError>
     Ok(bytes)
 }
 
-/// A PNG file as three bytes a pixel, what is transparent on white.
+/// Read a PNG file as three bytes per pixel, blended over white.
 fn read(path: &Path) -> Result<Pixels, ReportError> {
     let file = File::open(path).map_err(ReportError::read(path))?;
     let mut decoder = Decoder::new(BufReader::new(file));
@@ -112,14 +112,14 @@ fn read(path: &Path) -> Result<Pixels, ReportError> {
         ColorType::GrayscaleAlpha => {
             bytes.chunks_exact(2).flat_map(|p| [on_white(p[0], p[1]); RGB]).collect()
         }
-        // Palettes are colours by now.
+        // Palettes are already expanded to colours.
         ColorType::Grayscale | ColorType::Indexed => bytes.iter().flat_map(|&c| [c; RGB]).collect(),
     };
     Ok(Pixels { width: info.width as usize, height: info.height as usize, bytes })
 }
 
 impl Pixels {
-    /// Squares of `n` by `n` pixels as one, their mean; those at the right and lower edge are of what there is.
+    /// Downsample squares of `n` by `n` pixels to their mean; incomplete squares at the right and lower edge use their existing pixels.
     fn averaged(self, n: usize) -> Pixels {
         if n <= 1 {
             return self;
@@ -146,7 +146,7 @@ impl Pixels {
         Pixels { width, height, bytes }
     }
 
-    /// Left, top, right, bottom of what differs from a picture of the same size; a pixel at least.
+    /// Bounding box (left, top, right, bottom) of the differences from a picture of the same size; at least one pixel.
     fn changed_from(&self, other: &Pixels) -> [usize; 4] {
         let [mut left, mut top, mut right, mut bottom] = [self.width, self.height, 0, 0];
         let pixels = self.bytes.chunks_exact(RGB).zip(other.bytes.chunks_exact(RGB));
@@ -158,7 +158,7 @@ impl Pixels {
         if right == 0 { [0, 0, 1, 1] } else { [left, top, right, bottom] }
     }
 
-    /// The bytes within left, top, right, bottom.
+    /// Return the bytes within left, top, right, bottom.
     fn cut(&self, [left, top, right, bottom]: [usize; 4]) -> Vec<u8> {
         let row = |y: usize| &self.bytes[(y * self.width + left) * RGB..(y * self.width + right) * RGB];
         (top..bottom).flat_map(row).copied().collect()
@@ -187,7 +187,7 @@ mod tests {
         folder
     }
 
-    /// A square that moves over a ground of many colours.
+    /// Square that moves over a background of many colours.
     fn frame(width: usize, height: usize, at: usize) -> Pixels {
         let colour = |n: usize| {
             let (x, y) = (n % width, n / width);
@@ -197,7 +197,7 @@ mod tests {
         Pixels { width, height, bytes: (0..width * height).flat_map(colour).collect() }
     }
 
-    /// The frames that a viewer shows, and how long each, s / 1000.
+    /// Frames as shown by a viewer, with their delays, s / 1000.
     fn shown(bytes: &[u8]) -> Vec<(Pixels, u16)> {
         let mut reader = Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
         let (width, height) = (reader.info().width as usize, reader.info().height as usize);
@@ -222,7 +222,7 @@ mod tests {
     #[test]
     fn it_decodes_to_the_frames_that_it_was_made_from() {
         let folder = folder("frames");
-        // The third is as the second: nothing changes.
+        // The third frame equals the second: nothing changes.
         let frames = [2, 9, 9, 20, 0].map(|at| frame(40, 30, at));
         let files: Vec<PathBuf> =
             frames.iter().enumerate().map(|(n, f)| save(&folder, &format!("{n}.png"), f)).collect();
@@ -250,7 +250,7 @@ mod tests {
     fn patches_of_any_place_and_size_are_shown() {
         let folder = folder("patches");
         let (width, height) = (40, 30);
-        // Left, top, right, bottom: a small patch at the right, a wide one, all, then any.
+        // Left, top, right, bottom: a small patch at the right, a wide one, the whole picture, then arbitrary ones.
         let mut patches = vec![
             [36, 25, 39, 29],
             [0, 10, 40, 12],
@@ -296,7 +296,7 @@ mod tests {
         let wide = frame(1300, 11, 4);
         let shown = shown(&animated_png(&[save(&folder, "wide.png", &wide)]).expect("an animation"));
         assert_eq!((shown[0].0.width, shown[0].0.height), (434, 4));
-        // Three by three pixels become their mean; at the corner one by two are left.
+        // Three by three pixels are averaged; at the corner one by two remain.
         let mean = |xs: &[usize], ys: &[usize], c: usize| {
             let all = ys.iter().flat_map(|y| xs.iter().map(move |x| (y * 1300 + x) * RGB + c));
             let count = (xs.len() * ys.len()) as f64;

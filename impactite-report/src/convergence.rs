@@ -9,7 +9,7 @@
 //! | extrapolated value | f1 - e21 / (r^p - 1) |
 //! | error band | 1.25 abs(e21) / (r^p - 1) |
 //!
-//! They need differences of one sign that fall. Other sequences have a [`Trend`] in words.
+//! Both require differences of one sign that fall. Other sequences have a [`Trend`] in words.
 
 use impactite_output::OutputError;
 use impactite_output::picture::{Axis, Chart, Marker, Panels, Picture, Series, Stroke};
@@ -61,7 +61,7 @@ impl Trend {
         }
     }
 
-    /// Meaning of the words, where they need one.
+    /// Explanation of the words, where needed.
     fn note(self) -> Option<&'static str> {
         match self {
             Trend::Oscillating => {
@@ -82,13 +82,13 @@ impl Trend {
 pub struct MeasureConvergence {
     /// Name of the measure.
     pub name: String,
-    /// Its SI unit; "-" of plain numbers.
+    /// SI unit; "-" for dimensionless numbers.
     pub unit: String,
-    /// Values, coarsest level first; NaN (in JSON `null`) of a level that failed.
+    /// Values, coarsest level first; NaN (in JSON `null`) for a level that failed.
     pub values: Vec<f64>,
     /// Behaviour on the three finest levels.
     pub trend: Trend,
-    /// Observed order p, of a monotone trend.
+    /// Observed order p, for a monotone trend.
     pub order: Option<f64>,
     /// Value for vanishing size.
     pub extrapolated: Option<f64>,
@@ -97,7 +97,7 @@ pub struct MeasureConvergence {
 }
 
 impl MeasureConvergence {
-    /// Analysis of `values`, coarsest level first, of sizes that have the ratio `ratio` > 1 from level to level.
+    /// Analyse `values`, coarsest level first, of sizes with the ratio `ratio` > 1 from level to level.
     ///
     /// ```
     /// use impactite_report::convergence::MeasureConvergence;
@@ -114,7 +114,7 @@ impl MeasureConvergence {
         MeasureConvergence { name: name.into(), unit: unit.into(), values, trend, order, extrapolated, band }
     }
 
-    /// The trend in words, with what makes an order doubtful.
+    /// Trend in words, with a remark on a doubtful order.
     #[must_use]
     pub fn words(&self) -> String {
         let doubt = match self.order {
@@ -138,7 +138,7 @@ impl MeasureConvergence {
     }
 }
 
-/// Trend of values, observed order, and extrapolated value with its band.
+/// Compute trend, observed order, and extrapolated value with its band.
 fn analysis(values: &[f64], ratio: f64) -> (Trend, Option<f64>, Option<(f64, f64)>) {
     let unknown = |trend| (trend, None, None);
     if values.len() < 2 || values.iter().any(|f| !f.is_finite()) {
@@ -158,7 +158,7 @@ fn analysis(values: &[f64], ratio: f64) -> (Trend, Option<f64>, Option<(f64, f64
     if e21.abs() >= e32.abs() {
         return unknown(Trend::Diverging);
     }
-    // r^p, without a detour by p.
+    // r^p, computed directly from the differences.
     let growth = e32 / e21;
     if growth < 0.0 {
         return unknown(Trend::Oscillating);
@@ -177,7 +177,7 @@ pub enum Verdict {
     Failed,
     /// The band crosses the limit of the tolerance.
     Undecided,
-    /// There is no extrapolated value.
+    /// No extrapolated value.
     Unknown,
 }
 
@@ -194,18 +194,18 @@ impl Verdict {
     }
 }
 
-/// A check of the scene on the finest level, and by extrapolation.
+/// Check of the scene on the finest level, and by extrapolation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CheckConvergence {
-    /// The check of the finest level.
+    /// Check of the finest level.
     #[serde(flatten)]
     pub check: Check,
-    /// Judgement of the extrapolated value.
+    /// Verdict on the extrapolated value.
     pub extrapolated: Verdict,
 }
 
 impl CheckConvergence {
-    /// Judgement of `check`, of a finest level, by the extrapolated value of its measure.
+    /// Judge `check`, of the finest level, by the extrapolated value of its measure.
     #[must_use]
     pub fn new(check: Check, measures: &[MeasureConvergence]) -> Self {
         let measure = measures.iter().find(|m| m.name == check.name);
@@ -226,27 +226,27 @@ impl CheckConvergence {
     }
 }
 
-/// A key of the scene that is refined, with its values.
+/// Refined key of the scene, with its values.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RefinedKey {
-    /// The key, as `method.mpm.cell`.
+    /// Path of the key, such as `method.mpm.cell`.
     pub key: String,
-    /// Its SI unit.
+    /// SI unit of the key.
     pub unit: String,
     /// Values, coarsest level first.
     pub values: Vec<f64>,
 }
 
-/// A level: a run with sizes of its own.
+/// Refinement level: a run with its own sizes.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Level {
-    /// Folder of the run, within that of the study.
+    /// Folder of the run, relative to that of the study.
     pub folder: String,
     /// Factor of all sizes.
     pub factor: f64,
-    /// Points at the end.
+    /// Number of points at the end.
     pub particles: Option<usize>,
-    /// Steps.
+    /// Number of steps.
     pub steps: Option<u64>,
     /// Wall-clock time in steps, s.
     pub wall_seconds: Option<f64>,
@@ -257,7 +257,7 @@ pub struct Level {
 /// Convergence of a scene: the keys of the JSON object of `converge.json`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Convergence {
-    /// The title of the scene.
+    /// Title of the scene.
     pub case: String,
     /// Ratio of the sizes of neighbouring levels.
     pub ratio: f64,
@@ -271,18 +271,18 @@ pub struct Convergence {
     pub checks: Vec<CheckConvergence>,
 }
 
-/// File of the table in the folder of a study.
+/// Name of the table file in the folder of a study.
 pub const TABLE: &str = "converge.csv";
-/// File of the JSON object there.
+/// Name of the JSON file in the folder of a study.
 pub const JSON: &str = "converge.json";
-/// File of the chart there.
+/// Name of the chart file in the folder of a study.
 pub const CHART: &str = "converge.png";
-/// File of the page there.
+/// Name of the page in the folder of a study.
 pub const PAGE: &str = "converge.html";
-/// All files there, beside the folders of the runs.
+/// Names of all files in the folder of a study, besides the folders of the runs.
 pub const FILES: [&str; 4] = [TABLE, JSON, CHART, PAGE];
 
-/// Digits of values in tables.
+/// Significant digits of values in tables.
 const DIGITS: usize = 6;
 
 impl Convergence {
@@ -293,7 +293,7 @@ impl Convergence {
         sizes.map_or_else(Vec::new, |key| key.values.iter().map(|x| quantity(*x, &key.unit, 4)).collect())
     }
 
-    /// Head and rows of the table for people, a measure a row.
+    /// Head and rows of the printed table, one measure per row.
     pub(crate) fn table(&self) -> (Vec<String>, Vec<Vec<String>>) {
         let head = ["measure", "unit"].map(String::from).into_iter().chain(self.sizes());
         let head = head.chain(["order", "extrapolated", "band", "convergence"].map(String::from)).collect();
@@ -315,7 +315,7 @@ impl Convergence {
         (head, self.measures.iter().map(row).collect())
     }
 
-    /// Words of the table that need a meaning, with it: `does not converge: ...`.
+    /// Explanations of words in the table: `does not converge: ...`.
     pub(crate) fn notes(&self) -> Vec<String> {
         let mut notes: Vec<String> = Vec::new();
         for measure in &self.measures {
@@ -328,7 +328,7 @@ impl Convergence {
         notes
     }
 
-    /// Lines for a terminal: the table, its notes, failed levels, the checks with the failed ones first.
+    /// Format lines for a terminal: the table, its notes, failed levels, and the checks with the failed ones first.
     #[must_use]
     pub fn lines(&self) -> Vec<String> {
         let (head, rows) = self.table();
@@ -337,7 +337,7 @@ impl Convergence {
         let widths: Vec<usize> = (0..head.len()).map(width).collect();
         let line = |row: &&Vec<String>| {
             let cell = |(n, cell): (usize, &String)| match n {
-                // Words to the left, numbers to the right.
+                // Left-align words, right-align numbers.
                 0 | 1 => format!("{cell:<width$}", width = widths[n]),
                 _ if n + 1 == widths.len() => cell.clone(),
                 _ => format!("{cell:>width$}", width = widths[n]),
@@ -377,10 +377,10 @@ impl Convergence {
         )
     }
 
-    /// The table as CSV, with all digits: refined keys first, then a measure a row. Absent numbers are empty.
+    /// Format the table as CSV, with all digits: refined keys first, then one measure per row. Absent numbers are empty.
     ///
     /// # Errors
-    /// None that a table in memory has.
+    /// None in practice: the table is written to memory.
     pub fn csv(&self) -> Result<String, ReportError> {
         let mut file = csv::Writer::from_writer(Vec::new());
         let number = |x: f64| if x.is_finite() { format!("{x:?}") } else { String::new() };
@@ -411,8 +411,8 @@ impl Convergence {
         String::from_utf8(bytes).map_err(|e| damaged(e.to_string()))
     }
 
-    /// Chart of each measure over the first refined size, with the extrapolated value and its band at size zero. None without a measure that
-    /// has two finite values.
+    /// Draw a chart of each measure over the first refined size, with the extrapolated value and its band at size zero. `None` without a
+    /// measure that has two finite values.
     ///
     /// # Errors
     /// A picture that cannot be drawn.
@@ -449,7 +449,7 @@ impl Convergence {
             return Ok(None);
         }
         let across = charts.len().min(3);
-        // Letters of a title are 12 pixels wide at most on average.
+        // Average width of the letters of a title: at most 12 pixels.
         let title = match format!("Convergence: {}", self.case) {
             title if title.chars().count() <= WIDTH * across / 12 => title,
             _ => "Convergence".into(),
@@ -466,7 +466,7 @@ const WIDTH: usize = 640;
 mod tests {
     use super::*;
 
-    /// f0 + c h^p for sizes with a ratio, coarsest first.
+    /// Sequence f0 + c h^p for sizes with a constant ratio, coarsest first.
     fn sequence(f0: f64, c: f64, p: f64, ratio: f64, levels: i32) -> Vec<f64> {
         (0..levels).rev().map(|n| f0 + c * (0.1 * ratio.powi(n)).powf(p)).collect()
     }
@@ -516,7 +516,7 @@ mod tests {
         let found = measure(&[-0.03, 0.0, 0.0075], 2.0);
         assert!((found.order.expect("an order") - 2.0).abs() < 1e-12);
         assert!((found.extrapolated.expect("a limit") - 0.01).abs() < 1e-15);
-        // The finest value is zero, and so would be a relative band.
+        // The finest value is zero, so that a relative band would be zero.
         let found = measure(&[-0.3, -0.1, 0.0], 2.0);
         assert!((found.extrapolated.expect("a limit") - 0.1).abs() < 1e-15);
         assert!((found.band.expect("a band") - 0.125).abs() < 1e-15);
@@ -567,7 +567,7 @@ mod tests {
         assert_eq!(verdict("h", 4.0, 0.1), Verdict::Unknown);
     }
 
-    /// Of first order, unchanged, diverging, failed.
+    /// Study with a measure of first order, an unchanged one, a diverging one, and a failed level.
     fn study() -> Convergence {
         let of = |name: &str, values: [f64; 3]| MeasureConvergence::new(name, "m", values.to_vec(), 2.0);
         let measures = vec![

@@ -1,54 +1,54 @@
-//! What keeps a record or a page from being read or written.
+//! Errors of records and pages.
 
 use std::path::{Path, PathBuf};
 
 use impactite_output::OutputError;
 
-/// Why a record or a page could not be read or written.
+/// Error of reading or writing a record or a page.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReportError {
-    /// A file or folder that cannot be written.
+    /// File or folder that cannot be written.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A file or folder that cannot be read.
+    /// File or folder that cannot be read.
     #[error("cannot read `{}`: {source}", path.display())]
     Read {
-        /// Which.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the operating system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// A file that is not what its name says.
+    /// Invalid content of a file.
     #[error("`{}` cannot be used: {why}", path.display())]
     Damaged {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Description of the error.
         why: String,
     },
-    /// A folder without a run.
+    /// Folder without a run.
     #[error("`{}` holds no run: it has neither `run.json` nor `result.json`", .0.display())]
     NoRun(PathBuf),
-    /// A part of a record that cannot be.
+    /// Invalid field of a record.
     #[error("record: {field} = {value} is not allowed; it must be {allowed}")]
     Field {
-        /// Which part.
+        /// Name of the field.
         field: &'static str,
-        /// What was given.
+        /// Value.
         value: String,
-        /// What would have been allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
 }
 
 impl ReportError {
-    /// For `map_err`: the operating system refused to read `path`.
+    /// Create an error of reading `path`, for `map_err`.
     pub(crate) fn read(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| ReportError::Read { path: path.to_path_buf(), source }
     }
 
-    /// A file that is not what its name says.
+    /// Create an error of invalid content of a file.
     pub(crate) fn damaged(path: &Path, why: impl ToString) -> Self {
         ReportError::Damaged { path: path.to_path_buf(), why: why.to_string() }
     }

@@ -1,4 +1,4 @@
-//! Reads what a run left in its folder.
+//! Reader of the output folder of a run.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -12,15 +12,15 @@ use crate::record::{
     Balances, Check, Column, FILE, FORMAT, Frames, HistoryRecord, PictureRecord, Progress, Record,
 };
 
-/// The result of an example case, in its folder.
+/// Result file of an example case, in its folder.
 const RESULT: &str = "result.json";
 
 impl Record {
-    /// The record of the run in `folder`: its `run.json`. Where there is none, `result.json` of an example case, with all histories
-    /// (CSV) and pictures (PNG) beside it.
+    /// Read the record of the run in `folder` from `run.json`, or else from `result.json` of an example case, with all histories
+    /// (CSV) and pictures (PNG) in the folder.
     ///
     /// # Errors
-    /// A folder with neither; a file that cannot be read, is no record, or is of another format.
+    /// A folder with neither; a file that cannot be read, is no record, or has another format version.
     pub fn open(folder: impl AsRef<Path>) -> Result<Record, ReportError> {
         let folder = folder.as_ref();
         let (record, result) = (folder.join(FILE), folder.join(RESULT));
@@ -29,7 +29,7 @@ impl Record {
         } else if result.is_file() {
             of_case(folder, &result)
         } else {
-            // One that cannot be read says why.
+            // Report an unreadable folder as such.
             fs::read_dir(folder).map_err(ReportError::read(folder))?;
             Err(ReportError::NoRun(folder.to_path_buf()))
         }
@@ -43,7 +43,7 @@ fn of_run(path: &Path) -> Result<Record, ReportError> {
     }
     let text = fs::read_to_string(path).map_err(ReportError::read(path))?;
     let damaged = |error: serde_json::Error| ReportError::damaged(path, format!("no record: {error}"));
-    // Before anything else, as records of other formats may have other parts.
+    // The version comes first, as records of other versions may have other fields.
     let Version { format } = serde_json::from_str(&text).map_err(damaged)?;
     if format != u64::from(FORMAT) {
         let why = format!("format = {format} is not allowed; it must be {FORMAT}");
@@ -54,7 +54,7 @@ fn of_run(path: &Path) -> Result<Record, ReportError> {
     Ok(record)
 }
 
-/// What an example case says of itself.
+/// Result of an example case.
 #[derive(Deserialize)]
 struct Case {
     case: String,
@@ -76,7 +76,7 @@ struct Case {
     momentum_error: f64,
 }
 
-/// A row that says nothing at the resolution of its case.
+/// Check without a verdict at the resolution of its case.
 #[derive(Deserialize)]
 struct NotJudged {
     name: String,
@@ -105,7 +105,7 @@ fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
         }
     }
     record.balances = Some(Balances::errors(case.energy_error, case.momentum_error));
-    // It is written at the end of a case, whose simulations may end at several times.
+    // The file is written at the end of a case, whose simulations may end at several times.
     record.progress = Progress::Finished { time: None };
     for row in case.not_judged {
         let remark = format!("not judged at this resolution: {}", row.reason);
@@ -115,7 +115,7 @@ fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
     record.timing.stepping = Some(case.wall_seconds);
     record.timing.updates = case.wall_seconds * case.particle_updates_per_second;
     record.timing.bytes = Some(case.peak_memory_bytes);
-    // Another program, maybe of another version.
+    // The case was run by another program, possibly of another version.
     record.machine.versions.clear();
     record.machine.features.clear();
     let mut series: BTreeMap<String, Vec<String>> = BTreeMap::new();
@@ -136,13 +136,13 @@ fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
     Ok(record)
 }
 
-/// The series that a file is a frame of, `bar` of `bar_000007.png`.
+/// Return the series of a frame file, `bar` for `bar_000007.png`.
 fn frame_of(name: &str) -> Option<&str> {
     let (of, number) = name.strip_suffix(".png")?.rsplit_once('_')?;
     (number.len() == 6 && number.bytes().all(|b| b.is_ascii_digit())).then_some(of)
 }
 
-/// Names of the files in a folder, in order; those in the making and those that are no text are left out.
+/// List the files in a folder, sorted; temporary files and names that are not valid UTF-8 are omitted.
 pub(crate) fn names(folder: &Path) -> Result<Vec<String>, ReportError> {
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).map_err(ReportError::read(folder))? {
@@ -160,10 +160,10 @@ pub(crate) fn names(folder: &Path) -> Result<Vec<String>, ReportError> {
     Ok(names)
 }
 
-/// The history in the CSV file `path`. A last row that is cut short, as in a run that was killed, is left out.
+/// Read the history in the CSV file `path`. An incomplete last row, as of a killed run, is ignored.
 ///
 /// # Errors
-/// A file that cannot be read; a header without names; rows of another length; what is neither a number nor empty.
+/// A file that cannot be read; a header without names; rows of another length; a value that is neither a number nor empty.
 pub fn history(path: &Path) -> Result<Vec<Column>, ReportError> {
     let text = fs::read_to_string(path).map_err(ReportError::read(path))?;
     let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_bytes());
@@ -200,7 +200,7 @@ pub fn history(path: &Path) -> Result<Vec<Column>, ReportError> {
     Ok(columns)
 }
 
-/// `length [m]`: a name and a unit.
+/// Parse `length [m]`: a name and a unit.
 fn column(title: &str) -> Column {
     let parts = title.trim().strip_suffix(']').and_then(|rest| rest.rsplit_once('['));
     let (name, unit) = parts.map_or((title.trim(), "-"), |(name, unit)| (name.trim(), unit.trim()));
@@ -248,7 +248,7 @@ mod tests {
                 rows.iter().map(|row| row[c].to_bits()).collect::<Vec<_>>()
             );
         }
-        // A run that was killed as it wrote.
+        // Incomplete last row of a killed run.
         let text = fs::read_to_string(&path).expect("text");
         fs::write(&path, format!("{text}2e-6,1,3")).expect("written");
         assert_eq!(history(&path).expect("the whole rows")[0].values, [0.0, 1.0e-6]);
@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn a_case_has_a_record() {
         let folder = Folder::new("case");
-        // As `Report` of the examples writes it.
+        // Format of `Report` of the examples.
         let json = r#"{"case":"taylor_bar","resolution":"smoke","settings":{"speed":190.0,"grid":"sparse"},"particles":12,"steps":34,
             "simulated_seconds":8e-5,"wall_seconds":2.0,"particle_updates_per_second":204.0,"peak_memory_bytes":1000,
             "checks":[{"name":"length","value":0.0163,"unit":"m","reference":0.0162,"tolerance":0.02,"source":"[S]","pass":true,"known":null},

@@ -1,7 +1,7 @@
-//! The report of a run: one page, `report.html`, that needs nothing beside itself.
+//! Report of a run: a self-contained page, `report.html`.
 //!
-//! A program adds a [`Recorder`] to its [`Run`](impactite_scene::Run), puts what it knows into a [`Record`], saves that in the folder of
-//! the run and has the page written:
+//! A program adds a [`Recorder`] to its [`Run`](impactite_scene::Run), collects the results in a [`Record`], saves it in the folder of
+//! the run and writes the page:
 //!
 //! ```
 //! use impactite_report::{Check, Record, Recorder, write_page};
@@ -23,16 +23,16 @@
 //! }
 //! ```
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | [`record`] | what is known of a run, as `run.json` |
-//! | [`recorder`] | the observer that keeps balances, steps and warnings over time |
-//! | [`folder`] | reading what a run left, finished or not |
-//! | [`page`] | the page |
+//! | [`record`] | data of a run, stored as `run.json` |
+//! | [`recorder`] | observer that records balances, time steps and warnings |
+//! | [`folder`] | reader of the folder of a run, finished or not |
+//! | [`page`] | page writer |
 //! | [`animation`] | animated PNG files |
 //! | [`convergence`] | measures of runs of several resolutions: order, extrapolated value, error band |
 //!
-//! Energy errors are printed by [`percent`] everywhere: the change of the total energy over the largest energy so far, with its sign.
+//! Energy errors are always printed by [`percent`]: the change of the total energy over the largest energy so far, with its sign.
 
 pub mod animation;
 pub mod convergence;

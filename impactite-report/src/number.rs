@@ -1,11 +1,11 @@
-//! Numbers in files and on the page.
+//! Format of numbers in files and on the page.
 //!
-//! JSON has no infinities and no NaN: here they are the texts `"inf"`, `"-inf"` and `"NaN"`, so that a record of a run that broke is read
-//! back as it was. `null`, which others write for all three, is read as NaN.
+//! JSON has no infinities and no NaN: they are stored as the texts `"inf"`, `"-inf"` and `"NaN"`, so that a record of a diverged run is
+//! read back unchanged. `null`, which other programs write for all three, is read as NaN.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// How a number stands in JSON.
+/// Representation of a number in JSON.
 #[derive(Serialize, Deserialize)]
 #[serde(untagged)]
 enum Json {
@@ -57,7 +57,7 @@ pub(crate) mod reals {
     }
 }
 
-/// `#[serde(with = "maybe")]`: a number, or `null` where there is none.
+/// `#[serde(with = "maybe")]`: a number, or `null` for `None`.
 pub(crate) mod maybe {
     use super::{Deserialize, Deserializer, Json, Serialize, Serializer};
 
@@ -69,7 +69,7 @@ pub(crate) mod maybe {
     }
 }
 
-/// A share as per cent, with its sign: `-1.23 %`. Every energy error is printed so; negative: energy was lost.
+/// Format a fraction as per cent with its sign: `-1.23 %`. Used for every energy error; negative: energy was lost.
 ///
 /// ```
 /// use impactite_report::percent;
@@ -86,7 +86,7 @@ pub fn percent(share: f64) -> String {
     }
 }
 
-/// The largest energy error of a run in words, the same on a page and a terminal: [`percent`], or that nothing moves.
+/// Format the largest energy error of a run, for pages and terminals: [`percent`], or a note that nothing moves.
 ///
 /// ```
 /// use impactite_report::energy_error;
@@ -98,7 +98,7 @@ pub fn energy_error(error: Option<f64>) -> String {
     error.map_or_else(|| "none: nothing moves".into(), percent)
 }
 
-/// Number of checks passed of those that are judged, in words.
+/// Format the numbers of checks passed and judged, in words.
 ///
 /// ```
 /// use impactite_report::checks_passed;
@@ -114,12 +114,12 @@ pub fn checks_passed([passed, judged]: [usize; 2]) -> String {
     }
 }
 
-/// Is it an energy error as a share, which is shown by [`percent`]?
+/// True for a relative energy error, which is shown by [`percent`].
 pub(crate) fn is_energy_error(name: &str, unit: &str) -> bool {
     (name.contains("energy error") || name.contains("energy_error")) && unit == "-"
 }
 
-/// A number to `digits` significant ones, without needless noughts.
+/// Format a number with `digits` significant digits, without trailing zeros.
 pub(crate) fn significant(x: f64, digits: usize) -> String {
     let size = x.abs();
     if x == 0.0 {
@@ -128,7 +128,7 @@ pub(crate) fn significant(x: f64, digits: usize) -> String {
     if !x.is_finite() {
         return x.to_string();
     }
-    // The exponent after rounding: 9.996 to three digits is 10.0.
+    // Exponent after rounding: 9.996 to three digits is 10.0.
     let scientific = format!("{x:.*e}", digits.saturating_sub(1));
     let Some((mantissa, exponent)) = scientific.split_once('e') else { return scientific };
     let power: i32 = exponent.parse().unwrap_or(0);
@@ -144,7 +144,7 @@ pub(crate) fn significant(x: f64, digits: usize) -> String {
     }
 }
 
-/// Units that take prefixes, so that 8e-5 s is read as 80 µs.
+/// Units that accept prefixes, so that 8e-5 s is shown as 80 µs.
 const PREFIXED: [&str; 6] = ["s", "m", "J", "N", "Pa", "W"];
 const PREFIXES: [(f64, &str); 9] = [
     (1e12, "T"),
@@ -158,26 +158,26 @@ const PREFIXES: [(f64, &str); 9] = [
     (1e-12, "p"),
 ];
 
-/// The unit in which numbers up to `largest`, in `unit`, read best, and how many of it make one of `unit`.
+/// Choose the unit with a prefix for numbers up to `largest` in `unit`, and its number per `unit`.
 pub(crate) fn readable(largest: f64, unit: &str) -> (String, f64) {
     let size = largest.abs();
-    // Of what may be per radian or metre of depth the first word is the unit.
+    // The first word is the base unit of quantities per radian or metre of depth.
     let (first, rest) = unit.split_at(unit.find([' ', '/']).unwrap_or(unit.len()));
-    // Millimetres a second are not read more easily.
+    // No prefix for units per second or per metre of seconds or metres, such as mm/s.
     if rest.starts_with('/') && ["s", "m"].contains(&first) {
         return (unit.into(), 1.0);
     }
     if !(PREFIXED.contains(&first) && size > 0.0 && size.is_finite()) {
         return (unit.into(), 1.0);
     }
-    // Seconds and metres are not counted by thousands.
+    // Seconds and metres have no prefix above one.
     let most = if ["s", "m"].contains(&first) { 1.0 } else { f64::INFINITY };
     let fits = |&&(one, _): &&(f64, &str)| size >= one * 0.999_999 && one <= most;
     let (one, prefix) = PREFIXES.iter().find(fits).unwrap_or(&(1e-12, "p"));
     (format!("{prefix}{first}{rest}"), 1.0 / one)
 }
 
-/// A number in `unit` with it, to so many digits: `80 µs`.
+/// Format a number with its unit and prefix, to `digits` digits: `80 µs`.
 pub(crate) fn quantity(x: f64, unit: &str, digits: usize) -> String {
     let (unit, factor) = readable(x, unit);
     let number = significant(x * factor, digits);

@@ -1,4 +1,4 @@
-//! Keeps what a report shows of a run over its time.
+//! Recorder: balances, time steps and warnings of a run over time.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -10,22 +10,22 @@ use impactite_scene::{Archive, CheckpointError, Finding, StepLimit, Warning};
 
 use crate::number::percent;
 
-/// Rows kept at most.
+/// Maximum number of rows kept.
 pub const MOST_ROWS: usize = 4096;
-/// Shares of an energy gained, lost from which on an error is warned of.
+/// Limits of the relative energy gain and loss above which a warning is issued.
 const BAD_GAIN: f64 = 0.10;
 const BAD_LOSS: f64 = 0.03;
 
-/// A run at one moment. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+/// State of a run at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
     /// Time, s.
     pub time: f64,
-    /// Steps made.
+    /// Number of steps.
     pub step: u64,
-    /// Size of the last step, s; NaN before the first.
+    /// Size of the last step, s; NaN before the first step.
     pub dt: f64,
-    /// Points that carry mass.
+    /// Number of points with mass.
     pub points: usize,
     /// Mass, kg.
     pub mass: f64,
@@ -37,29 +37,29 @@ pub struct Row {
     pub work: f64,
     /// Work of friction since the first row, J.
     pub friction: f64,
-    /// Kinetic energy that plastic impacts of points took since the first row, J.
+    /// Kinetic energy dissipated by plastic impacts of points since the first row, J.
     pub impacts: f64,
-    /// Energy that local damping, kinetic damping and the null-space filter took since the first row, J.
+    /// Energy dissipated by local damping, kinetic damping and the null-space filter since the first row, J.
     pub damping: f64,
-    /// Energy that numerical viscosity took since the first row, J, which no law has.
+    /// Energy dissipated by numerical viscosity since the first row, J, not included in the internal energy of a law.
     pub viscosity: f64,
-    /// Heat of the viscosity of laws since the first row, J: part of the internal energy.
+    /// Heat of the artificial viscosity of laws since the first row, J: part of the internal energy.
     pub viscous_heat: f64,
-    /// Kinetic energy less the balanced one, J, where velocities are half a step behind positions.
+    /// Staggered kinetic energy minus the energy in the balance, J, for velocities half a step behind positions.
     pub staggered: f64,
-    /// Energy that came with points split, merged, made or removed since the first row, J.
+    /// Energy added by splitting, merging, creation and removal of points since the first row, J.
     pub conversion: f64,
-    /// Energy that nothing explains, J ([`impactite_scene::Account::unexplained`]); negative: lost.
+    /// Unexplained energy, J ([`impactite_scene::Account::unexplained`]); negative: lost.
     pub unexplained: f64,
-    /// The same over the largest kinetic energy, or sum of kinetic and internal energy, so far.
+    /// Energy error: unexplained energy over the largest kinetic energy, or sum of kinetic and internal energy, so far.
     pub energy_error: f64,
     /// Momentum, kg m/s.
     pub momentum: [f64; 3],
-    /// Amount of the momentum that nothing explains over the largest sum of m |v| so far.
+    /// Momentum error: magnitude of the unexplained momentum over the largest sum of m |v| so far.
     pub momentum_error: f64,
-    /// Seconds by the clock on the wall spent in steps so far.
+    /// Wall-clock time spent in steps so far, s.
     pub wall_seconds: f64,
-    /// Point updates so far.
+    /// Number of point updates so far.
     pub updates: f64,
 }
 
@@ -83,24 +83,24 @@ impl Row {
     }
 }
 
-/// What a run warned of, in words.
+/// Warning of a run, in words.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 #[non_exhaustive]
 pub struct Warned {
-    /// Steps made.
+    /// Number of steps.
     pub step: u64,
     /// Time, s.
     #[serde(with = "crate::number::real")]
     pub time: f64,
-    /// What it is about, in two or three words.
+    /// Title, two or three words.
     pub title: String,
-    /// What was found, and its likely cause.
+    /// Finding and its probable cause.
     pub found: String,
     /// Remedy.
     pub remedy: String,
 }
 
-/// In words: what it is about, and the body.
+/// Title of a finding, and name of the body.
 fn title(finding: &Finding) -> (&'static str, &str) {
     match finding {
         Finding::EnergyGain { body, .. } => ("energy gained", body),
@@ -135,13 +135,13 @@ impl Warned {
     }
 }
 
-/// An observer that keeps the balances of a run, its steps and its rate over time, and what it warned of, for a
+/// Observer that records balances, time steps, rates and warnings of a run over time, for a
 /// [`Record`](crate::Record).
 ///
-/// It keeps [`MOST_ROWS`] rows at most: where there would be more, it drops every second one and keeps every second look from then on.
-/// The first and the last look are always there, and errors are the worst of all looks, kept or not. What it keeps goes into
-/// checkpoints: a run that is resumed has the rows, errors and warnings of one that was not broken off, bit for bit, but for what is a
-/// matter of the clock on the wall.
+/// It keeps at most [`MOST_ROWS`] rows: beyond that, it drops every second row and doubles the sampling stride.
+/// The first and the last look are always kept, and errors are the worst of all looks, kept or not. The data are part of
+/// checkpoints: a resumed run has the same rows, errors and warnings as an uninterrupted one, bit for bit, except for
+/// wall-clock times.
 ///
 /// The energy error is that of [`impactite_scene::observe::Ledger`].
 ///
@@ -156,23 +156,22 @@ impl Warned {
 pub struct Recorder {
     pace: Pace,
     books: Books,
-    /// Looks so far, and one of how many is kept.
+    /// Number of looks so far; `stride`: one of how many is kept.
     looks: u64,
     stride: u64,
     rows: Vec<Row>,
     last: Option<Row>,
-    /// The unexplained energy that is largest by amount, J, and the most momentum missing, kg m/s; NaN from the first look that found
-    /// that.
+    /// Unexplained energy of largest magnitude, J; `worst_missing`: largest missing momentum, kg m/s. NaN once NaN occurred.
     worst_unexplained: f64,
     worst_missing: f64,
-    /// Step and time, s, of the former.
+    /// Step and time, s, of `worst_unexplained`.
     worst_at: (u64, f64),
-    /// The change of mass since the first look that is largest by amount, kg.
+    /// Change of mass of largest magnitude since the first look, kg.
     worst_mass: f64,
     warnings: Vec<Warned>,
-    /// What limited the step, in words, and at how many looks; first seen first.
+    /// Causes of the time step limit, in words, and number of looks of each; in order of first occurrence.
     limits: Vec<(String, u64)>,
-    /// Where the run is to end, s, and is it there?
+    /// End time of the run, s; `reached`: true once the run is there.
     end: f64,
     reached: bool,
     clock: WallClock,
@@ -180,10 +179,10 @@ pub struct Recorder {
     latest: Arc<AtomicU64>,
 }
 
-/// When a run began and ended by the clock on the wall.
+/// Wall-clock start and end of a run.
 #[derive(Clone, Copy, Debug, Default)]
 struct WallClock {
-    /// In earlier pieces of the run, s.
+    /// Wall-clock time of earlier parts of a resumed run, s.
     before: f64,
     started: Option<SystemTime>,
     ended: Option<SystemTime>,
@@ -192,7 +191,7 @@ struct WallClock {
 }
 
 impl Recorder {
-    /// Look at this pace.
+    /// Create a recorder that looks at this pace.
     #[must_use]
     pub fn new(pace: Pace) -> Self {
         Recorder {
@@ -215,34 +214,34 @@ impl Recorder {
         }
     }
 
-    /// The energy error of the last look, for an observer that looks after this one at the same pace. Its scale is the largest energy of all
-    /// looks, which [`impactite_scene::Solver::account`] sees fewer of.
+    /// Return a reader of the energy error of the last look, for an observer that looks after this one at the same pace. It is relative
+    /// to the largest energy of all looks, of which [`impactite_scene::Solver::account`] sees fewer.
     pub fn latest_energy_error(&self) -> impl Fn() -> f64 + Send + 'static {
         let latest = self.latest.clone();
         move || f64::from_bits(latest.load(Ordering::Relaxed))
     }
 
-    /// What was seen, in order of time.
+    /// Recorded rows, in order of time.
     #[must_use]
     pub fn rows(&self) -> Vec<Row> {
         let kept = self.rows.last().map(|row| row.step);
         self.rows.iter().chain(self.last.iter().filter(|last| Some(last.step) != kept)).copied().collect()
     }
 
-    /// What the run warned of, in order of time.
+    /// Warnings of the run, in order of time.
     #[must_use]
     pub fn warnings(&self) -> &[Warned] {
         &self.warnings
     }
 
-    /// What limited the step that was next, in words, and at how many looks.
+    /// Causes of the time step limit of the next step, in words, and number of looks of each.
     #[must_use]
     pub fn limits(&self) -> &[(String, u64)] {
         &self.limits
     }
 
     fn limited(&mut self, now: &RunView<'_>) {
-        // Before the first step nothing is known of waves.
+        // Before the first step, wave speeds are not known.
         let Some(limit) = now.solver().limited_by().filter(|_| now.solver().clock().last.is_some()) else {
             return;
         };
@@ -262,76 +261,76 @@ impl Recorder {
         }
     }
 
-    /// The energy that nothing explains, the largest by amount of all looks, with its sign, over the largest energy of the whole run; 0 where
-    /// nothing moves.
+    /// Worst energy error: unexplained energy of largest magnitude of all looks, with its sign, over the largest energy of the whole run; 0
+    /// if nothing moves.
     #[must_use]
     pub fn worst_energy_error(&self) -> f64 {
         self.books.energy_error(self.worst_unexplained)
     }
 
-    /// The same, and none where nothing moves ([`impactite_scene::Account::moves`]): an error of rounding over rounding says nothing.
+    /// Worst energy error, `None` if nothing moves ([`impactite_scene::Account::moves`]): a ratio of rounding errors is meaningless.
     #[must_use]
     pub fn energy_error(&self) -> Option<f64> {
         let rests = self.books.rest() > 0.0 && !self.books.moves();
         (!rests || self.worst_unexplained.is_nan()).then(|| self.worst_energy_error())
     }
 
-    /// The largest amount of momentum that nothing explains, of all looks, over the largest sum of m |v| of the whole run.
+    /// Worst momentum error: largest unexplained momentum of all looks over the largest sum of m |v| of the whole run.
     #[must_use]
     pub fn worst_momentum_error(&self) -> f64 {
         share(self.worst_missing, self.books.scales()[1])
     }
 
-    /// The change of the mass since the first look, the largest by amount of all looks, with its sign, over the mass at that look.
+    /// Worst mass error: change of mass since the first look, of largest magnitude, with its sign, over the mass at that look.
     #[must_use]
     pub fn worst_mass_error(&self) -> f64 {
         share(self.worst_mass, self.books.mass())
     }
 
-    /// The largest energy of the run, J, and the largest sum of m |v|, kg m/s, which errors are relative to.
+    /// Scales of the errors: largest energy of the run, J, and largest sum of m |v|, kg m/s.
     #[must_use]
     pub fn scales(&self) -> [f64; 2] {
         self.books.scales()
     }
 
-    /// The time that the run has come to, and the one it is to end at, s; none before the first look.
+    /// Current time and end time of the run, s; `None` before the first look.
     #[must_use]
     pub fn time_and_end(&self) -> Option<[f64; 2]> {
         self.last.map(|last| [last.time, self.end])
     }
 
-    /// Has the run come to its end?
+    /// True if the run has reached its end.
     #[must_use]
     pub fn reached(&self) -> bool {
         self.reached
     }
 
-    /// When it looked first, in this process, and when the run was over or it looked last.
+    /// Time of the first look in this process, and time of the end of the run or else of the last look.
     #[must_use]
     pub fn started_and_ended(&self) -> Option<[SystemTime; 2]> {
         let started = self.clock.started?;
         Some([started, self.clock.ended.unwrap_or(started)])
     }
 
-    /// Seconds by the clock on the wall from the first look to the last, observers and files included, pieces of a run added up.
+    /// Wall-clock time from the first look to the last, s, with observers and files, summed over the parts of a resumed run.
     #[must_use]
     pub fn seconds(&self) -> f64 {
         self.clock.before + self.clock.seconds
     }
 
-    /// Warnings at the end of a run, beside those of the run itself: points that are gone, and a large energy error that
-    /// was there between two looks of the watch.
+    /// Warnings at the end of a run, in addition to those of the run itself: removed points, and a large energy error
+    /// between two checks of the watch.
     #[must_use]
     pub fn late_warnings(&self) -> Vec<Warned> {
         self.removed().into_iter().chain(self.unseen_error()).collect()
     }
 
-    /// A warning of points that are gone since the first look.
+    /// Warning of points removed since the first look.
     fn removed(&self) -> Option<Warned> {
         removed(self.rows.first()?, self.last.as_ref()?)
     }
 
-    /// A warning of the largest energy error, where it is large and no warning of the run is about energy.
+    /// Warning of a large energy error, if no warning of the run is about energy.
     fn unseen_error(&self) -> Option<Warned> {
         let error = self.energy_error()?;
         let large = !(-BAD_LOSS..=BAD_GAIN).contains(&error);
@@ -347,7 +346,7 @@ impl Recorder {
         })
     }
 
-    /// Where the largest energy error is, if it is at this row.
+    /// Update step and time of the worst energy error, if it occurs in this row.
     fn note_worst(&mut self, row: &Row) {
         if self.worst_unexplained == row.unexplained {
             self.worst_at = (row.step, row.time);
@@ -383,7 +382,7 @@ impl WallClock {
     }
 }
 
-/// A warning of points that are gone.
+/// Warning of removed points.
 fn removed(first: &Row, last: &Row) -> Option<Warned> {
     let gone = first.points.checked_sub(last.points).filter(|gone| *gone > 0)?;
     let mass = percent(share(last.mass - first.mass, first.mass));
@@ -401,7 +400,7 @@ fn removed(first: &Row, last: &Row) -> Option<Warned> {
     })
 }
 
-/// Where `worst` keeps what is largest by amount, and what is no number.
+/// Update `worst` by a value of larger magnitude, or by NaN.
 fn worse(worst: &mut f64, now: f64) {
     if now.is_nan() || now.abs() > worst.abs() {
         *worst = now;
@@ -444,7 +443,7 @@ impl Observer for Recorder {
             momentum: totals.momentum_now(),
             momentum_error: share(account.missing(), account.momentum_scale),
             wall_seconds: now.wall_seconds(),
-            // A count, that division and multiplication by a time may have moved off its whole number.
+            // A whole number, restored after division and multiplication by a time.
             updates: (now.rate() * now.wall_seconds()).round(),
         };
         self.note_worst(&row);
@@ -491,7 +490,7 @@ impl Observer for Recorder {
 
     fn warned(&mut self, warning: &Warning) {
         let warned = Warned::from(warning);
-        // A run that is resumed finds again what it warned of before.
+        // A resumed run repeats findings of earlier warnings.
         if self.warnings.iter().all(|known| known.title != warned.title) {
             self.warnings.push(warned);
         }
@@ -513,7 +512,7 @@ mod tests {
     fn points_that_are_gone_are_warned_of() {
         let row = |points, mass| Row { points, mass, step: 7, ..Row::default() };
         assert_eq!(removed(&row(160, 2.0), &row(160, 2.0)), None);
-        // Split, or added.
+        // Points were split or added.
         assert_eq!(removed(&row(160, 2.0), &row(170, 2.0)), None);
         let warned = removed(&row(160, 2.0), &row(150, 1.9)).expect("a warning");
         assert!(

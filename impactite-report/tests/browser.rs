@@ -1,4 +1,4 @@
-//! The page of a run in a real browser, if there is one.
+//! Page of a run in an installed browser, if there is one.
 
 mod block;
 
@@ -14,12 +14,12 @@ use impactite_scene::observe::{HistoryCsv, Observer, Pace, Pictures, RunView};
 
 const END: f64 = 4.0e-3;
 
-/// Of so many looks.
+/// Pace of `looks` looks in the whole run.
 fn pace(looks: f64) -> Pace {
     Pace::interval(END / looks).expect("a pace")
 }
 
-/// Names of Chromium.
+/// Names of the executable of Chromium.
 const BROWSERS: [&str; 4] = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
 
 fn browser() -> Option<&'static str> {
@@ -28,10 +28,10 @@ fn browser() -> Option<&'static str> {
     BROWSERS.into_iter().find(|name| answers(name))
 }
 
-/// A name that would end an element, a script and an attribute.
+/// Name that would end an element, a script and an attribute if it were not escaped.
 const NAME: &str = "</script><script>document.body.dataset.error='injected'</script>\"'><img src=x onerror=alert(1)> `block`";
 
-/// Files of a run of a block, and its page.
+/// Write the files of a run of a block, and its page.
 fn report(folder: &Path) -> PathBuf {
     let mut block = Block::new(NAME);
     let mut recorder = Recorder::new(pace(400.0));
@@ -89,7 +89,7 @@ fn look(browser: &str, folder: &Path, file: &Path, arguments: &[&str]) -> Output
         .expect("the browser starts")
 }
 
-/// What stands in `name="..."` of the body.
+/// Value of the attribute `name` of the body element.
 fn attribute(page: &str, name: &str) -> Option<String> {
     let body = &page[page.find("<body")?..];
     let body = &body[..body.find('>')?];
@@ -97,12 +97,12 @@ fn attribute(page: &str, name: &str) -> Option<String> {
     Some(rest[..rest.find('"')?].to_string())
 }
 
-/// Whether a browser is there or not.
+/// Needs no browser: the page contains all data and refers to no external resources.
 #[test]
 fn the_page_is_whole_without_scripts_and_network() {
     let folder = Folder::new("page");
     let page = fs::read_to_string(report(&folder.0)).expect("the page");
-    // Nothing that a browser would load, but for what is in the page.
+    // No external resources: all sources are data URIs.
     for part in page.split(" src=\"").chain(page.split(" srcset=\"")).skip(1) {
         let address = part.split('"').next().unwrap_or_default();
         assert!(
@@ -114,7 +114,7 @@ fn the_page_is_whole_without_scripts_and_network() {
     for forbidden in ["<link", "@import", "url(", "<img src=x", "<script>alert", "<script>document.body"] {
         assert!(!page.contains(forbidden), "the page has {forbidden:?}");
     }
-    // Numbers, pictures and drawn charts are there without a script.
+    // Numbers, pictures and static charts are present without a script.
     assert!(page.matches("<svg").count() >= 7 && page.matches("data:image/png").count() == 3);
     for words in [
         "1 of 3 passed",
@@ -128,7 +128,7 @@ fn the_page_is_whole_without_scripts_and_network() {
     ] {
         assert!(page.contains(words), "the page lacks {words:?}");
     }
-    // One number for the energy error, in the verdict, the checks and the balances.
+    // The energy error has the same value in the verdict, the checks and the balances.
     let balances = Record::open(&folder.0).expect("the record").balances.expect("balances");
     assert!(page.matches(&percent(balances.energy_error.expect("motion"))).count() >= 3);
     let (missed, met) = (page.find(">failed<"), page.find(">passed<"));
@@ -144,7 +144,7 @@ fn charts_are_drawn_in_a_browser() {
     let folder = Folder::new("browser");
     let page = report(&folder.0);
 
-    // The same page, which also says what it loaded and how large its charts are.
+    // Page with an added script that reports loaded resources and sizes of charts.
     let asked = "<script>document.body.dataset.loaded=performance.getEntriesByType('resource').map(e=>e.name)\
         .filter(n=>!n.startsWith('data:')).join(' ');\
         document.body.dataset.sizes=[...document.querySelectorAll('.uplot canvas')].map(c=>c.width*c.height>0?1:0).join('');\
@@ -176,15 +176,15 @@ fn charts_are_drawn_in_a_browser() {
         assert_eq!(charts, 8);
         assert_eq!(of("data-sizes"), Some("1".repeat(charts)));
         assert_eq!(of("data-painted"), Some("1".repeat(charts)));
-        // Half way along the axis of the third chart the time is read; a click on a name hides its line.
+        // The cursor halfway along the axis of the third chart reads the time; a click on a name hides its line.
         let read: f64 = of("data-read").and_then(|text| text.parse().ok()).expect("a time");
         assert!((read - 2.0).abs() < 0.1, "{read} ms");
         assert_eq!(of("data-off"), Some("1".into()));
-        // The drawings for paper: three lines of energies, two of momenta.
+        // Static drawings for paper: three lines of energies, two of momenta.
         assert_eq!(of("data-drawn"), Some("1".repeat(charts + 3)));
         assert_eq!(of("data-loaded"), Some(String::new()));
         assert_eq!(of("data-pictures"), Some("111".into()));
-        // Nothing but tables, within their places, is wider than the window.
+        // Only tables, which scroll within their container, are wider than the window.
         assert_eq!(of("data-wide"), Some("0".into()), "{window}");
     }
 

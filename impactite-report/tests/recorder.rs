@@ -1,4 +1,4 @@
-//! What a recorder keeps of a run.
+//! Recorder: rows, errors and resumption of runs.
 
 mod block;
 
@@ -10,7 +10,7 @@ use impactite_scene::{Archive, CheckpointError, Run, RunError};
 
 const END: f64 = 5.0e-3;
 
-/// All of a row but for the clock on the wall.
+/// Bits of all values of a row except wall-clock times.
 fn bits(row: &Row) -> Vec<u64> {
     let Row { time, step, dt, points, mass, kinetic, internal, work, friction, impacts, .. } = *row;
     let Row { conversion, unexplained, energy_error, momentum: [x, y, z], momentum_error, .. } = *row;
@@ -30,7 +30,7 @@ fn errors_are_those_of_the_ledger() {
         assert_eq!(row.momentum_error.to_bits(), entry.momentum_error.to_bits());
         assert_eq!((row.time, row.step, row.total()), (entry.time, entry.step, entry.total));
     }
-    // The ledger takes the change of sums, the recorder the sum of changes: the same but for rounding of energies.
+    // The ledger computes the change of sums, the recorder the sum of changes: equal up to rounding of energies.
     let [here, there] = [recorder.worst_energy_error(), ledger.worst_energy_error()];
     assert!(here != 0.0 && (here - there).abs() < 8.0 * f64::EPSILON, "{here:e} {there:e}");
     assert_eq!(recorder.worst_momentum_error().to_bits(), ledger.worst_momentum_error().to_bits());
@@ -38,7 +38,7 @@ fn errors_are_those_of_the_ledger() {
     assert!(recorder.reached());
 }
 
-/// A run of more looks than are kept has rows at equal distances, the first and the last moment, and the worst of all looks.
+/// A run with more looks than rows kept has rows at equal intervals, the first and the last state, and the worst errors of all looks.
 #[test]
 fn long_runs_are_thinned() {
     let end = 50.0e-3;
@@ -51,7 +51,7 @@ fn long_runs_are_thinned() {
     assert_eq!(rows[rows.len() - 1].time, end);
     let apart: Vec<u64> = rows.windows(2).map(|w| w[1].step - w[0].step).collect();
     assert!(apart[..apart.len() - 1].iter().all(|&d| d == apart[0]), "{:?}", &apart[..5]);
-    // What is kept is what was seen.
+    // Kept rows equal the ledger entries.
     for row in &rows {
         assert_eq!(row.kinetic.to_bits(), ledger.entries()[row.step as usize].kinetic.to_bits());
     }
@@ -61,7 +61,7 @@ fn long_runs_are_thinned() {
     assert!((recorder.worst_energy_error() - worst / scale).abs() < 8.0 * f64::EPSILON);
 }
 
-/// Stops a run after a step, as if it had been killed.
+/// Observer that stops a run after a step, as if the process was killed.
 struct Kill(Pace, u64);
 
 impl Observer for Kill {
@@ -80,7 +80,7 @@ impl Observer for Kill {
 fn a_run_that_is_resumed_has_one_history() {
     let folder = Folder::new("resume");
     let checkpoint = folder.0.join("run.checkpoint");
-    // Longer than is kept, so that what is left out and what is kept next is saved, too; killed after and before it was thinned.
+    // Longer than the rows kept, so that the sampling state is saved, too; killed after and before thinning.
     let end = 30.0e-3;
     let mut whole = Recorder::new(Pace::every_step());
     run(&mut Block::new("block"), end, vec![&mut whole, &mut Kill(Pace::every_step(), u64::MAX)]);
@@ -139,11 +139,11 @@ fn a_record_comes_back_as_it_was_saved() {
         .stopped(&"for a test");
     record.save(&folder.0).expect("saved");
     let read = Record::open(&folder.0).expect("read");
-    // Of every look but the one before the first step.
+    // Each look except the one before the first step.
     let looks = recorder.rows().len() as u64 - 1;
     assert_eq!(recorder.limits(), [("waves and velocities in block".to_string(), looks)]);
     assert_eq!((read.limits[0].looks, read.limits.len()), (looks, 1));
-    // The step before the first is no number, which equals nothing: their texts are compared.
+    // The size of the step before the first is NaN, which equals nothing: compare texts.
     let text = |record: &Record| serde_json::to_string(record).expect("JSON");
     assert_eq!(text(&read), text(&record));
     let [here, there] = [&read, &record].map(|r| r.balances.as_ref().expect("balances"));

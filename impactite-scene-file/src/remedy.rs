@@ -1,14 +1,13 @@
-//! Remedies in messages: what the library calls a part, and the key of scene files for it.
+//! Remedies in messages: phrases of the libraries, and the corresponding keys of scene files.
 //!
-//! Libraries name remedies by their calls, as a program would write them. Whoever wrote a scene file is shown its keys instead:
-//! [`in_scene_files`].
+//! Messages of the libraries contain Rust calls as remedies. [`in_scene_files`] replaces them by keys for authors of scene files.
 
-/// A phrase of the messages of the libraries, and the same for scene files.
+/// Phrase of a library message, and its replacement for scene files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Remedy {
     /// Text of the library.
     pub library: &'static str,
-    /// With keys of scene files, `NAME` for names of bodies and materials; without what scene files do not have.
+    /// Text with keys of scene files, `NAME` for names of bodies and materials; without features that scene files do not have.
     pub scene_file: &'static str,
 }
 
@@ -16,7 +15,7 @@ const fn remedy(library: &'static str, scene_file: &'static str) -> Remedy {
     Remedy { library, scene_file }
 }
 
-/// All phrases that differ. Of two that begin at one place the longer one counts.
+/// All phrases to replace. At the same position the longest match counts.
 pub const REMEDIES: &[Remedy] = &[
     // Methods and their parts.
     remedy("`Method::impact`", "`method.mpm.for = \"impact\"`"),
@@ -140,7 +139,7 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("; a snapshot in space is drawn by ParticlePicture", ""),
 ];
 
-/// A message of a library for whoever wrote a scene file: its remedies by the keys of such files ([`REMEDIES`]).
+/// Replace the remedies in a library message by keys of scene files ([`REMEDIES`]).
 ///
 /// ```
 /// use impactite_scene_file::remedy::in_scene_files;

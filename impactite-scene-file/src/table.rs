@@ -1,4 +1,4 @@
-//! Values over time by points.
+//! Piecewise linear functions of time.
 
 use std::fmt::Write;
 
@@ -10,10 +10,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// Of times, s, and values.
+    /// Create a table from pairs of time, s, and value.
     ///
     /// # Errors
-    /// Fewer than two points; numbers that are not finite; times that do not rise.
+    /// Fewer than two points; numbers that are not finite; times that do not increase.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Result<Self, String> {
         let (times, values): (Vec<f64>, Vec<f64>) = points.into_iter().unzip();
         if times.len() < 2 {
@@ -29,11 +29,11 @@ impl Table {
         Ok(Table { times, values })
     }
 
-    /// Of two columns, counted from 1, of a text with a row a line, in units of `units`: commas, semicolons, tabs or blanks between numbers. Lines
-    /// before the first row of numbers are a heading; of those after it the empty ones, and those that begin with `#`, are left out.
+    /// Parse two columns, counted from 1, of a text with one row per line, in units of `units`. Separators are commas, semicolons, tabs or
+    /// blanks. Lines before the first row of numbers are a heading; empty lines and those that begin with `#` are skipped.
     ///
     /// # Errors
-    /// A row without the columns, or with what is no number, by its line; what [`Table::new`] refuses.
+    /// Row without the columns or with an invalid number, by its line; errors of [`Table::new`].
     pub fn of_columns(text: &str, columns: [usize; 2], units: [f64; 2]) -> Result<Self, String> {
         let mut points = Vec::new();
         for (n, line) in text.trim_start_matches('\u{feff}').lines().enumerate() {
@@ -57,7 +57,7 @@ impl Table {
         Table::new(points)
     }
 
-    /// Value at a time, s.
+    /// Interpolate at a time, s.
     #[must_use]
     pub fn at(&self, time: f64) -> f64 {
         let after = self.times.partition_point(|t| *t <= time);
@@ -69,7 +69,7 @@ impl Table {
     }
 }
 
-/// Two numbers of a line.
+/// Parse two numbers of a line.
 fn row(line: &str, columns: [usize; 2]) -> Result<[f64; 2], String> {
     let sign = [';', ',', '\t'].into_iter().find(|sign| line.contains(*sign));
     let cells: Vec<&str> = match sign {

@@ -1,4 +1,4 @@
-//! Numbers that go to a file or come from one: what is said once holds for both.
+//! Checkpoint archive: the same calls write numbers to a file and read them back.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Read, Write};
@@ -13,43 +13,43 @@ use impactite_simd::Float;
 
 use crate::error::StepError;
 
-/// A checkpoint that could not be written, or a scene that it could not be read into.
+/// Error of writing a checkpoint, or of reading one into a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
-    /// The operating system refused a file.
+    /// File error of the operating system.
     #[error(transparent)]
     File(#[from] OutputError),
-    /// A file that is none, or not whole.
+    /// Damaged or incomplete checkpoint, or a file of another format.
     #[error("`{}` is no checkpoint that can be read: {why}", path.display())]
     Damaged {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Defect of the file.
         why: String,
     },
-    /// The scene is not the one that was saved.
+    /// Checkpoint of another scene.
     #[error("the checkpoint is of another scene: {what} is `{saved}` there and `{here}` here")]
     OtherScene {
-        /// What differs.
+        /// Quantity that differs.
         what: String,
-        /// What it is in the checkpoint.
+        /// Value in the checkpoint.
         saved: String,
-        /// What it is in the scene.
+        /// Value in the scene.
         here: String,
     },
-    /// The scene has no room for it.
+    /// Checkpoint that does not fit into the scene, for example beyond its grid.
     #[error("{0}")]
     NoRoom(String),
-    /// A run that was stopped cannot go on.
+    /// Stopped run, which cannot be saved.
     #[error("a run that was stopped is not saved: {0}")]
     Stopped(Box<StepError>),
 }
 
-/// A file of 64-bit words, least significant byte first, in gzip for its checksum; not compressed, which would take longer than
-/// it is worth for such numbers.
+/// File of 64-bit words, least significant byte first, in gzip for its checksum. It is not compressed, since compression of such numbers
+/// takes more time than it is worth.
 ///
-/// Every method takes what it says to the file, or puts there what the file says.
+/// Each method writes its argument if the archive was created, and overwrites it with the stored value if the archive was opened.
 pub struct Archive {
     path: PathBuf,
     store: Store,
@@ -60,41 +60,41 @@ enum Store {
     From(BufReader<GzDecoder<BufReader<File>>>),
 }
 
-/// Blocks further out are none: cells are counted to 2^30.
+/// Largest magnitude of a block coordinate: cells are counted to 2^30.
 const FARTHEST: u32 = 1 << 29;
 
 type Done = Result<(), CheckpointError>;
 
 impl Archive {
-    /// To be written; the file `path` stays as it is until [`Archive::close`].
+    /// Create an archive for writing; the file `path` stays as it is until [`Archive::close`].
     ///
     /// # Errors
-    /// The file.
+    /// I/O error.
     pub fn create(path: &Path) -> Result<Self, CheckpointError> {
         let file = WholeFile::create(path)?;
         let store = Store::To(BufWriter::new(GzEncoder::new(file, Compression::none())));
         Ok(Archive { path: path.into(), store })
     }
 
-    /// To be read.
+    /// Open an archive for reading.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error.
     pub fn open(path: &Path) -> Result<Self, CheckpointError> {
         let file = File::open(path).map_err(OutputError::file("open", path))?;
         let store = Store::From(BufReader::new(GzDecoder::new(BufReader::new(file))));
         Ok(Archive { path: path.into(), store })
     }
 
-    /// Is it being read?
+    /// True if the archive is open for reading.
     pub fn reads(&self) -> bool {
         matches!(self.store, Store::From(_))
     }
 
-    /// All is said: make it the file of its name, or see that it is whole and that nothing follows.
+    /// Finish the archive: rename a written file to its final name, or check that a read file is complete and ends here.
     ///
     /// # Errors
-    /// A file that cannot be written; one that is damaged, or goes on after its end.
+    /// I/O error; damaged file; data after the end.
     pub fn close(self) -> Done {
         match self.store {
             Store::To(words) => {
@@ -104,7 +104,7 @@ impl Archive {
             }
             Store::From(mut words) => {
                 let damaged = |why: String| CheckpointError::Damaged { path: self.path.clone(), why };
-                // The checksum is looked at where the words end.
+                // Reading to the end of the words verifies the checksum.
                 let more = words.read(&mut [0]).map_err(|error| damaged(error.to_string()))? > 0;
                 let mut rest = words.into_inner().into_inner();
                 match more || rest.fill_buf().map_or(true, |bytes| !bytes.is_empty()) {
@@ -115,10 +115,10 @@ impl Archive {
         }
     }
 
-    /// Read what is left without looking at it, and see that the file is whole.
+    /// Skip the remaining words and verify the checksum.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn skip_rest(&mut self) -> Done {
         if let Store::From(words) = &mut self.store {
             let skipped = std::io::copy(words, &mut std::io::sink());
@@ -127,7 +127,7 @@ impl Archive {
         Ok(())
     }
 
-    /// What is told of a file that cannot be as it is.
+    /// Return the error of a damaged file, with its reason.
     pub fn damaged(&self, why: impl Into<String>) -> CheckpointError {
         CheckpointError::Damaged { path: self.path.clone(), why: why.into() }
     }
@@ -142,7 +142,7 @@ impl Archive {
         }
     }
 
-    /// A word.
+    /// Write or read a word.
     pub fn word(&mut self, word: &mut u64) -> Done {
         let mut bytes = word.to_le_bytes();
         self.bytes(&mut bytes)?;
@@ -150,7 +150,7 @@ impl Archive {
         Ok(())
     }
 
-    /// A coordinate of a block.
+    /// Write or read a block coordinate.
     pub fn integer(&mut self, x: &mut i32) -> Done {
         let mut word = i64::from(*x) as u64;
         self.word(&mut word)?;
@@ -159,7 +159,7 @@ impl Archive {
         Ok(())
     }
 
-    /// A number below `end`.
+    /// Write or read an index below `end`.
     pub fn index(&mut self, x: &mut u32, end: usize) -> Done {
         let mut word = u64::from(*x);
         self.word(&mut word)?;
@@ -168,7 +168,7 @@ impl Archive {
         Ok(())
     }
 
-    /// How many there are of something.
+    /// Write or read a count.
     pub fn count(&mut self, count: &mut usize) -> Done {
         let mut word = *count as u64;
         self.word(&mut word)?;
@@ -176,7 +176,7 @@ impl Archive {
         Ok(())
     }
 
-    /// Yes or no.
+    /// Write or read a truth value.
     pub fn flag(&mut self, flag: &mut bool) -> Done {
         let mut word = u64::from(*flag);
         self.word(&mut word)?;
@@ -184,7 +184,7 @@ impl Archive {
         Ok(())
     }
 
-    /// A real number, by its bits.
+    /// Write or read a real number by its bits.
     pub fn real(&mut self, x: &mut f64) -> Done {
         let mut word = x.to_bits();
         self.word(&mut word)?;
@@ -192,12 +192,12 @@ impl Archive {
         Ok(())
     }
 
-    /// Some.
+    /// Write or read real numbers.
     pub fn reals<'a>(&mut self, numbers: impl IntoIterator<Item = &'a mut f64>) -> Done {
         numbers.into_iter().try_for_each(|x| self.real(x))
     }
 
-    /// Numbers of the scene's precision.
+    /// Write or read numbers of the scene's precision, as 64-bit ones.
     pub fn numbers<'a, T: Float>(&mut self, numbers: impl IntoIterator<Item = &'a mut T>) -> Done {
         numbers.into_iter().try_for_each(|x| {
             let mut wide = x.to_double();
@@ -207,7 +207,7 @@ impl Archive {
         })
     }
 
-    /// Something that may not be there.
+    /// Write or read an optional value.
     pub fn option<X: Default>(
         &mut self,
         option: &mut Option<X>,
@@ -222,7 +222,7 @@ impl Archive {
         each(self, option.get_or_insert_default())
     }
 
-    /// A list. `blank` is what an entry is before it is read.
+    /// Write or read a list. `blank` is the initial value of an entry that is read.
     pub fn list<X: Clone>(
         &mut self,
         list: &mut Vec<X>,
@@ -243,10 +243,10 @@ impl Archive {
         Ok(())
     }
 
-    /// Words.
+    /// Write or read a text.
     ///
     /// # Errors
-    /// The file; words that are not UTF-8.
+    /// I/O error; text that is not UTF-8.
     pub fn text(&mut self, text: &mut String) -> Done {
         let mut bytes = std::mem::take(text).into_bytes();
         self.list(&mut bytes, &0, |file, byte| file.bytes(std::slice::from_mut(byte)))?;
@@ -254,10 +254,10 @@ impl Archive {
         Ok(())
     }
 
-    /// What must be the same in the scene that is read into.
+    /// Write the constant `here` of the scene, named `what`, or compare it with the stored one.
     ///
     /// # Errors
-    /// It is not.
+    /// I/O error; a stored constant that differs.
     pub fn same(&mut self, what: &str, here: &str) -> Done {
         let mut saved = here.as_bytes().to_vec();
         self.list(&mut saved, &0, |file, byte| file.bytes(std::slice::from_mut(byte)))?;

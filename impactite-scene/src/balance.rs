@@ -1,14 +1,14 @@
-//! Balances: what a scene had, has and was given, and energy and momentum that nothing accounts for.
+//! Balances of mass, momentum and energy: unexplained energy and momentum.
 
 use crate::archive::{Archive, CheckpointError};
 use crate::body::Totals;
 use crate::exchange::Exchange;
 
 impl Totals {
-    /// To a file, or from one.
+    /// Write or read the totals.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let Totals { particles, mass, momentum, angular_momentum, momentum_scale, kinetic, internal, .. } =
             self;
@@ -19,75 +19,75 @@ impl Totals {
     }
 }
 
-/// The books of a run since their first entry.
+/// Balance of a run since its first entry.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Books {
     start: Option<(Totals, Exchange)>,
-    /// [`Account::energy_scale`], J.
+    /// Largest energy so far ([`Account::energy_scale`]), J.
     energy_scale: f64,
-    /// The largest sum of m |v| so far, kg m/s.
+    /// Largest sum of m |v| so far, kg m/s.
     momentum_scale: f64,
-    /// Largest energy of motion that counts as rest, J; 0 where that is not known.
+    /// Largest kinetic energy that counts as rest, J; 0 if unknown.
     rest: f64,
 }
 
-/// The books at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+/// Balance at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
     /// Kinetic energy of the particles and free rigid bodies, J: the balanced one, see `staggered`.
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
-    /// Work that boundaries, loads and body forces did on the material since the first entry, J.
+    /// Work of boundaries, loads and body forces on the material since the first entry, J.
     pub work: f64,
-    /// Work of friction between bodies and on walls since the first entry, J: heat that no particle gets.
+    /// Work of friction between bodies and on walls since the first entry, J: heat that is not added to a particle.
     pub friction: f64,
-    /// Kinetic energy that plastic impacts of points took since the first entry, J.
+    /// Kinetic energy lost in plastic impacts of points since the first entry, J.
     pub impacts: f64,
-    /// Energy that local damping, kinetic damping and the null-space filter took since the first entry, J.
+    /// Energy dissipated by local damping, kinetic damping and the null-space filter since the first entry, J.
     pub damping: f64,
-    /// Energy that numerical viscosity took since the first entry, J: that of stabilisations, which no law has.
+    /// Energy dissipated by numerical viscosity since the first entry, J: stabilisations outside of the laws.
     pub viscosity: f64,
     /// Heat of the viscosity of laws since the first entry, J. It is part of the internal energy.
     pub viscous_heat: f64,
-    /// Energy that came with points split, merged, made or removed since the first entry, J.
+    /// Energy added by points that were split, merged, created or removed since the first entry, J.
     pub conversion: f64,
-    /// Kinetic energy at the time of the positions less `kinetic`, J: [`Staggered::energy`](crate::body::Staggered::energy). 0 of methods whose
-    /// velocities and positions belong to one time.
+    /// Kinetic energy at the time of the positions minus `kinetic`, J: [`Staggered::energy`](crate::body::Staggered::energy). 0 for methods
+    /// whose velocities and positions belong to one time.
     pub staggered: f64,
-    /// Change since the first entry of kinetic + internal - work + friction + impacts + damping + viscosity - conversion, J: what
-    /// nothing explains. Negative: the method lost energy, as transfers with a filter (PIC, APIC) and contacts that close do.
+    /// Energy error, J: change since the first entry of kinetic + internal - work + friction + impacts + damping + viscosity - conversion.
+    /// Negative if the method lost energy, as transfers with a filter (PIC, APIC) and closing contacts do.
     pub unexplained: f64,
-    /// Momentum that nothing explains, kg m/s: the change since the first entry less the impulses of boundaries, loads and body
-    /// forces and what was dropped at nodes too light. In axisymmetric scenes along the axis only: hoop stresses push outwards.
+    /// Momentum error, kg m/s: change since the first entry minus the impulses of boundaries, loads and body forces and the momentum
+    /// dropped at nodes with too little mass. In axisymmetric scenes along the axis only, since hoop stresses push outwards.
     pub momentum: [f64; 3],
-    /// The largest energy so far, J: kinetic energy, sum of kinetic and internal energy, or work of damping or viscosity.
+    /// Largest energy so far, J: kinetic energy, sum of kinetic and internal energy, or work of damping or viscosity.
     pub energy_scale: f64,
-    /// The largest sum of m |v| so far, kg m/s.
+    /// Largest sum of m |v| so far, kg m/s.
     pub momentum_scale: f64,
-    /// Energy below which nothing moves, J: that of all mass at 1e-6 of the speed of waves. 0 where no look was made yet.
+    /// Energy below which the scene is at rest, J: all mass at 1e-6 of the wave speed. 0 before the first check.
     pub rest: f64,
 }
 
 impl Account {
-    /// Sum that is constant if energy is conserved, J: kinetic + internal - work + friction + impacts + damping + viscosity -
+    /// Return the sum that is constant if energy is conserved, J: kinetic + internal - work + friction + impacts + damping + viscosity -
     /// conversion.
     #[must_use]
     pub fn total(&self) -> f64 {
         let taken = self.friction + self.impacts + self.damping + self.viscosity;
         self.kinetic + self.internal - self.work + taken - self.conversion
     }
-    /// `unexplained` over `energy_scale`; 0 where nothing [moves](Account::moves), since that quotient is of rounding alone.
+    /// Return `unexplained` over `energy_scale`; 0 if nothing [moves](Account::moves), since that quotient is rounding only.
     #[must_use]
     pub fn energy_error(&self) -> f64 {
         energy_error(self.unexplained, self.energy_scale, self.rest)
     }
-    /// Was there ever more energy than that of rounding?
+    /// True if the largest energy so far exceeds that of rest.
     #[must_use]
     pub fn moves(&self) -> bool {
         self.energy_scale > self.rest
     }
-    /// Amount of the momentum that nothing explains, kg m/s.
+    /// Return the magnitude of the momentum error, kg m/s.
     #[must_use]
     pub fn missing(&self) -> f64 {
         self.momentum.iter().map(|p| p * p).sum::<f64>().sqrt()
@@ -95,13 +95,13 @@ impl Account {
 }
 
 impl Books {
-    /// Enter what there is and what was given since the start of the run. The first entry opens the books.
+    /// Enter the totals and the exchange since the start of the run. The first entry opens the balance.
     pub fn enter(&mut self, now: &Totals, given: &Exchange, axisymmetric: bool) -> Account {
         let (first, before) = *self.start.get_or_insert((*now, *given));
         let [work, friction] = [given.work - before.work, given.friction - before.friction];
         let [impacts, conversion] = [given.impacts - before.impacts, given.conversion - before.conversion];
         let [damping, viscosity] = [given.damping - before.damping, given.viscosity - before.viscosity];
-        // An explosive's energies are opposite: their sum says nothing about their size.
+        // The energies of an explosive have opposite signs: their sum does not measure their size.
         self.energy_scale = self.energy_scale.max((now.kinetic + now.internal).abs()).max(now.kinetic);
         self.energy_scale = self.energy_scale.max(damping.abs()).max(viscosity.abs());
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
@@ -133,12 +133,12 @@ impl Books {
         }
     }
 
-    /// Enter an energy, J, below which nothing moves; the largest one counts.
+    /// Enter an energy below which the scene is at rest, J; the largest one applies.
     pub fn enter_rest(&mut self, energy: f64) {
         self.rest = self.rest.max(energy);
     }
 
-    /// Was there ever more energy than that of rounding? [`Account::moves`] of the last entry.
+    /// True if the largest energy so far exceeds that of rest: [`Account::moves`] of the last entry.
     #[must_use]
     pub fn moves(&self) -> bool {
         self.energy_scale > self.rest
@@ -150,28 +150,28 @@ impl Books {
         self.start.map_or(0.0, |(totals, _)| totals.mass)
     }
 
-    /// The largest energy so far, J, and the largest sum of m |v|, kg m/s.
+    /// Return the largest energy so far, J, and the largest sum of m |v|, kg m/s.
     #[must_use]
     pub fn scales(&self) -> [f64; 2] {
         [self.energy_scale, self.momentum_scale]
     }
 
-    /// An unexplained energy, J, over the largest energy so far; 0 where nothing [moves](Account::moves).
+    /// Return an unexplained energy, J, over the largest energy so far; 0 if nothing [moves](Account::moves).
     #[must_use]
     pub fn energy_error(&self, unexplained: f64) -> f64 {
         energy_error(unexplained, self.energy_scale, self.rest)
     }
 
-    /// Energy below which nothing moves, J; 0 where it is not known yet.
+    /// Energy below which the scene is at rest, J; 0 if unknown.
     #[must_use]
     pub fn rest(&self) -> f64 {
         self.rest
     }
 
-    /// To a file, or from one.
+    /// Write or read the balance.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.option(&mut self.start, |file, (totals, given)| {
             totals.archive(file)?;
@@ -181,13 +181,13 @@ impl Books {
     }
 }
 
-/// `error / scale`. 0 / 0 is 0: nothing is missing of nothing.
+/// Return `error / scale`, with 0 / 0 = 0.
 #[must_use]
 pub fn share(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }
 
-/// `unexplained` over `scale`, J; 0 where `scale` is of rounding alone, as that of matter at rest.
+/// Return `unexplained` over `scale` (both J); 0 if `scale` is at most `rest`, so that it is rounding only.
 pub(crate) fn energy_error(unexplained: f64, scale: f64, rest: f64) -> f64 {
     let rests = rest > 0.0 && scale <= rest && !unexplained.is_nan();
     if rests { 0.0 } else { share(unexplained, scale) }

@@ -1,11 +1,11 @@
-//! Bodies as the run loop and observers see them, whatever their method.
+//! Public view of bodies for the run loop and observers, for any method.
 
 use crate::exchange::Exchange;
 
 /// Sums over the points of a body or a scene. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
-    /// Points that carry mass.
+    /// Number of points with mass.
     pub particles: usize,
     /// Mass, kg.
     pub mass: f64,
@@ -19,25 +19,26 @@ pub struct Totals {
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
-    /// Heat of viscosity since the start, J, which is part of the internal energy: where a law knows it.
+    /// Heat of viscosity since the start, J, part of the internal energy; 0 if the law does not track it.
     pub viscous_heat: f64,
-    /// Of schemes whose velocities are half a step behind positions (leap-frog).
+    /// Corrections of schemes whose velocities are half a step behind the positions (leap-frog).
     pub staggered: Staggered,
 }
 
-/// Quantities of a leap-frog scheme at the time of the positions less the balanced ones. Velocities v- belong to the middle of the last step;
-/// those of the time of the positions are v = v- + lag a, with the acceleration a there. Balanced are the momentum m v-, to which impulses were
-/// booked, and the energy m v- . v+ / 2, which central differences conserve together with the internal energy.
+/// Corrections of a leap-frog scheme: quantities at the time of the positions minus the balanced ones. Velocities v- belong to the middle
+/// of the last step; those at the time of the positions are v = v- + lag a, with the acceleration a at that time. The balanced quantities
+/// are the momentum m v-, to which impulses are booked, and the energy m v- . v+ / 2, which central differences conserve together with the
+/// internal energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Staggered {
     /// Sum of m (v - v-), kg m/s.
     pub momentum: [f64; 3],
-    /// Sum of m v . v / 2 less the balanced kinetic energy, J.
+    /// Sum of m v . v / 2 minus the balanced kinetic energy, J.
     pub energy: f64,
 }
 
 impl Totals {
-    /// Sum with another body's.
+    /// Return the sum with the totals of another body.
     #[must_use]
     pub fn plus(mut self, o: &Totals) -> Totals {
         self.particles += o.particles;
@@ -55,7 +56,7 @@ impl Totals {
         self
     }
 
-    /// Add a point of this mass (kg), position (m) and velocity (m/s); its internal energy is added apart.
+    /// Add a point of this mass (kg), position (m) and velocity (m/s). Add its internal energy separately.
     pub fn add_point(&mut self, mass: f64, position: &[f64], velocity: &[f64]) {
         let (mut x, mut v) = ([0.0; 3], [0.0; 3]);
         x[..position.len()].copy_from_slice(position);
@@ -84,9 +85,8 @@ impl Totals {
         self.kinetic + self.staggered.energy
     }
 
-    /// Add a point of a leap-frog scheme of this mass (kg) at a position (m) that moved with the velocity v- (m/s) in the last step and has
-    /// another one (m/s) at its end. The balanced kinetic energy is m v- . v- / 2 with the work (J) that its inner forces f do until then,
-    /// lag v- . f.
+    /// Add a point of a leap-frog scheme with this mass (kg), position (m), velocity v- of the last step and velocity at its end (m/s). The
+    /// balanced kinetic energy is m v- . v- / 2 plus `lagged_work` (J), the work lag v- . f of the internal forces f until then.
     pub fn add_staggered(
         &mut self,
         mass: f64,
@@ -104,17 +104,17 @@ impl Totals {
         self.staggered.energy += change;
     }
 
-    /// Are energies and momentum finite numbers?
+    /// True if energies and momentum are finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
         (self.kinetic + self.internal + self.momentum_scale).is_finite()
     }
 }
 
-/// A point of a body (a particle, or a node of elements) as others see it, in SI units.
+/// Public view of a point of a body (a particle, an element, or a free node of eroded elements), in SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointView {
-    /// Its number in the body, which stays the same over a run.
+    /// Number in the body, constant over a run.
     pub number: usize,
     /// Position, m.
     pub position: [f64; 3],
@@ -124,20 +124,20 @@ pub struct PointView {
     pub mass: f64,
     /// Volume, m^3 (per radian or metre of depth in two dimensions).
     pub volume: f64,
-    /// How wide it is drawn, m, where its volume does not say it.
+    /// Drawn width, m, if it does not follow from the volume.
     pub width: Option<f64>,
-    /// Corners of its cell, m, in the order of the VTK file format, where it is an element; none of a particle.
+    /// Corners of an element, m, in the order of the VTK file format; empty for a particle.
     pub corners: Vec<[f64; 3]>,
-    /// Half edges of its domain, m, where it has one: of the box along the axes that it started with, stretched (cpGIMP), sheared
-    /// and turned (CPDI, and all in the reference configuration) as its method has it.
+    /// Half edges of the particle domain, m, if the method has domains: of the initial box along the axes, stretched (cpGIMP) or sheared
+    /// and rotated (CPDI, and all methods in the reference configuration).
     pub half_edges: [[f64; 3]; 3],
     /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa.
     pub stress: [f64; 6],
-    /// Is it within the range of the data of its law? False of one so dense that its equation of state is continued.
+    /// True if the state is within the data of the law. False for a point so dense that its equation of state is extrapolated.
     pub in_range: bool,
-    /// Has it failed ([`mpm_materials::Constitutive::failed`])?
+    /// True if the point has failed ([`mpm_materials::Constitutive::failed`]).
     pub failed: bool,
-    /// The law's state, by [`Body::state_names`].
+    /// State variables of the law, in the order of [`Body::state_names`].
     pub state: Vec<f64>,
 }
 
@@ -158,8 +158,8 @@ impl PointView {
         (1.5 * (square + 2.0 * shear)).sqrt()
     }
 
-    /// How wide it is drawn, m: the edge of a cube (square in two dimensions, at its radius where those are (r, z)) of its volume,
-    /// or its own [`PointView::width`].
+    /// Return the drawn width, m: [`PointView::width`], or the edge of a cube of the point's volume (of a square in two dimensions, at its
+    /// radius in axisymmetric scenes).
     #[must_use]
     pub fn drawn_width(&self, dimensions: usize, axisymmetric: bool) -> f64 {
         let size = match (self.width, dimensions, axisymmetric) {
@@ -171,7 +171,7 @@ impl PointView {
         if size.is_finite() && size > 0.0 { size } else { f64::MIN_POSITIVE }
     }
 
-    /// Is it drawn wider than that, m? As [`PointView::drawn_width`] says, without a root; what has no width is not.
+    /// True if [`PointView::drawn_width`] exceeds `than`, m; computed without a root. False for a point without a width.
     #[must_use]
     pub fn is_wider(&self, than: f64, dimensions: usize, axisymmetric: bool) -> bool {
         if than <= 0.0 {
@@ -186,30 +186,30 @@ impl PointView {
     }
 }
 
-/// Parts of a [`PointView`] that cost something to find out. Number, position, velocity and corners are always there; parts that are not asked
-/// for may be those of another point.
+/// Optional parts of a [`PointView`] that are costly to compute. Number, position, velocity and corners are always set; parts that are not
+/// requested may have the values of another point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Parts {
-    /// [`PointView::mass`].
+    /// Compute [`PointView::mass`].
     pub mass: bool,
-    /// [`PointView::volume`], [`PointView::width`] and [`PointView::half_edges`].
+    /// Compute [`PointView::volume`], [`PointView::width`] and [`PointView::half_edges`].
     pub size: bool,
-    /// What the law says: stress, range, failure and state.
+    /// Compute the results of the law: stress, range, failure and state.
     pub law: bool,
 }
 
 impl Parts {
-    /// All of them.
+    /// All parts.
     pub const ALL: Parts = Parts { mass: true, size: true, law: true };
-    /// None of them.
+    /// No part.
     pub const NONE: Parts = Parts { mass: false, size: false, law: false };
-    /// The mass.
+    /// Mass only.
     pub const MASS: Parts = Parts { mass: true, ..Parts::NONE };
-    /// The size.
+    /// Size only.
     pub const SIZE: Parts = Parts { size: true, ..Parts::NONE };
 }
 
-/// Axis-aligned bounding box that grows with the points that it holds, for [`Body::bounds`].
+/// Axis-aligned bounding box, extended point by point, for [`Body::bounds`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     low: [f64; 3],
@@ -223,80 +223,80 @@ impl Default for Bounds {
 }
 
 impl Bounds {
-    /// Hold a place, m, and what is so far from it.
+    /// Extend the box by a position, m, and its surroundings within `reach`, m.
     pub fn hold_place(&mut self, place: &[f64; 3], reach: f64) {
         for d in 0..3 {
             self.low[d] = self.low[d].min(place[d] - reach);
             self.high[d] = self.high[d].max(place[d] + reach);
         }
     }
-    /// Hold a particle as wide as it is drawn, or the corners of an element.
+    /// Extend the box by a particle of its drawn width, or by the corners of an element.
     pub fn hold(&mut self, p: &PointView, dimensions: usize, axisymmetric: bool) {
         if !p.corners.is_empty() {
             p.corners.iter().for_each(|corner| self.hold_place(corner, 0.0));
             return;
         }
-        // Roots only of what may reach out.
+        // Roots are computed only for points that may extend the box.
         let inside = |d: usize| (p.position[d] - self.low[d]).min(self.high[d] - p.position[d]);
         let room = (0..dimensions.min(3)).map(inside).fold(f64::INFINITY, f64::min);
-        // A little less, as widths are rounded.
+        // Reduced by the rounding of widths.
         if room <= 0.0 || p.is_wider(2.0 * room * (1.0 - 1e-12), dimensions, axisymmetric) {
             self.hold_place(&p.position, 0.5 * p.drawn_width(dimensions, axisymmetric));
         }
     }
-    /// Its lowest and highest corner, m; none of an empty one.
+    /// Return the lowest and highest corner, m; none for an empty box.
     #[must_use]
     pub fn corners(&self) -> Option<[[f64; 3]; 2]> {
         (self.low[0] <= self.high[0]).then_some([self.low, self.high])
     }
 }
 
-/// A body of any method, as the run loop and observers see it.
+/// Public view of a body of any method for the run loop and observers.
 pub trait Body {
-    /// Its name, which no other body of the scene has.
+    /// Name, unique in the scene.
     fn name(&self) -> &str;
-    /// Its law's name; empty without one.
+    /// Name of the material law; empty without one.
     fn law(&self) -> &'static str;
-    /// Is the stress across the plane zero by its law?
+    /// True if the law has zero stress across the plane (plane stress).
     fn is_plane_stress(&self) -> bool {
         false
     }
-    /// How many points it has; none of a wall.
+    /// Number of points; 0 for a wall.
     fn len(&self) -> usize;
-    /// Has it no points?
+    /// True if the body has no points.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Names of the numbers in [`PointView::state`].
+    /// Names of the state variables in [`PointView::state`].
     fn state_names(&self) -> Vec<String>;
-    /// Sums over its points.
+    /// Sums over the points of the body.
     fn totals(&self) -> Totals;
-    /// What other bodies gave to it since the start, where it keeps that: elements, which particles push, do; a force is the change of that
-    /// impulse over time.
+    /// Return the exchange with other bodies since the start, if the body stores it, such as elements in contact with particles. A contact
+    /// force is the time derivative of its impulse.
     fn given_by_others(&self) -> Option<Exchange> {
         None
     }
-    /// Call `visit` for every point, in an order that depends on nothing but the scene.
+    /// Call `visit` for every point, in an order that depends on the scene only.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView));
-    /// [`Body::for_each`] of which `visit` reads these parts alone: the others need not be found out.
+    /// Call `visit` for every point, as [`Body::for_each`], with at least these parts computed.
     fn for_each_with(&self, parts: Parts, visit: &mut dyn FnMut(&PointView)) {
         let _ = parts;
         self.for_each(visit);
     }
-    /// Lowest and highest corner, m, of the axis-aligned bounding box of its matter: particles as wide as they are drawn, elements up to their nodes. None
-    /// without a point.
+    /// Return the lowest and highest corner of the axis-aligned bounding box, m: of particles with their drawn width, of elements up to
+    /// their nodes. None without points.
     fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
         let mut held = Bounds::default();
         self.for_each_with(Parts::SIZE, &mut |p| held.hold(p, dimensions, axisymmetric));
         held.corners()
     }
-    /// All points, by number.
+    /// Return all points, sorted by number.
     fn points(&self) -> Vec<PointView> {
         let mut all = Vec::with_capacity(self.len());
         self.for_each(&mut |p| all.push(p.clone()));
         all.sort_by_key(|p| p.number);
         all
     }
-    /// Bytes of memory held, scratch included.
+    /// Memory in bytes, scratch included.
     fn bytes(&self) -> usize;
 }

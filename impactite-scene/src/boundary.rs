@@ -1,4 +1,4 @@
-//! Boundary conditions on the nodes, and loads.
+//! Boundary conditions on grid nodes, and body forces.
 
 use std::sync::Arc;
 
@@ -9,103 +9,103 @@ use crate::condition::{Condition, Place, Reaction, require};
 use crate::constants::{over, region};
 use crate::error::SceneError;
 
-/// A velocity over time: `[v_x, v_y, v_z]` in m/s at time t in s; `None` leaves a component free.
+/// Velocity history: `[v_x, v_y, v_z]` in m/s at time t in s; `None` leaves a component free.
 pub type VelocityHistory = Arc<dyn Fn(f64) -> [Option<f64>; 3] + Send + Sync>;
 
-/// A condition on the velocity of nodes.
+/// Velocity boundary condition.
 #[derive(Clone)]
 pub enum Boundary<const D: usize> {
-    /// A plane of symmetry: no velocity across it, everything else free. With wide stencils the nodes behind
-    /// the plane mirror those in front, so that half a model gives what the whole one would. Particles behind it are refused. A free rigid body that touches it at the start is
-    /// half of one, if its motion is its own mirror image; another one is stopped by the plane.
+    /// Plane of symmetry: zero normal velocity, free tangential velocity. With wide stencils the nodes behind the plane mirror those in
+    /// front, so that a half model has the solution of the whole one. Particles behind the plane are an error. A free rigid body in contact
+    /// with the plane at the start is half of a symmetric body, if its motion is symmetric, too; other rigid bodies are stopped by the
+    /// plane.
     Symmetry {
         /// Normal axis, `0..D`.
         axis: usize,
-        /// Position, m; must lie on a plane of nodes.
+        /// Position, m; must be on a plane of nodes.
         at: f64,
-        /// Where the material is.
+        /// Side of the material.
         side: Side,
     },
-    /// A rigid frictionless wall that only pushes, moving along its normal: a plane of symmetry that lets go. Matter that comes within
-    /// a cell of it is stopped by its own stress, and let go when the wall no longer carries it; a wall at rest does no work
-    /// (book, "Where contact is applied"). Bodies mapped in their reference configuration have no stress on the scene's nodes and are stopped by
-    /// impulses there; free rigid bodies are stopped where their surface reaches the wall.
+    /// Rigid frictionless wall that moves along its normal and transmits compression only: a plane of symmetry that releases matter. Matter
+    /// within a cell of it is stopped by its own stress, and released when the wall no longer carries it; a wall at rest does no work
+    /// (book, "Where contact is applied"). Bodies mapped in their reference configuration have no stress on the scene's nodes and are
+    /// stopped by impulses there; free rigid bodies are stopped when their surface reaches the wall.
     Wall {
         /// Normal axis, `0..D`.
         axis: usize,
         /// Position at t = 0, m.
         at: f64,
-        /// Where the material is.
+        /// Side of the material.
         side: Side,
         /// Velocity along the axis, m/s.
         velocity: f64,
     },
-    /// [`Boundary::Wall`] with Coulomb friction, moving as a whole. What presses on it sticks as long as the impulse along the wall that
-    /// this takes in a step is at most `friction` times the one across, at every node or particle; else it slips, with that impulse
-    /// against the slip. Friction works on the slip: that is booked as heat ([`Exchange::friction`](crate::Exchange::friction)), and
-    /// what drags matter along as work.
-    /// An inclined wall is one across an axis under a body force that is inclined.
+    /// [`Boundary::Wall`] with Coulomb friction and a velocity vector. Matter in contact sticks while the tangential impulse that stops the
+    /// slip in a step is at most `friction` times the normal impulse, at every node or particle; else it slips, with that limit as impulse
+    /// against the slip. The work of friction is booked as heat ([`Exchange::friction`](crate::Exchange::friction)), the work of the drag
+    /// as work. Model an inclined wall by a wall across an axis and an inclined body force.
     FrictionWall {
         /// Normal axis, `0..D`.
         axis: usize,
         /// Position at t = 0, m.
         at: f64,
-        /// Where the material is.
+        /// Side of the material.
         side: Side,
-        /// Velocity, m/s: along `axis` it moves, across it drags.
+        /// Velocity, m/s: the component along `axis` moves the wall, the others drag the matter.
         velocity: [f64; D],
         /// Coefficient of friction mu, zero or positive.
         friction: f64,
     },
-    /// A plane where the material ends that waves pass as if it went on: dashpots with the tractions -rho c_p v_n across and
-    /// -rho c_s v_t along the plane (\[Lysmer1969\]), integrated by the trapezoidal rule, stable with any step. Waves that come at right
-    /// angles are absorbed, up to the discretisation; of others a part comes back. What holds a body in place must be elsewhere: statics
-    /// are not absorbed but yield. The work of the dashpots, negative, is booked as that of a boundary.
+    /// Absorbing plane at the end of the material: dashpots with the tractions -rho c_p v_n across and -rho c_s v_t along the plane
+    /// (\[Lysmer1969\]), integrated by the trapezoidal rule, which is stable with any step. Waves at normal incidence are absorbed, up to
+    /// the discretisation error; oblique waves are reflected in part. The plane does not support static loads: bodies need supports
+    /// elsewhere. The work of the dashpots, negative, is booked as that of a boundary.
     ///
-    /// The density is that of what lies at the plane: the mass of the nodes on it is taken for that of half a cell of full material, and
-    /// that of the outermost particles of a method without a grid for what they hold; so displacements are to be small against a cell. Methods that map momentum and
-    /// impulse together know no velocity at the start of a step: there the rule is the implicit one of first order, and waves of
-    /// angular frequency omega come back by some omega dt / 4.
+    /// The density is that of the matter at the plane: the mass of a node on it counts as that of half a cell of full material, the mass of
+    /// an outermost particle of a gridless method as that of its volume. So displacements must be small against a cell. Methods that map
+    /// momentum and impulse together have no velocity at the start of a step: they use the implicit rule of first order, which reflects
+    /// some omega dt / 4 of waves of angular frequency omega.
     Absorbing {
         /// Normal axis, `0..D`.
         axis: usize,
-        /// Position, m; must lie on a plane of nodes.
+        /// Position, m; must be on a plane of nodes.
         at: f64,
-        /// Where the material is.
+        /// Side of the material.
         side: Side,
         /// Speed of longitudinal waves c_p, m/s, positive.
         longitudinal: f64,
         /// Speed of shear waves c_s, m/s, zero or positive.
         shear: f64,
     },
-    /// Two planes that are one: what leaves behind the one comes in at the other, and nodes act across. To be given before the bodies.
-    /// Positions of particles are those within one period; of a grid with blocks of nodes they begin where the block does that the lower
-    /// plane lies in.
+    /// Pair of periodic planes: matter that leaves through one enters through the other, and nodes interact across them. Add it before the
+    /// bodies. Positions of particles are within one period; on a grid with blocks of nodes the period starts at the start of the block
+    /// that contains the lower plane.
     Periodic {
         /// Normal axis, `0..D`.
         axis: usize,
-        /// Position of the lower plane, m; must lie on a plane of nodes.
+        /// Position of the lower plane, m; must be on a plane of nodes.
         low: f64,
         /// Position of the upper plane, m; a whole number of blocks of four cells above.
         high: f64,
     },
-    /// All nodes on and behind a plane stand still. For free rigid bodies it is a wall without slip.
+    /// Zero velocity of all nodes on and behind a plane. For free rigid bodies it is a no-slip wall.
     Fixed {
         /// Normal axis, `0..D`.
         axis: usize,
         /// Position, m; with `BoundaryModified` best on a plane of nodes.
         at: f64,
-        /// Where the material is.
+        /// Side of the material.
         side: Side,
     },
-    /// Nodes inside a region have a prescribed velocity.
+    /// Prescribed velocity of the nodes inside a region.
     Prescribed {
-        /// The region, fixed in space.
+        /// Region, fixed in space.
         region: Arc<dyn Shape<D>>,
-        /// The velocity over time.
+        /// Velocity over time.
         velocity: VelocityHistory,
     },
-    /// One's own: [`Boundary::own`].
+    /// Custom condition: [`Boundary::own`].
     Own(Arc<dyn Condition<D>>),
 }
 
@@ -133,27 +133,27 @@ impl<const D: usize> std::fmt::Debug for Boundary<D> {
     }
 }
 
-/// A plane of nodes that a boundary lies on.
+/// Plane of grid nodes on which a boundary is.
 #[derive(Clone, Copy, Debug)]
 pub struct Plane {
     /// Normal axis.
     pub axis: usize,
-    /// Node index along it.
+    /// Node index along the axis.
     pub node: i32,
     /// +1 if the material is at larger indices, else -1.
     pub sign: i32,
 }
 
-/// Round-off allowed for a plane to count as lying on nodes, in cells.
+/// Round-off tolerance for a plane on nodes, in cells.
 const ON_NODE: f64 = 1e-6;
 
 impl<const D: usize> Boundary<D> {
-    /// A condition of one's own.
+    /// Create a custom condition.
     pub fn own(condition: impl Condition<D> + 'static) -> Self {
         Boundary::Own(Arc::new(condition))
     }
 
-    /// Refuse what cannot be on this lattice.
+    /// Check the condition on this lattice.
     pub fn check(&self, lattice: &Lattice<D>) -> Result<(), BoundaryError> {
         Condition::check(self)?;
         let on_node = |what, axis, at: f64| match plane(lattice, axis, at, Side::Above) {
@@ -180,12 +180,12 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// The plane of nodes of its surface, if it has one.
+    /// Return the plane of nodes of the condition's surface, if it has one.
     pub fn surface_on(&self, lattice: &Lattice<D>) -> Option<Plane> {
         Condition::surface(self).and_then(|(axis, at, side)| plane(lattice, axis, at, side))
     }
 
-    /// The axis that it is a plane across, if it is one.
+    /// Return the normal axis of the condition, if it is a plane.
     pub fn across(&self) -> Option<usize> {
         match *self {
             Boundary::Symmetry { axis, .. }
@@ -198,17 +198,17 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// Is it a wall that only pushes, rough or not?
+    /// True for walls, with or without friction.
     pub fn is_wall(&self) -> bool {
         matches!(self, Boundary::Wall { .. } | Boundary::FrictionWall { .. })
     }
 
-    /// Does it act by what it answers to a velocity ([`Condition::react`])?
+    /// True if the condition acts through [`Condition::react`].
     pub fn reacts(&self) -> bool {
         matches!(self, Boundary::FrictionWall { .. } | Boundary::Absorbing { .. } | Boundary::Own(_))
     }
 
-    /// The plane of nodes to mirror at, if this is a symmetry.
+    /// Return the mirror plane of nodes of a plane of symmetry.
     pub fn mirror(&self, lattice: &Lattice<D>) -> Option<Plane> {
         match *self {
             Boundary::Symmetry { axis, at, side } => plane(lattice, axis, at, side),
@@ -216,7 +216,7 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// The plane of nodes where material ends, if this is a resting wall or a fixed plane that lies on one.
+    /// Return the plane of nodes at the end of the material, for a resting wall or a fixed plane on nodes.
     pub fn edge(&self, lattice: &Lattice<D>) -> Option<Plane> {
         match *self {
             Boundary::Fixed { axis, at, side } => plane(lattice, axis, at, side),
@@ -228,7 +228,7 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// Can it touch nodes whose indices lie in `low..=high`?
+    /// True if the condition may act at `time`, s, on nodes with positions from `low` to `high`, m.
     pub fn reaches(&self, low: &[f64; D], high: &[f64; D], time: f64, tolerance: f64) -> bool {
         match *self {
             Boundary::Symmetry { axis, at, side } | Boundary::Fixed { axis, at, side } => {
@@ -255,9 +255,9 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// Make the velocity of a node at `x` obey, at `time`; what conditions do that [react](Boundary::reacts) is another matter, but for the
-    /// velocity across a rough wall. Nodes less than `copies` behind a symmetry plane
-    /// mirror those in front already.
+    /// Apply the condition to the velocity of a node at the position `x` at `time`. Conditions that [react](Boundary::reacts) are not
+    /// applied here, except for the normal velocity at a rough wall. Nodes less than `copies` behind a plane of symmetry already mirror
+    /// those in front.
     pub fn constrain(&self, x: &[f64; D], v: &mut [f64; 3], time: f64, tolerance: f64, copies: f64) {
         match *self {
             Boundary::Symmetry { axis, at, side } => {
@@ -301,8 +301,7 @@ impl<const D: usize> Boundary<D> {
     }
 }
 
-/// The conditions that come with the scene, by themselves: a method that knows better ways (mirrored nodes, walls that nodes press on)
-/// takes those.
+/// Default implementation of the built-in conditions; methods may replace it, for example by mirrored nodes or by wall contact of nodes.
 impl<const D: usize> Condition<D> for Boundary<D> {
     fn check(&self) -> Result<(), BoundaryError> {
         if let Some(axis) = self.across()
@@ -414,8 +413,8 @@ impl<const D: usize> Condition<D> for Boundary<D> {
     }
 }
 
-/// An impulse of a wall across `axis` that stops what goes into it, with friction (Coulomb): along the wall it is at most `friction`
-/// times that across.
+/// Return the impulse of a wall across `axis` on approaching matter, with Coulomb friction: the tangential impulse is at most `friction`
+/// times the normal one.
 fn strike<const D: usize>(
     place: &Place<D>,
     axis: usize,
@@ -424,7 +423,7 @@ fn strike<const D: usize>(
     friction: f64,
 ) -> Reaction<D> {
     let approach = (velocity[axis] - place.trial[axis]) * sign;
-    // False for a velocity that is not a number: it goes on, and is found.
+    // False for NaN: the velocity propagates and is detected later.
     if approach <= 0.0 {
         return Reaction::none();
     }
@@ -439,8 +438,9 @@ fn strike<const D: usize>(
     reaction
 }
 
-/// Friction along a wall across `axis` that moves with `velocity`, m/s: what stops the slip, or `limit`, N s, against it. Its heat is what
-/// it takes of the kinetic energy of the motion along the wall, seen from there: -J . ((v- + v+) / 2 - w), and none in a step in which the slip turns.
+/// Return the friction of a wall across `axis` that moves with `velocity`, m/s: the impulse that stops the slip, or `limit`, N s, against
+/// it. The heat is the loss of kinetic energy of the tangential motion relative to the wall, -J . ((v- + v+) / 2 - w); it is zero in a step
+/// in which the slip reverses.
 pub fn rub<const D: usize>(place: &Place<D>, axis: usize, velocity: [f64; D], limit: f64) -> Reaction<D> {
     let mut slip: [f64; D] = std::array::from_fn(|d| place.trial[d] - velocity[d]);
     slip[axis] = 0.0;
@@ -462,8 +462,8 @@ pub fn rub<const D: usize>(place: &Place<D>, axis: usize, velocity: [f64; D], li
     reaction
 }
 
-/// The dashpots of a plane across `axis`: m dv/dt = -m c v / depth by the trapezoidal rule, or the implicit one where the velocity at the
-/// start is not known.
+/// Return the reaction of the dashpots of a plane across `axis`: m dv/dt = -m c v / depth by the trapezoidal rule, or by the implicit Euler
+/// rule if the start velocity is unknown.
 fn absorb<const D: usize>(place: &Place<D>, axis: usize, longitudinal: f64, shear: f64) -> Reaction<D> {
     let mut impulse = [0.0; D];
     for d in 0..D {
@@ -477,7 +477,7 @@ fn absorb<const D: usize>(place: &Place<D>, axis: usize, longitudinal: f64, shea
     Reaction { impulse, velocity: place.mean(&place.after(&impulse)), ..Reaction::none() }
 }
 
-/// The plane of nodes at `at`, if there is one.
+/// Return the plane of nodes at `at`, if there is one.
 fn plane<const D: usize>(lattice: &Lattice<D>, axis: usize, at: f64, side: Side) -> Option<Plane> {
     let node = (at - lattice.origin()[axis]) / lattice.spacing();
     let on_node = (node - node.round()).abs() <= ON_NODE;
@@ -491,10 +491,10 @@ fn behind(low: f64, high: f64, at: f64, side: Side, tolerance: f64) -> bool {
     }
 }
 
-/// An acceleration of all material, m/s^2, over time.
+/// Acceleration of all material over time, m/s^2.
 pub type BodyForce<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
-/// Refuse a body force at `time`, s, and velocities prescribed at `times`, s, that are no numbers.
+/// Check that a body force at `time`, s, and prescribed velocities at `times`, s, are finite.
 ///
 /// # Errors
 /// [`SceneError::NotFinite`].

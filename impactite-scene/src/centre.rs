@@ -1,18 +1,18 @@
-//! Lead of positions of bodies that fall, of methods that move points with the velocities at the ends of steps.
+//! Lead of the positions of falling bodies, in methods that move points with the velocity at the end of a step.
 //!
-//! A step moves particles with the velocity at its end (symplectic Euler): leap-frog integration whose velocities belong to the middle of
-//! steps, of second order. But its first step applies a body force a that acts from the start for a whole step and not for half of
-//! one. So a body that falls is ahead of x0 + v0 t + a t^2 / 2 by the sum of a dt^2 / 2, which is a t dt / 2 with steps of one size. Views of
-//! points are moved back by that, in as much as the velocity of the centre has changed by the body force: of a body that was stopped
-//! nothing is left of it. The points themselves are not moved, so that nothing changes in a run.
+//! A step moves particles with the velocity at its end (symplectic Euler): leap-frog integration of second order, whose velocities belong
+//! to the middle of steps. But its first step applies a body force a, which acts from the start, for a whole step instead of half a step.
+//! So a falling body is ahead of x0 + v0 t + a t^2 / 2 by the sum of a dt^2 / 2, which is a t dt / 2 with constant steps. Views of points
+//! are moved back by this lead, limited to the change of the centre's velocity due to the body force: a body that was stopped has no lead.
+//! The points themselves are not moved, so that the run does not change.
 
 use crate::archive::{Archive, CheckpointError};
 use crate::boundary::Boundary;
 
-/// Masses of one body that differ by less are the same but for rounding.
+/// Relative tolerance of equal masses of one body.
 const SAME_MASS: f64 = 1e-9;
 
-/// Lead of the points of a body that falls, m.
+/// Lead of the points of a falling body, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CentreLead {
     /// Mass, kg, and momentum, kg m/s, of the points at the end of the last step; none before the first.
@@ -24,20 +24,20 @@ pub struct CentreLead {
 }
 
 impl CentreLead {
-    /// Mass, kg, and momentum, kg m/s, before the first step.
+    /// Set mass, kg, and momentum, kg m/s, before the first step.
     pub fn open(&mut self, mass: f64, momentum: [f64; 3]) {
         let [x, y, z] = momentum;
         self.last = Some([mass, x, y, z]);
     }
 
-    /// Is [`CentreLead::open`] due?
+    /// True if [`CentreLead::open`] is due.
     #[must_use]
     pub fn is_closed(&self) -> bool {
         self.last.is_none()
     }
 
-    /// Mass, kg, and momentum, kg m/s, at the end of a step of `dt` seconds, and the body force at the start of the run, m/s^2, along the axes
-    /// that have centres ([`CentreLead::along`]). A step in which mass came or went changes nothing.
+    /// Update the lead by mass, kg, and momentum, kg m/s, at the end of a step of `dt` seconds, and the body force at the start of the run,
+    /// m/s^2, along the axes of [`CentreLead::along`]. A step that changes the mass is ignored.
     pub fn step(&mut self, now: [f64; 4], dt: f64, force: [f64; 3]) {
         if let Some(last) = self.last.replace(now)
             && now[0] > 0.0
@@ -50,8 +50,8 @@ impl CentreLead {
         }
     }
 
-    /// Of a body force, m/s^2, what is along axes in which a scene with these boundaries has the centres of its bodies: not across planes of
-    /// symmetry, nor along the radius of axisymmetric scenes, since the part of a body that is there has no centre of its own.
+    /// Return the components of a body force, m/s^2, along axes in which the scene contains the centres of its bodies: not across planes of
+    /// symmetry, nor along the radius of axisymmetric scenes, since the modelled part of a body has no centre of its own there.
     #[must_use]
     pub fn along<const D: usize>(
         force: &[f64; D],
@@ -71,16 +71,16 @@ impl CentreLead {
         along
     }
 
-    /// The lead, m: what positions have to be moved back by.
+    /// Return the lead, m, to subtract from positions.
     #[must_use]
     pub fn way(&self) -> [f64; 3] {
         std::array::from_fn(|d| self.way[d].clamp(self.fall[d].min(0.0), self.fall[d].max(0.0)))
     }
 
-    /// To a file, or from one.
+    /// Write or read the lead.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.option(&mut self.last, |file, last| file.reals(last))?;
         file.reals(&mut self.way)?;
@@ -92,7 +92,7 @@ impl CentreLead {
 mod tests {
     use super::*;
 
-    /// Steps of any size, and the path of a body that starts with 3 m/s and is accelerated by -9.81 m/s^2.
+    /// Steps of variable size, and a body with an initial velocity of 3 m/s and an acceleration of -9.81 m/s^2.
     #[test]
     fn constant_acceleration_is_exact_with_steps_of_any_size() {
         let (mass, start, a) = (2.0, 3.0, -9.81);
@@ -109,11 +109,11 @@ mod tests {
         let exact = start * t + 0.5 * a * t * t;
         assert!((x - exact).abs() > 1e-2 && (x - lead.way()[1] - exact).abs() < 1e-13);
         assert_eq!((lead.way()[0], lead.way()[2]), (0.0, 0.0));
-        // A body that is stopped by something else has none.
+        // A body that another force stopped has no lead.
         let mut stopped = lead;
         stopped.step([mass, 0.0, mass * start, 0.0], 0.5, [0.0, a, 0.0]);
         assert_eq!(stopped.way()[1], 0.0);
-        // Mass that came has a velocity of its own.
+        // Added mass has a velocity of its own.
         let before = lead;
         lead.step([2.0 * mass, 0.0, 0.0, 0.0], 1.0, [a; 3]);
         assert_eq!(lead.way(), before.way());

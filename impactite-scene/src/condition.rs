@@ -1,13 +1,13 @@
-//! Conditions of one's own: what a boundary does to the matter at a place, in one step.
+//! Custom boundary conditions: impulse on the matter at a node or particle in one step.
 
 use std::fmt::Debug;
 
-/// On which side of a plane the material is.
+/// Side of a plane on which the material is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// At coordinates above the plane's.
+    /// Coordinates above the plane's.
     Above,
-    /// At coordinates below the plane's.
+    /// Coordinates below the plane's.
     Below,
 }
 
@@ -22,81 +22,81 @@ impl Side {
     }
 }
 
-/// A boundary that a scene cannot have.
+/// Invalid boundary condition.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BoundaryError {
-    /// The axis does not exist.
+    /// Axis beyond the dimension.
     #[error("boundary axis = {axis} is not allowed; it must be below the dimension {dimension}")]
     Axis {
-        /// Given axis.
+        /// Axis given.
         axis: usize,
         /// Dimension.
         dimension: usize,
     },
-    /// A plane between nodes.
+    /// Plane that is not on grid nodes.
     #[error(
         "{plane} at = {at} m is not allowed; it must lie on a plane of nodes (the nearest is {nearest} m)"
     )]
     OffNode {
-        /// Which plane.
+        /// Name of the plane.
         plane: &'static str,
-        /// Given position, m.
+        /// Position given, m.
         at: f64,
         /// Nearest plane of nodes, m.
         nearest: f64,
     },
-    /// A wall where the grid lies in the reference configuration.
+    /// Wall on a grid in the reference configuration.
     #[error(
         "a wall is not allowed with a total-Lagrangian method, whose nodes do not know where material is; it must \
          be a symmetry plane, a fixed plane or a prescribed velocity"
     )]
     WallInReference,
-    /// A number of a condition.
+    /// Invalid parameter of a condition.
     #[error("{condition}: {field} = {value} is not allowed; it must be {allowed}")]
     Parameter {
-        /// Which condition.
+        /// Name of the condition.
         condition: &'static str,
-        /// Which number.
+        /// Name of the parameter.
         field: &'static str,
-        /// Its value.
+        /// Value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// Periodic planes that a scene cannot have.
+    /// Invalid periodic planes.
     #[error("periodic planes across axis {axis} are not allowed {why}")]
     Periodic {
-        /// Their axis.
+        /// Normal axis.
         axis: usize,
-        /// Where, and what is allowed.
+        /// Restriction and alternative, which end the message.
         why: &'static str,
     },
-    /// Not a finite number.
+    /// Value that is not finite.
     #[error("boundary {field} = {value} is not allowed; it must be finite")]
     NotFinite {
-        /// Which number.
+        /// Name of the number.
         field: &'static str,
-        /// Its value.
+        /// Value given.
         value: f64,
     },
 }
 
-/// Matter at a place where a condition may act: a node of a grid, or a particle of a method without one. Per metre of depth in plane
-/// strain, per radian in axisymmetric scenes.
+/// Matter at a location where a condition may act: a grid node, or a particle of a gridless method. Extensive quantities are per metre of
+/// depth in plane strain, per radian in axisymmetric scenes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place<const D: usize> {
-    /// Where it is at the start of the step, m.
+    /// Position at the start of the step, m.
     pub position: [f64; D],
-    /// Its mass, kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// How thick the layer is that its mass stands for where the matter ends there, m: mass over density and its share of the surface.
-    /// Half a cell for a node on the surface, unless the condition names its [`Condition::surface`].
+    /// Thickness of the layer that the mass represents at a surface, m: mass over density and surface share. It is half a cell for a node
+    /// on the surface, unless the condition has a [`Condition::surface`].
     pub depth: f64,
-    /// Within this distance of a plane it counts as lying on it, m.
+    /// Distance from a plane within which the position counts as on the plane, m.
     pub tolerance: f64,
-    /// Velocity at the start of the step, m/s, by the methods that know it. Those that map momentum and impulse together do not.
+    /// Velocity at the start of the step, m/s. None in methods that map momentum and impulse together.
     pub start: Option<[f64; D]>,
-    /// Velocity at the end of the step if the condition did not act, m/s.
+    /// Trial velocity at the end of the step, without the condition, m/s.
     pub trial: [f64; D],
     /// Time at the start of the step, s.
     pub time: f64,
@@ -105,54 +105,54 @@ pub struct Place<const D: usize> {
 }
 
 impl<const D: usize> Place<D> {
-    /// The part of the surface that the place stands for where matter of this density, kg/m^3, ends: mass / (density depth), m^2.
+    /// Return the surface area that the mass represents at a density (kg/m^3): mass / (density depth), m^2.
     #[must_use]
     pub fn area(&self, density: f64) -> f64 {
         self.mass / (density * self.depth)
     }
 
-    /// The velocity over the step that ends with `after`, m/s: an impulse works on the matter with this one. The last one, where the
-    /// velocity at the start is not known.
+    /// Return the mean velocity of a step with the final velocity `after`, m/s: the work of an impulse on the matter is the product of
+    /// both. It is `after` if the start velocity is unknown.
     #[must_use]
     pub fn mean(&self, after: &[f64; D]) -> [f64; D] {
         let before = self.start.unwrap_or(*after);
         std::array::from_fn(|d| 0.5 * (before[d] + after[d]))
     }
 
-    /// The velocity after an impulse, N s, m/s.
+    /// Return the velocity after an impulse (N s), m/s.
     #[must_use]
     pub fn after(&self, impulse: &[f64; D]) -> [f64; D] {
         std::array::from_fn(|d| self.trial[d] + impulse[d] / self.mass)
     }
 }
 
-/// What a condition does to the matter at a place in a step.
+/// Impulse, work and constraints of a condition at a place in a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reaction<const D: usize> {
-    /// Impulse on the matter, N s; booked as one of the boundaries.
+    /// Impulse on the matter, N s; booked as an impulse of the boundaries.
     pub impulse: [f64; D],
-    /// The velocity that it works with, m/s: that of the boundary. Impulse times this is booked as work of the boundaries.
+    /// Velocity of the boundary, m/s. Impulse times this velocity is booked as work of the boundaries.
     pub velocity: [f64; D],
-    /// Work of friction, J, zero or positive: heat that no point gets.
+    /// Work of friction, J, zero or positive: heat that is not added to a point.
     pub heat: f64,
-    /// The directions in which the matter moves with `velocity`, whatever pulls at it.
+    /// Constrained directions: there the matter moves with `velocity`, whatever other forces act.
     pub held: [bool; D],
 }
 
 impl<const D: usize> Reaction<D> {
-    /// Nothing.
+    /// Return a reaction without effect.
     #[must_use]
     pub fn none() -> Self {
         Reaction { impulse: [0.0; D], velocity: [0.0; D], heat: 0.0, held: [false; D] }
     }
 
-    /// Is it nothing?
+    /// True if the reaction has no effect.
     #[must_use]
     pub fn is_none(&self) -> bool {
         *self == Reaction::none()
     }
 
-    /// Matter that is held in some directions by a boundary that moves with `velocity`, m/s.
+    /// Return the reaction of a boundary that prescribes `velocity` (m/s) in the directions `held`.
     #[must_use]
     pub fn hold(place: &Place<D>, velocity: [f64; D], held: [bool; D]) -> Self {
         let mut impulse = [0.0; D];
@@ -162,20 +162,20 @@ impl<const D: usize> Reaction<D> {
         Reaction { impulse, velocity, heat: 0.0, held }
     }
 
-    /// Work of the boundary on the matter, J.
+    /// Return the work of the boundary on the matter, J.
     #[must_use]
     pub fn work(&self) -> f64 {
         (0..D).map(|d| self.impulse[d] * self.velocity[d]).sum()
     }
 }
 
-/// A boundary condition of one's own, on the nodes of a grid or on the particles of a method without one: passed to a scene as
-/// [`Boundary::own`](crate::Boundary::own). It acts after forces and walls, and before velocities that are prescribed; several act in the
-/// order in which they were added.
+/// Custom boundary condition on grid nodes or on particles of gridless methods, passed to a scene as
+/// [`Boundary::own`](crate::Boundary::own). It is applied after forces and walls and before prescribed velocities; several conditions are
+/// applied in the order in which they were added.
 ///
-/// It is called for every place within its reach in every step, so it is to be cheap and to depend on nothing but its own constants and
-/// the [`Place`]. A force should be integrated implicitly, or so small that the scene's step can follow it: the time step does not ask
-/// conditions. `condition_conforms!` (behind the feature `conformance`) tests one in a line.
+/// It is evaluated at every place within its reach in every step: it should be cheap and depend only on its constants and the [`Place`].
+/// Integrate a force implicitly, or keep it so small that the scene's step resolves it: the time step control ignores conditions.
+/// `condition_conforms!` (feature `conformance`) tests a condition in one line.
 ///
 /// Springs and dashpots under a floor (a Winkler foundation):
 ///
@@ -220,39 +220,39 @@ impl<const D: usize> Reaction<D> {
 /// # Ok::<(), BoundaryError>(())
 /// ```
 pub trait Condition<const D: usize>: Debug + Send + Sync {
-    /// Refuse numbers that it cannot work with; asked once, when a scene is given it.
+    /// Check the parameters; called once, when the condition is added to a scene.
     ///
     /// # Errors
-    /// Field, value and what is allowed ([`require`]).
+    /// Field, value and allowed values ([`require`]).
     fn check(&self) -> Result<(), BoundaryError> {
         Ok(())
     }
 
-    /// May it act at a place between these corners, m, in a step that starts at `time`, s? Everywhere, if this is not said.
+    /// Return true if the condition may act between these corners, m, in a step that starts at `time`, s. Default: everywhere.
     fn reaches(&self, low: &[f64; D], high: &[f64; D], time: f64) -> bool {
         let _ = (low, high, time);
         true
     }
 
-    /// The plane that it pushes on where the matter ends, if it is one across an axis: axis, position in m, and where the matter is. On a
-    /// grid whose nodes share their surroundings further than to the next one, it is then asked for all nodes that have a share of
-    /// this surface, on the plane or not, with that share for their [`Place::depth`] and a tolerance that takes them in: only so do
-    /// tractions balance stresses at every node. The plane must lie on nodes.
+    /// Return the surface plane of the matter that the condition loads, if it is a plane across an axis: axis, position in m, and side of
+    /// the matter. The plane must be on nodes. On grids whose shape functions extend beyond the next node, the condition is evaluated at
+    /// all nodes with a share of this surface, on the plane or not. Their [`Place::depth`] follows from that share, and their tolerance
+    /// includes them: only then do tractions balance stresses at every node.
     fn surface(&self) -> Option<(usize, f64, Side)> {
         None
     }
 
-    /// What it does at a place: [`Reaction::none`] where it does not act.
+    /// Return the reaction at a place; [`Reaction::none`] where the condition does not act.
     fn react(&self, place: &Place<D>) -> Reaction<D>;
 
-    /// What it is, for checkpoints to compare; functions of time by what they give at these, s. What `Debug` shows, if this is not said.
+    /// Return a description for comparison with checkpoints; functions of time are sampled at `times`, s. Default: the `Debug` output.
     fn constants(&self, times: [f64; 2]) -> String {
         let _ = times;
         format!("{self:?}")
     }
 }
 
-/// Refuse a number of a condition unless `holds` and it is finite.
+/// Check that a parameter of a condition is finite and `holds`.
 ///
 /// # Errors
 /// [`BoundaryError::Parameter`].

@@ -1,14 +1,14 @@
-//! What a scene is made of, in words, for a checkpoint to compare: constants as types show them (`Debug`), functions of time and
-//! place by what they give at some.
+//! Description of a scene's constants for comparison with checkpoints: values by their `Debug` output, functions of time and place by
+//! samples.
 
 use std::fmt::Debug;
 
 use impactite_geometry::Shape;
 
-/// What is compared, and what it is.
+/// Name of a constant, and its description.
 pub type Constant = (String, String);
 
-/// A region by its bounds and how deep their corners and their middle are.
+/// Describe a region by its bounds and the signed distances at their corners and centre.
 pub fn region<const D: usize>(shape: &dyn Shape<D>) -> String {
     let bounds = shape.bounds();
     let middle: [f64; D] = std::array::from_fn(|d| 0.5 * (bounds.min[d] + bounds.max[d]));
@@ -16,7 +16,7 @@ pub fn region<const D: usize>(shape: &dyn Shape<D>) -> String {
     format!("within {:?} .. {:?} m, {depths:?} m from its surface", bounds.min, bounds.max)
 }
 
-/// A function of time by what it gives at these, s: the start and now.
+/// Describe a function of time by its values at `times`, s: the start and now.
 pub fn over<X: Debug>(times: [f64; 2], of: impl Fn(f64) -> X) -> String {
     format!("{:?}", times.map(of))
 }

@@ -1,51 +1,51 @@
-//! What contact of bodies reports, whatever its method.
+//! Contact results of bodies, for any method.
 
 use crate::archive::{Archive, CheckpointError};
 
-/// A place where two bodies act on each other: a node of a grid, a pair of particles, a particle at a facet.
+/// Contact point of two bodies: a grid node, a pair of particles, a particle at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Position, m.
     pub position: [f64; 3],
-    /// The bodies, by number; the smaller first.
+    /// Numbers of the bodies; the smaller first.
     pub bodies: [usize; 2],
     /// Unit normal, from the first body to the second.
     pub normal: [f64; 3],
-    /// Distance of the surfaces along it, m, where the detector measures it; negative if they overlap.
+    /// Gap along the normal, m, if the detector measures it; negative for penetration.
     pub gap: Option<f64>,
-    /// Impulse on the second body, N s; the first gets its opposite.
+    /// Impulse on the second body, N s; that on the first is opposite.
     pub impulse: [f64; 3],
 }
 
-/// A pair of bodies in the last step.
+/// Contact of a pair of bodies in the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairContact {
-    /// The bodies, by number; the smaller first.
+    /// Numbers of the bodies; the smaller first.
     pub bodies: [usize; 2],
-    /// Contact force on the second body, N, mean of the step; the first feels its opposite.
+    /// Contact force on the second body, N, mean of the step; that on the first is opposite.
     pub force: [f64; 3],
-    /// Places in contact: nodes, or pairs of particles.
+    /// Number of contact points: nodes, or pairs of particles.
     pub places: usize,
-    /// Smallest distance of the surfaces there, m, where the detector measures it.
+    /// Smallest gap at the contact points, m, if the detector measures it.
     pub gap: Option<f64>,
     /// Energy dissipated by friction since the start, J.
     pub friction: f64,
-    /// Kinetic energy of what collides taken beside that since the start, J. Of nodes it holds what forces gave them in each step
-    /// and contact took back, and is no measure of what an impact loses: that is in the totals of the bodies.
+    /// Kinetic energy removed by contact beside friction since the start, J. At grid nodes it includes the energy that forces add in each
+    /// step and contact removes, so it does not measure the loss of an impact: see the totals of the bodies.
     pub taken: f64,
 }
 
 impl PairContact {
-    /// A pair that did nothing yet.
+    /// Create a pair without contact so far.
     #[must_use]
     pub fn new(bodies: [usize; 2]) -> Self {
         PairContact { bodies, force: [0.0; 3], places: 0, gap: None, friction: 0.0, taken: 0.0 }
     }
 
-    /// To a file, or from one.
+    /// Write or read the pair.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let PairContact { bodies, force, places, gap, friction, taken } = self;
         bodies.iter_mut().try_for_each(|b| file.count(b))?;

@@ -1,54 +1,54 @@
-//! The time step.
+//! Time step control.
 
-/// How the time step is chosen.
+/// Time step control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeControl {
-    /// dt = factor * min over particles of h / (c + |v|), with the current wave speed c; at most `growth`
-    /// times the last step (book, "The stable time step").
+    /// Courant condition: dt = factor * min over particles of h / (c + |v|), with the current wave speed c; at most `growth` times the last
+    /// step (book, "The stable time step").
     Courant {
         /// Safety factor.
         factor: f64,
-        /// Largest ratio of one step to the last.
+        /// Largest ratio of a step to the last one.
         growth: f64,
     },
-    /// dt = factor * sqrt(2) / omega with USL, factor * 2 / omega with MUSL and USF, omega the bound of the highest
-    /// frequency by the circles of Gershgorin (`Mpm::frequency_bound` of mpm-core); at most
-    /// `growth` times the last step, and no particle further than factor times half a cell. It sees what almost empty
-    /// cells do to the step, where [`TimeControl::Courant`] goes by a rule of thumb for the shape function: a factor near
-    /// 1 is safe at small strain. With FLIP and MUSL, whose limit no empty cell lowers, it asks for more than is needed.
+    /// Frequency bound: dt = factor * sqrt(2) / omega with USL, factor * 2 / omega with MUSL and USF, omega the bound of the highest
+    /// frequency by Gershgorin circles (`Mpm::frequency_bound` of mpm-core). The step is at most `growth` times the last one, and no
+    /// particle moves further than factor times half a cell. It accounts for almost empty cells, where [`TimeControl::Courant`] uses an
+    /// empirical factor of the shape function: a factor near 1 is safe at small strain. With FLIP and MUSL, whose limit no empty cell
+    /// lowers, it is smaller than necessary.
     Gershgorin {
         /// Safety factor.
         factor: f64,
-        /// Largest ratio of one step to the last.
+        /// Largest ratio of a step to the last one.
         growth: f64,
-        /// Steps for which a bound is kept. To find it costs some ten steps.
+        /// Number of steps for which a bound is reused. Its computation costs some ten steps.
         every: u64,
     },
-    /// The same dt always, s.
+    /// Constant time step, s.
     Fixed(f64),
 }
 
-/// What limits a step.
+/// Limit of a time step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum StepLimit {
-    /// Waves and velocities in a body: its place among those of the scene.
+    /// Courant limit of a body: its index in the scene.
     Body(usize),
-    /// Nodes of the grid ([`TimeControl::Gershgorin`]).
+    /// Frequency bound of the grid nodes ([`TimeControl::Gershgorin`]).
     Nodes,
-    /// A step that may be no more than so many times the one before.
+    /// Growth limit relative to the last step.
     Growth,
-    /// The step that was asked for.
+    /// Prescribed step.
     Fixed,
 }
 
-/// The largest of these rates, 1/s, and whose it is: of equal ones the first.
+/// Return the index and the value of the largest rate, 1/s; the first of equal ones.
 pub fn largest(rates: impl IntoIterator<Item = f64>) -> (usize, f64) {
     let more = |best: (usize, f64), next: (usize, f64)| if next.1 > best.1 { next } else { best };
     rates.into_iter().enumerate().fold((0, 0.0), more)
 }
 
-/// A control that no run can use.
+/// Invalid time step control.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("time control: {field} = {value} is not allowed; it must be {allowed}")]
 pub struct ControlError {
@@ -58,10 +58,10 @@ pub struct ControlError {
 }
 
 impl TimeControl {
-    /// Refuse what cannot be.
+    /// Check the parameters.
     ///
     /// # Errors
-    /// A factor or step that is not positive, or a growth not above 1.
+    /// A factor or step that is not positive, a growth not above 1, or a bound reused for 0 steps.
     pub fn check(&self) -> Result<(), ControlError> {
         match *self {
             TimeControl::Fixed(dt) if !(dt > 0.0 && dt.is_finite()) => {
@@ -84,10 +84,10 @@ impl TimeControl {
         }
     }
 
-    /// The same for a method without a grid, which has no nodes to bound the frequency of.
+    /// Check the parameters for a gridless method, which has no nodes for a frequency bound.
     ///
     /// # Errors
-    /// A control that no run can use, and [`TimeControl::Gershgorin`].
+    /// Invalid parameters, and [`TimeControl::Gershgorin`].
     pub fn check_without_grid(&self) -> Result<(), ControlError> {
         if let TimeControl::Gershgorin { every, .. } = *self {
             let allowed = "left out, as `Gershgorin` needs the nodes of a grid: take `Courant`";
@@ -96,7 +96,7 @@ impl TimeControl {
         self.check()
     }
 
-    /// What limits the step that [`next`](TimeControl::next) says, where the largest rate is that of such a body.
+    /// Return the limit of the step that [`next`](TimeControl::next) returns, if `body` has the largest rate.
     pub fn limit(&self, rate: f64, last: Option<f64>, body: usize) -> StepLimit {
         let growing = |factor: f64, growth: f64| last.is_some_and(|last| growth * last < factor / rate);
         match *self {
@@ -111,7 +111,7 @@ impl TimeControl {
         }
     }
 
-    /// The step, from the largest (c + |v|) / h of the particles, 1/s, or what stands for it, and the last step, s.
+    /// Return the next step, s, from the largest (c + |v|) / h of the particles or an equivalent rate, 1/s, and the last step, s.
     pub fn next(&self, rate: f64, last: Option<f64>) -> f64 {
         match *self {
             TimeControl::Fixed(dt) => dt,
@@ -130,7 +130,7 @@ mod tests {
     #[test]
     fn what_limits_a_step_is_what_makes_it_so_long() {
         let courant = TimeControl::Courant { factor: 0.5, growth: 1.1 };
-        // Of waves 0.5 / 100, and no more than 1.1 of the last one.
+        // Courant limit 0.5 / 100 s, growth limit 1.1 times the last step.
         assert_eq!(courant.limit(100.0, None, 3), StepLimit::Body(3));
         assert_eq!(courant.limit(100.0, Some(4.6e-3), 3), StepLimit::Body(3));
         assert_eq!(courant.limit(100.0, Some(4.5e-3), 3), StepLimit::Growth);

@@ -1,11 +1,11 @@
-//! Local damping towards rest, of any method.
+//! Local damping of unbalanced forces, for any method.
 
 use crate::error::SceneError;
 
-/// Local damping (Cundall 1987): the unbalanced force f of a point, that of contact and boundaries included, is lowered by its part alpha
-/// while it speeds the point up and raised by as much while it slows it down, f <- f - alpha |f| sign(v), each axis for itself.
+/// Local damping (Cundall 1987): the unbalanced force f of a point, contact and boundary forces included, is reduced by alpha |f| while it
+/// accelerates the point and increased by alpha |f| while it decelerates it, f <- f - alpha |f| sign(v), for each axis.
 ///
-/// Forces in balance are left alone, so that a state at rest is the true one and bodies at rest press with their weight. Damping never
+/// Balanced forces are not damped, so that a state of rest is the exact one and bodies at rest press with their full weight. Damping never
 /// reverses a velocity: a point that stops against another one stays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LocalDamping {
@@ -13,7 +13,7 @@ pub struct LocalDamping {
 }
 
 impl LocalDamping {
-    /// With the coefficient alpha: 0.05 for slow processes, 0.7 to come to rest soonest, 0 for none.
+    /// Create local damping with the coefficient alpha: 0.05 for slow processes, 0.7 for the fastest approach to rest, 0 for none.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1).
@@ -28,14 +28,14 @@ impl LocalDamping {
         self.coefficient
     }
 
-    /// Is there any?
+    /// True if the coefficient is positive.
     #[must_use]
     pub fn acts(&self) -> bool {
         self.coefficient > 0.0
     }
 
-    /// Velocity at the end of a step, m/s, along an axis: that of a point which had the velocity `start` before all forces of the step acted,
-    /// and would have the velocity `end` by them.
+    /// Return the damped velocity at the end of a step along an axis, m/s. `start` is the velocity before all forces of the step, `end` the
+    /// velocity that these forces result in.
     ///
     /// ```
     /// use impactite_scene::LocalDamping;

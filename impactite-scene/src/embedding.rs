@@ -1,36 +1,36 @@
-//! How a problem in `D` dimensions lies in space: laws are always three-dimensional.
+//! Embedding of a problem in `D` dimensions in space: material laws are always three-dimensional.
 
 use crate::body::Body;
 
-/// An embedding of `D` coordinates in three dimensions. It lifts a velocity gradient to a 3 x 3 tensor and
-/// brings the force of a 3 x 3 stress back.
+/// Embedding of `D` coordinates in three dimensions. It extends a velocity gradient to a 3 x 3 tensor and reduces the force of a 3 x 3
+/// stress to `D` components.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an embedding of {D} dimensions",
     note = "the dimensions are those of the grid's lattice: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`"
 )]
 pub trait Embedding<const D: usize>: Copy + Send + Sync + 'static {
-    /// The name in tables and messages.
+    /// Name in tables and messages.
     const NAME: &'static str;
-    /// Is the third direction a hoop around the axis x = 0? Then its strain rate is v_x / x, its stress
-    /// pushes along x, and masses and volumes are per radian.
+    /// True if the third direction is the hoop direction around the axis x = 0. Then its strain rate is v_x / x, its stress acts along x,
+    /// and masses and volumes are per radian.
     const HOOP: bool = false;
 }
 
-/// Three dimensions as they are.
+/// Three dimensions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FullSpace;
 impl Embedding<3> for FullSpace {
     const NAME: &'static str = "3D";
 }
 
-/// A line: of bars, whose stress is along it alone. Volumes and forces are those of their sections.
+/// Line of bars with uniaxial stress. Volumes and forces are those of the cross-sections.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Line;
 impl Embedding<1> for Line {
     const NAME: &'static str = "line";
 }
 
-/// Two dimensions with no strain along the third; masses and forces are per metre of depth.
+/// Two dimensions without strain along the third; masses and forces are per metre of depth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlaneStrain;
 impl Embedding<2> for PlaneStrain {
@@ -46,15 +46,15 @@ impl Embedding<2> for Axisymmetric {
     const HOOP: bool = true;
 }
 
-/// Any of them, for what no strain and no force is part of.
+/// Any embedding, for operations without strain and force.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AnySpace;
 impl<const D: usize> Embedding<D> for AnySpace {
     const NAME: &'static str = "any";
 }
 
-/// The description of a method with bodies of these laws: "plane stress" for "plane strain" where the stress across the plane is zero. Both
-/// have the coordinates of [`PlaneStrain`]; the law makes the difference.
+/// Return the description of a method for bodies with these laws: "plane strain" becomes "plane stress" if the stress across the plane is
+/// zero. Both have the coordinates of [`PlaneStrain`] and differ by the law.
 #[must_use]
 pub fn described(description: &str, bodies: &[&dyn Body]) -> String {
     let plates = bodies.iter().any(|body| body.is_plane_stress());
@@ -62,8 +62,8 @@ pub fn described(description: &str, bodies: &[&dyn Body]) -> String {
     if plates { description.replacen(strain, "plane stress", 1) } else { description.into() }
 }
 
-/// The unit of an extensive quantity (mass, momentum, force, energy) of a scene: `kg`, `kg/rad` around an axis, `kg/m` per metre of depth in the
-/// plane, `kg/m^2` per area of cross-section along a line.
+/// Return the unit of an extensive quantity (mass, momentum, force, energy) of a scene: `kg`, `kg/rad` around an axis, `kg/m` per metre of
+/// depth in the plane, `kg/m^2` per area of cross-section along a line.
 ///
 /// ```
 /// use impactite_scene::embedding::unit_of_part;
@@ -82,7 +82,8 @@ pub fn unit_of_part(unit: &str, dimensions: usize, axisymmetric: bool) -> String
     if unit.contains([' ', '/']) { format!("({unit})/{per}") } else { format!("{unit}/{per}") }
 }
 
-/// Reference of an extensive quantity of a scene, as written after its unit: " per radian", " per metre of depth"; empty of the whole.
+/// Return the reference of an extensive quantity, as written after its unit: " per radian", " per metre of depth"; empty in three
+/// dimensions.
 #[must_use]
 pub fn part_in_words(dimensions: usize, axisymmetric: bool) -> &'static str {
     match (dimensions, axisymmetric) {

@@ -1,95 +1,95 @@
-//! What a scene is refused for, and what stops a step, of any method.
+//! Invalid scene definitions and errors of steps, for any method.
 
 use impactite_geometry::search::SearchError;
 use mpm_materials::Breakdown;
 
-use crate::boundary::BoundaryError;
+use crate::condition::BoundaryError;
 use crate::control::ControlError;
 use crate::finding::Finding;
 
-/// A step that could not be made. The run stands where the step broke off.
+/// Failed step. The run stays in the state in which the step failed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("step {step} at t = {time:.6e} s: {what}")]
 pub struct StepError {
     /// Number of the step.
     pub step: u64,
-    /// Time at its start, s.
+    /// Time at the start of the step, s.
     pub time: f64,
-    /// What stopped it.
+    /// Reason of the stop.
     pub what: Stopped,
 }
 
-/// What stops a step.
+/// Reason of a stopped step.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Stopped {
-    /// A point cannot go on.
+    /// Failure at a point.
     #[error("{kind} {number} of body `{body}` (law: {law}) near {position:?} m: {cause}")]
     Point {
-        /// What has the number.
+        /// Kind of the point.
         kind: PointKind,
-        /// Its body.
+        /// Name of the body.
         body: String,
-        /// Its number.
+        /// Number of the point in the body.
         number: usize,
-        /// Its position, m.
+        /// Position, m.
         position: [f64; 3],
-        /// The body's law.
+        /// Law of the body.
         law: &'static str,
-        /// What happened.
+        /// Cause.
         cause: Cause,
     },
-    /// A particle came to where the grid has no nodes.
+    /// Particle outside of the grid.
     #[error("particle {particle} of body `{body}` (law: {law}) at {position:?} m leaves the grid: {outside}")]
     Outside {
-        /// Its body.
+        /// Name of the body.
         body: String,
-        /// Its number.
+        /// Number of the particle.
         particle: usize,
-        /// Its position, m.
+        /// Position, m.
         position: [f64; 3],
-        /// The body's law.
+        /// Law of the body.
         law: &'static str,
-        /// Which nodes there are none of.
+        /// Missing block of the grid.
         outside: Box<OutsideGrid>,
     },
-    /// A rigid body is told to move as none can, or the scene became one that cannot be.
+    /// Scene that became invalid, for example by the prescribed motion of a rigid body.
     #[error(transparent)]
     Scene(SceneError),
-    /// A time that the clock cannot follow.
+    /// Invalid time or time step.
     #[error("{field} = {value:e} s is not allowed; it must be {allowed} (now t = {now:e} s)")]
     Clock {
-        /// What was given.
+        /// Name of the argument.
         field: &'static str,
-        /// Its value, s.
+        /// Value given, s.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
-        /// The time reached, s.
+        /// Current time, s.
         now: f64,
     },
-    /// The wave speeds give no usable time step.
+    /// Time step that is not positive and finite.
     #[error(
         "the time step became {0} s: a wave speed is infinite, zero or not a number, or all bodies are rigid; check the constants of the \
          materials, or fix the step (`TimeControl::Fixed`)"
     )]
     NoTimeStep(f64),
-    /// The step was made, but the run is no longer to be trusted ([`crate::watch`]).
+    /// Finding of a check after a completed step: results are not to be trusted ([`crate::watch`]).
     #[error("{0}")]
     Watch(Box<Finding>),
 }
 
-/// What has a number in a body.
+/// Kind of a numbered point of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PointKind {
-    /// A particle.
+    /// Particle.
     Particle,
-    /// An element.
+    /// Element.
     Element,
-    /// A cell of a body that is divided into such.
+    /// Cell of a body that is divided into cells.
     Cell,
-    /// A node of elements.
+    /// Node of elements.
     Node,
 }
 
@@ -104,133 +104,133 @@ impl std::fmt::Display for PointKind {
     }
 }
 
-/// What happens to points.
+/// Cause of a failure at a point.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Cause {
-    /// Its law broke down.
+    /// Failure of the material law.
     #[error("{0}")]
     Law(Breakdown),
-    /// It would move further than one cell in a step, or its velocity is not a number.
+    /// Displacement of more than one cell in a step, or a velocity that is not finite.
     #[error("it would move more than one cell in the step, or its velocity is not a finite number")]
     TooFast,
-    /// Its velocity is not a number.
+    /// Velocity that is not finite.
     #[error("its velocity is not a finite number")]
     Velocity,
-    /// Its domain has a corner of no angle, or of more than a straight one.
+    /// Particle domain with an inner angle of 0 or of more than 180 degrees.
     #[error("its domain is turned inside out")]
     InsideOut,
-    /// What else a method finds, in words with the remedy.
+    /// Cause of a specific method, in words with the remedy.
     #[error("{0}")]
     Other(&'static str),
 }
 
-/// A particle came to where the grid has no nodes.
+/// Missing block of grid nodes at a particle.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the grid has no block {coordinates:?}; {hint}")]
 pub struct OutsideGrid {
     /// Coordinates of the block, in units of four cells.
     pub coordinates: Vec<i32>,
-    /// What to do.
+    /// Remedy.
     pub hint: &'static str,
 }
 
-/// A scene that cannot be.
+/// Invalid scene definition.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
-    /// Points that no search for neighbours can use.
+    /// Points that the neighbour search rejects.
     #[error(transparent)]
     Search(#[from] SearchError),
-    /// A list of the wrong length.
+    /// List of the wrong length.
     #[error("{field}: {found} values are not allowed; there must be one a particle, {particles}")]
     Length {
-        /// Which list.
+        /// Name of the list.
         field: &'static str,
-        /// Its length.
+        /// Length of the list.
         found: usize,
-        /// The number of particles.
+        /// Number of particles.
         particles: usize,
     },
-    /// A parameter of a part of a method.
+    /// Invalid parameter of a component of a method.
     #[error("{owner}: {field} = {value} is not allowed; it must be {allowed}")]
     Parameter {
-        /// The part.
+        /// Name of the component.
         owner: &'static str,
-        /// The parameter.
+        /// Name of the parameter.
         field: &'static str,
-        /// Its value.
+        /// Value given.
         value: f64,
-        /// What is allowed.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A point without mass.
+    /// Particle without mass.
     #[error("particle {particle} of body `{body}` at {position:?} m has no mass: {why}")]
     NoMass {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Which.
+        /// Number of the particle.
         particle: usize,
-        /// Where, m.
+        /// Position, m.
         position: Vec<f64>,
-        /// Why, and what to do.
+        /// Reason and remedy.
         why: &'static str,
     },
-    /// A law whose density is not positive.
+    /// Law with a density that is not positive.
     #[error("law `{law}`: density = {density} kg/m^3 is not allowed; it must be positive and finite")]
     Density {
-        /// The law.
+        /// Name of the law.
         law: &'static str,
-        /// Its density.
+        /// Density given, kg/m^3.
         density: f64,
     },
-    /// States of another law.
+    /// Initial states of another law.
     #[error("states of ({there}) are not those of the law {law}")]
     OtherState {
-        /// The law.
+        /// Name of the law.
         law: &'static str,
-        /// The numbers of the states given.
+        /// State variables of the states given.
         there: String,
     },
-    /// A boundary.
+    /// Invalid boundary condition.
     #[error(transparent)]
     Boundary(#[from] BoundaryError),
-    /// The time control.
+    /// Invalid time control.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// A limit of the watch.
+    /// Invalid threshold of the watch.
     #[error("watch: {field} = {value} is not allowed; it must be positive and finite")]
     Watch {
-        /// Which.
+        /// Name of the threshold.
         field: &'static str,
-        /// The number given.
+        /// Value given.
         value: f64,
     },
-    /// A coefficient of local damping.
+    /// Invalid coefficient of local damping.
     #[error("local damping {0} is not allowed; it must be in [0, 1)")]
     Damping(f64),
-    /// Damping of forces that the nodes do not know.
+    /// Local damping with a method whose nodes have no separate forces.
     #[error(
         "local damping needs the forces of the nodes, which `{0}` maps together with momentum; take FLIP, MUSL or USF"
     )]
     NoForces(String),
-    /// What counts as rest.
+    /// Invalid criterion of rest.
     #[error("rest: {field} = {value} is not allowed; it must be positive and finite")]
     Rest {
-        /// Which number.
+        /// Name of the parameter.
         field: &'static str,
-        /// What was given.
+        /// Value given.
         value: f64,
     },
-    /// Steps between filters.
+    /// Invalid number of steps between null-space filters.
     #[error("null-space filter: steps = 0 is not allowed; they must be at least 1")]
     FilterSteps,
-    /// A filter of velocities that hide nothing.
+    /// Null-space filter for velocities without a null-space part.
     #[error(
         "a null-space filter has nothing to do for `{0}`, whose velocities come from the nodes; it needs FLIP or a blend"
     )]
     NothingToFilter(String),
-    /// Kinetic damping of a method whose nodes know no forces.
+    /// Kinetic damping with a method whose nodes have no separate forces.
     #[error(
         "kinetic damping is not allowed with `{0}`, which maps momentum and impulse together; take FLIP or a blend"
     )]
@@ -238,265 +238,265 @@ pub enum SceneError {
     /// Kinetic damping beside a free rigid body.
     #[error("kinetic damping is not allowed with the free rigid body `{0}`; its motion must be prescribed")]
     RestOfFree(String),
-    /// What the method of the scene cannot do.
+    /// Feature that the method does not support.
     #[error("{what} is not allowed with `{method}`: {why}")]
     NotWith {
-        /// What was asked for.
+        /// Feature.
         what: String,
-        /// The method.
+        /// Name of the method.
         method: String,
-        /// Why not, and what to do.
+        /// Reason and alternative.
         why: &'static str,
     },
-    /// What only bodies that are kept apart can do.
+    /// Feature that needs a contact algorithm.
     #[error("{0} needs a contact algorithm, and the scene has none: make it by `Mpm::with_contact`")]
     NoContact(&'static str),
-    /// A body whose kernels are those of another method.
+    /// Body with the kernels of another method.
     #[error("body `{body}` has the kernels of `{there}`, and the scene is one of `{here}`")]
     OtherMethod {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Its method.
+        /// Method of the body.
         there: String,
-        /// That of the scene.
+        /// Method of the scene.
         here: String,
     },
-    /// A law that does not keep what splitting asks for.
+    /// Splitting with a law that does not store the stretch.
     #[error("body `{body}`: splitting is not allowed with the law {law}; wrap it: `Stretching::new(law)`")]
     NoStretch {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Its law.
+        /// Name of the law.
         law: &'static str,
     },
-    /// No body of this name.
+    /// Unknown name of a body.
     #[error("body `{body}` is not in the scene; it must be one of {bodies}")]
     NoBody {
-        /// The name given.
+        /// Name given.
         body: String,
-        /// Those there are.
+        /// Names of the bodies.
         bodies: String,
     },
-    /// A body that is to rest, and does not.
+    /// Body to be deactivated that is not at equilibrium.
     #[error(
         "body `{body}` does not rest: {field} of particle {particle} = {value} is not allowed; it must be {allowed}"
     )]
     NotAtEquilibrium {
-        /// The body.
+        /// Name of the body.
         body: String,
         /// Number of the particle.
         particle: usize,
-        /// Which number of it.
+        /// Name of the quantity.
         field: String,
-        /// What it is.
+        /// Value of the quantity.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: String,
     },
-    /// A body that is to rest where something may set it in motion.
+    /// Body to be deactivated that something other than a body may set in motion.
     #[error(
         "body `{body}` cannot rest: {what} is not allowed with it; only other bodies may set it in motion"
     )]
     Disturbed {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// What may move it.
+        /// Possible cause of motion.
         what: String,
     },
-    /// A scene without bodies.
+    /// Scene without bodies.
     #[error("the scene has no body to step; add one")]
     NoBodies,
-    /// A name that tells a body from no other.
+    /// Body name that is empty or not unique.
     #[error("body name `{name}` is not allowed; it must be {allowed}")]
     Name {
-        /// The name given.
+        /// Name given.
         name: String,
-        /// What is allowed, in words.
+        /// Allowed names, in words.
         allowed: &'static str,
     },
-    /// A load or a prescribed velocity that is no number.
+    /// Load or prescribed velocity that is not finite.
     #[error("{what} = {value} at t = {time:e} s is not allowed; it must be finite")]
     NotFinite {
-        /// Which.
+        /// Name of the quantity.
         what: String,
-        /// Its value, in SI units.
+        /// Value, in SI units.
         value: f64,
-        /// When, s.
+        /// Time, s.
         time: f64,
     },
-    /// Matter where the image of other matter is.
+    /// Particle behind a plane of symmetry.
     #[error(
         "body `{body}`: particle {particle} is {distance:e} m behind the plane of symmetry on axis {axis} at {at} m; it must be \
          in front of it, where matter is modelled"
     )]
     BehindSymmetry {
-        /// The body.
+        /// Name of the body.
         body: String,
         /// Number of the particle.
         particle: usize,
         /// Normal axis of the plane.
         axis: usize,
-        /// Where the plane is, m.
+        /// Position of the plane, m.
         at: f64,
-        /// How far behind it the particle is, m.
+        /// Distance of the particle behind the plane, m.
         distance: f64,
     },
-    /// A body without particles.
+    /// Body without particles.
     #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
     Empty(String),
-    /// A body's particles are too large for the shape function.
+    /// Particles too large for the shape function.
     #[error(
         "body `{body}`: particle half size {half} h along axis {axis} is not allowed; it must be in (0, 0.5]"
     )]
     HalfSize {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// The axis.
+        /// Axis.
         axis: usize,
         /// Half size in units of h.
         half: f64,
     },
-    /// Particles that are to be split are not as long as they are wide.
+    /// Splitting of particles whose half sizes differ between axes.
     #[error(
         "body `{body}`: particle half size {half} h along axis {axis} is not allowed with splitting; it must be the \
          same along every axis ({first} h along the first)"
     )]
     Oblong {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// The axis.
+        /// Axis.
         axis: usize,
         /// Half size in units of h.
         half: f64,
-        /// Half size along the first axis.
+        /// Half size along the first axis in units of h.
         first: f64,
     },
-    /// Particles that cannot be merged.
+    /// Body whose particles cannot be merged.
     #[error("body `{body}`: merging is not allowed with {what}")]
     NoMerging {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// What has none.
+        /// Component that prevents merging.
         what: String,
     },
-    /// A body reaches outside the grid.
+    /// Body outside of the grid.
     #[error("body `{0}`: {1}")]
     Outside(String, OutsideGrid),
-    /// A body of revolution across its axis.
+    /// Body of revolution with a seed on or behind the axis.
     #[error(
         "body `{body}`: a seed at r = {r} m is not allowed in axisymmetric coordinates; r must be positive"
     )]
     BehindAxis {
-        /// The body.
+        /// Name of the body.
         body: String,
         /// Radius, m.
         r: f64,
     },
-    /// Seeds whose lists differ in length.
+    /// Seeds with lists of different lengths.
     #[error("body `{body}`: {volumes} volumes for {positions} positions; every seed needs one of each")]
     Unequal {
-        /// The body.
+        /// Name of the body.
         body: String,
         /// Number of positions.
         positions: usize,
         /// Number of volumes.
         volumes: usize,
     },
-    /// A seed that cannot become a particle.
+    /// Invalid seed.
     #[error("body `{body}`, particle {particle}: {field} = {value} is not allowed; it must be {allowed}")]
     Seed {
-        /// The body.
+        /// Name of the body.
         body: String,
         /// Number of the seed.
         particle: usize,
-        /// Which number.
+        /// Name of the quantity.
         field: &'static str,
-        /// What was given.
+        /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// An element that cannot be.
+    /// Invalid element.
     #[error("body `{body}`, element {element}: {field} = {value} is not allowed; it must be {allowed}")]
     Element {
-        /// The body.
+        /// Name of the body.
         body: String,
         /// Number of the element.
         element: usize,
-        /// Which number of it.
+        /// Name of the quantity.
         field: &'static str,
-        /// What was given.
+        /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A rigid body that moves as none can.
+    /// Invalid motion of a rigid body.
     #[error("rigid body `{body}`: {field} = {value} is not allowed; it must be {allowed}")]
     Rigid {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Which number.
+        /// Name of the quantity.
         field: &'static str,
-        /// What was given.
+        /// Value given.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A body of another law is to be taken over.
+    /// Takeover of a body with another law.
     #[error("body `{body}` has the law {there} and cannot be taken over with {here}")]
     OtherLaw {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Its law, and what that keeps.
+        /// Law of the body, and its state variables.
         there: String,
-        /// The law given, likewise.
+        /// Law given, and its state variables.
         here: String,
     },
-    /// A body of other coordinates is to be taken over.
+    /// Takeover of a body with other coordinates.
     #[error("body `{body}` is in {there} coordinates and cannot be taken over into {here} ones")]
     OtherSpace {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Its embedding.
+        /// Embedding of the body.
         there: &'static str,
-        /// That of the scene.
+        /// Embedding of the scene.
         here: &'static str,
     },
-    /// A scene to be added as a body has not just one.
+    /// Takeover of a scene with more or less than one body.
     #[error("a scene of {0} bodies cannot be added as one; it must have one")]
     NotOneBody(usize),
-    /// What asks the nodes for the forces of a body of another discretisation.
+    /// Feature that needs nodal forces of a body with another discretisation.
     #[error(
         "{what} is not allowed beside the body `{body}`, whose forces act on another grid than that of the scene, in its reference \
          configuration or by another method"
     )]
     BesideClient {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// What is not allowed.
+        /// Feature.
         what: &'static str,
     },
-    /// A clock that cannot be set.
+    /// Invalid initial setting of the clock.
     #[error("time = {time} s after {steps} steps is not allowed; it must be finite, and no step made")]
     Clock {
-        /// The time given, s.
+        /// Time given, s.
         time: f64,
-        /// Steps made.
+        /// Number of steps.
         steps: u64,
     },
-    /// More particles than their numbers can count.
+    /// Too many particles for their numbering.
     #[error("body `{body}`: {count} particles are too many; their numbers count up to {most}")]
     TooMany {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// How many.
+        /// Number of particles.
         count: usize,
-        /// How many there may be.
+        /// Largest number of particles.
         most: usize,
     },
 }
 
-/// Refuse a parameter of a part of a method unless it `holds` and is finite.
+/// Check that a parameter of a component `holds` and is finite, and return it.
 ///
 /// # Errors
 /// [`SceneError::Parameter`].

@@ -1,35 +1,36 @@
-//! What a scene was given, and what contact took.
+//! Exchange of momentum and energy: boundaries, loads, contact and numerical dissipation.
 
 use crate::archive::{Archive, CheckpointError};
 
-/// What a scene exchanged with what is outside of its points since the start of a run.
+/// Momentum and energy that a scene exchanged with its surroundings since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exchange {
     /// Impulse of the boundaries on the material, N s.
     pub impulse: [f64; 3],
     /// Impulse of body forces and loads, N s.
     pub load: [f64; 3],
-    /// Work on the material, J: of boundaries (impulse times the velocity of the boundary: none where that rests), loads and body forces.
+    /// Work on the material, J, of boundaries (impulse times velocity of the boundary: zero at rest), loads and body forces.
     pub work: f64,
-    /// Momentum that was dropped, kg m/s: at nodes of a grid too light to carry it.
+    /// Momentum removed at grid nodes with too little mass, kg m/s.
     pub dropped: [f64; 3],
-    /// Work of friction, J, between bodies and on walls: heat that no point gets.
+    /// Work of friction between bodies and on walls, J: heat that is not added to a point.
     pub friction: f64,
-    /// Kinetic energy that impulses between points, or of points on walls, took beside friction, J: plastic impacts of points.
+    /// Kinetic energy lost in plastic impacts of points on points or walls, beside friction, J.
     pub impacts: f64,
-    /// Energy that damping took, J: local damping, kinetic damping, null-space filter.
+    /// Energy dissipated by damping, J: local damping, kinetic damping, null-space filter.
     pub damping: f64,
-    /// Energy that numerical viscosity took, J: of stabilisations whose work no law has. Viscosity of a law heats its points instead.
+    /// Energy dissipated by numerical viscosity, J: stabilisations outside of the material laws. The viscosity of a law heats its points
+    /// instead.
     pub viscosity: f64,
-    /// Energy that came with points split, merged, made or removed, J.
+    /// Energy added by points that were split, merged, created or removed, J.
     pub conversion: f64,
-    /// Kinetic energy of nodes of a grid that contact took beside friction, J, where forces tear their velocities apart in every
-    /// step and contact joins them: more than what the points lose, and so in no balance.
+    /// Kinetic energy of grid nodes dissipated by contact beside friction, J. Forces separate the velocities of the bodies at a node in
+    /// every step and contact equalises them, so that this is more than the loss of the points. It is in no balance.
     pub node_contact: f64,
 }
 
 impl Exchange {
-    /// Add another one.
+    /// Add another exchange.
     pub fn add(&mut self, o: &Exchange) {
         for d in 0..3 {
             self.impulse[d] += o.impulse[d];
@@ -45,17 +46,17 @@ impl Exchange {
         self.node_contact += o.node_contact;
     }
 
-    /// The sum with another one.
+    /// Return the sum with another exchange.
     #[must_use]
     pub fn plus(mut self, o: &Exchange) -> Exchange {
         self.add(o);
         self
     }
 
-    /// To a file, or from one.
+    /// Write or read the exchange.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let Exchange {
             impulse,

@@ -1,38 +1,38 @@
-//! What a look at a run finds.
+//! Findings of the checks of a run.
 
 use std::fmt;
 
-/// Something that may be wrong with a run that goes on.
+/// Warning of a run that continues.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("after step {step}, t = {time:.6e} s: {finding}")]
 pub struct Warning {
-    /// Steps made.
+    /// Number of steps.
     pub step: u64,
     /// Time, s.
     pub time: f64,
-    /// What was found.
+    /// Finding of the check.
     pub finding: Finding,
 }
 
-/// Energy that no balance has: where it most likely went, and the remedy, in words.
+/// Likely sink of unexplained energy, and the remedy, in words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loss {
-    /// Likely sinks, as "the filter of the transfer".
+    /// Likely sinks, such as "the filter of the transfer".
     pub by: &'static str,
-    /// Parts and parameters that keep more, as an imperative.
+    /// Components and parameters that conserve more energy, as an imperative.
     pub remedy: &'static str,
 }
 
-/// Energies that were taken and booked, J: none of them is lost.
+/// Energies that were dissipated and booked, J: they are not lost.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Booked {
-    /// By friction.
+    /// Friction.
     pub friction: f64,
-    /// By plastic impacts of points.
+    /// Plastic impacts of points.
     pub impacts: f64,
-    /// By local damping, kinetic damping and the null-space filter.
+    /// Local damping, kinetic damping and null-space filter.
     pub damping: f64,
-    /// By numerical viscosity, and as heat by that of laws.
+    /// Numerical viscosity, and heat of the viscosity of laws.
     pub viscosity: f64,
 }
 
@@ -50,106 +50,106 @@ impl fmt::Display for Booked {
     }
 }
 
-/// Finding of a look at a run. [`Display`](fmt::Display) is [`found`](Finding::found), a semicolon, and [`remedy`](Finding::remedy).
+/// Finding of a check. [`Display`](fmt::Display) is [`found`](Finding::found), a semicolon, and [`remedy`](Finding::remedy).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
-    /// Energy that nothing explains.
+    /// Unexplained gain of energy.
     EnergyGain {
-        /// Of the largest energy so far.
+        /// Share of the largest energy so far.
         share: f64,
-        /// Energy, J.
+        /// Energy gained, J.
         joules: f64,
-        /// The body where the signs are strongest.
+        /// Body with the strongest signs.
         body: String,
-        /// Where, m.
+        /// Position, m.
         position: [f64; 3],
-        /// What most likely brought it about, and what to do.
+        /// Likely cause, and remedy.
         cause: GainCause,
     },
-    /// Energy that went where no balance has it.
+    /// Unexplained loss of energy.
     EnergyLoss {
-        /// Of the largest energy so far.
+        /// Share of the largest energy so far.
         share: f64,
-        /// Energy, J.
+        /// Energy lost, J.
         joules: f64,
-        /// Upper bound of what contact took of it at nodes of a grid, J; 0 where there was no such contact.
+        /// Upper bound of the loss by contact at grid nodes, J; 0 without such contact.
         contact: f64,
-        /// Energy that went where a balance has it, J.
+        /// Dissipated energy that the balance contains, J.
         booked: Booked,
-        /// Where it most likely went, and what keeps more.
+        /// Likely sink, and remedy.
         loss: Loss,
     },
-    /// An energy balance that is off at the end of a run of few steps.
+    /// Error of the energy balance at the end of a run of few steps.
     FewSteps {
-        /// Steps made.
+        /// Number of steps.
         steps: u64,
-        /// Part of the largest energy so far; negative: lost.
+        /// Share of the largest energy so far; negative for a loss.
         share: f64,
-        /// Energy, J; negative: lost.
+        /// Energy, J; negative for a loss.
         joules: f64,
     },
-    /// An energy or momentum that is no number.
+    /// Energy or momentum that is not finite.
     NotFinite {
-        /// The body.
+        /// Name of the body.
         body: String,
     },
-    /// Momentum that nothing explains.
+    /// Unexplained momentum.
     Momentum {
-        /// Of the largest sum of m |v|, or of all impulses given.
+        /// Share of the largest sum of m |v|, or of all applied impulses.
         share: f64,
-        /// Along x, y, z, kg m/s.
+        /// Unexplained momentum along x, y, z, kg m/s.
         momentum: [f64; 3],
     },
-    /// A body came apart though no particle of the parts failed.
+    /// Numerical fracture: a body separated without a failed particle in the parts.
     Torn {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Parts now.
+        /// Number of parts now.
         parts: usize,
-        /// Parts when it was added.
+        /// Number of parts when the body was added.
         before: usize,
-        /// Share of the particles in parts without a failed one.
+        /// Share of the particles that are in parts without a failed one.
         share: f64,
     },
-    /// A pressure that changes its sign from cell to cell.
+    /// Pressure oscillation from cell to cell.
     Locking {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Root mean square of what alternates, Pa.
+        /// Root mean square of the oscillating part, Pa.
         pressure: f64,
-        /// Of the variation of the pressure.
+        /// Share of the variation of the pressure.
         share: f64,
         /// Root mean square of the von Mises stress, Pa.
         von_mises: f64,
     },
-    /// Motion of elements that their integration points do not see takes a large part of the energy.
+    /// Hourglass energy: element modes without strain at the quadrature points have a large share of the energy.
     Hourglass {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Of the largest kinetic and internal energy of the body so far.
+        /// Share of the largest kinetic and internal energy of the body so far.
         share: f64,
-        /// Energy, J.
+        /// Hourglass energy, J.
         joules: f64,
-        /// The element with most of it, m.
+        /// Position of the element with the largest part, m.
         position: [f64; 3],
     },
-    /// Points of a body of another discretisation that are further apart than the nodes of the grid that they act on.
+    /// Spacing of the points of a body of another discretisation above that of the grid nodes.
     WidePoints {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Distance of points over that of nodes.
+        /// Point spacing over node spacing.
         ratio: f64,
     },
-    /// Particles that failed without any in the cells around theirs.
+    /// Failed particles without other failed ones in the surrounding cells.
     LoneFailure {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// Particles that failed.
+        /// Number of failed particles.
         failed: u64,
-        /// Those without one in the cells around.
+        /// Number of those without another one in the surrounding cells.
         alone: u64,
-        /// Where one is, m.
+        /// Position of one of them, m.
         position: [f64; 3],
     },
 }
@@ -163,7 +163,7 @@ impl fmt::Display for Finding {
 }
 
 impl Finding {
-    /// Finding and likely cause, without the remedy.
+    /// Return the finding and its likely cause, without the remedy.
     #[must_use]
     pub fn found(&self) -> String {
         let per_cent = |share: &f64| 100.0 * share;
@@ -227,7 +227,7 @@ impl Finding {
         }
     }
 
-    /// Remedy, as an imperative. Parts are named by their calls; scene files have keys for them.
+    /// Return the remedy, as an imperative. It names library calls; scene files have keys for them.
     #[must_use]
     pub fn remedy(&self) -> &'static str {
         match self {
@@ -256,32 +256,32 @@ impl Finding {
     }
 }
 
-/// Likely cause of a gain of energy. [`Display`](fmt::Display) is the cause, a semicolon, and the remedy.
+/// Likely cause of an energy gain. [`Display`](fmt::Display) is the cause, a semicolon, and the remedy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GainCause {
-    /// A step beyond the limit of stability.
+    /// Time step above the stability limit.
     TimeStep {
-        /// The step, s.
+        /// Time step, s.
         dt: f64,
-        /// The longest stable one by Gershgorin's bound, s.
+        /// Largest stable step by Gershgorin's bound, s.
         limit: f64,
     },
-    /// Motion that no node sees.
+    /// Null-space motion: particle velocities that vanish at the nodes.
     Unseen {
-        /// Kinetic energy of such motion in all bodies, J.
+        /// Kinetic energy of the null-space motion of all bodies, J.
         joules: f64,
     },
-    /// Matter denser than the data of its equation of state.
+    /// Density above the data of the equation of state.
     OverCompressed {
-        /// How many.
+        /// Number of particles.
         particles: usize,
     },
-    /// A contact.
+    /// Contact.
     Contact,
-    /// Particles that cross cells.
+    /// Cell crossing of particles.
     Crossing,
-    /// Cause that a method knows: the cause, a semicolon, and the remedy.
+    /// Cause of a specific method: the cause, a semicolon, and the remedy.
     Other(&'static str),
 }
 
@@ -294,7 +294,7 @@ impl fmt::Display for GainCause {
 }
 
 impl GainCause {
-    /// The cause, without the remedy.
+    /// Return the cause, without the remedy.
     #[must_use]
     pub fn found(&self) -> String {
         match self {
@@ -313,7 +313,7 @@ impl GainCause {
         }
     }
 
-    /// Remedy, as an imperative.
+    /// Return the remedy, as an imperative.
     #[must_use]
     pub fn remedy(&self) -> &'static str {
         match self {

@@ -1,19 +1,19 @@
-//! What every method of computational mechanics shares.
+//! Shared infrastructure of all methods: solver interface, run loop, observers, balances, checkpoints and boundary conditions.
 //!
-//! A method (`mpm-core`, `pcmm`, one's own) brings its physics and implements [`Solver`]; from here it has
+//! A method (`mpm-core`, `pcmm`, or your own) implements its physics and [`Solver`]. It uses these modules:
 //!
-//! | module | holds |
+//! | module | contents |
 //! |---|---|
-//! | [`solver`] | what a method must say of itself, and what every solver can do with that |
-//! | [`body`], [`contact`] | bodies, their points and their contacts as others see them |
+//! | [`solver`] | interface of a method, and default operations of every solver |
+//! | [`body`], [`contact`] | public view of bodies, their points and their contacts |
 //! | [`run`] | the run loop, with observers, checkpoints and restart |
 //! | [`observe`] | histories, balances, probes, ParaView series, pictures, progress |
-//! | [`clock`], [`control`] | simulated time, and how the time step is chosen |
-//! | [`balance`], [`watch`] | balances of mass, momentum and energy, and what stops or warns |
+//! | [`clock`], [`control`] | simulated time and time step control |
+//! | [`balance`], [`watch`] | balances of mass, momentum and energy; warnings and stop criteria |
 //! | [`archive`], [`constants`] | checkpoints |
-//! | [`boundary`], [`condition`], [`embedding`] | conditions, one's own among them, and how a problem in `D` dimensions lies in space |
-//! | [`moving`] | the same conditions on points that move with velocities of their own |
-//! | [`error`] | what scenes are refused for and what stops steps |
+//! | [`boundary`], [`condition`], [`embedding`] | boundary conditions, custom conditions, embedding of `D` dimensions in space |
+//! | [`moving`] | boundary conditions on points with velocities of their own |
+//! | [`error`] | invalid scene definitions and errors of steps |
 //!
 //! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy, zz, yz, xz, xy.
 

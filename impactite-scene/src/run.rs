@@ -11,50 +11,50 @@ use crate::observe::{ObserveError, Observer, Pace, RunView};
 use crate::solver::{PREFACED, Solver, TITLE, archive_body, not_stopped};
 use crate::summary::RunSummary;
 
-/// Why a run stopped early.
+/// Error that stopped a run.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
-    /// A step could not be made.
+    /// Failed step.
     #[error(transparent)]
     Step(#[from] StepError),
-    /// An observer could not look.
+    /// Failed observation.
     #[error("observer at t = {time:.6e} s: {source}")]
     Observe {
         /// Simulated time, s.
         time: f64,
-        /// What it said.
+        /// Error of the observer.
         source: ObserveError,
     },
-    /// A checkpoint could not be written or read.
+    /// Failed write or read of a checkpoint.
     #[error("checkpoint at t = {time:.6e} s: {source}")]
     Checkpoint {
         /// Simulated time, s.
         time: f64,
-        /// What was wrong with it.
+        /// Error of the checkpoint.
         source: CheckpointError,
     },
-    /// It was [asked to stop](Run::stop_when).
+    /// Run that was [asked to stop](Run::stop_when).
     #[error("the run was asked to stop at t = {time:.6e} s, after {steps} steps{}", saved.as_ref().map_or(String::new(), |p| format!("; it goes on from `{}`", p.display())))]
     Interrupted {
         /// Simulated time, s.
         time: f64,
-        /// Steps made since the scene was set up.
+        /// Number of steps since the scene was set up.
         steps: u64,
-        /// The checkpoint that was written.
+        /// Path of the checkpoint that was written, if any.
         saved: Option<PathBuf>,
     },
-    /// An end that cannot be reached.
+    /// Invalid end time.
     #[error("end = {end} s is not allowed; it must be finite and not before the time reached, {time} s")]
     End {
-        /// The end given, s.
+        /// End time given, s.
         end: f64,
         /// Simulated time, s.
         time: f64,
     },
 }
 
-/// When checkpoints are written.
+/// Schedule of checkpoints.
 #[derive(Clone, Copy, Debug)]
 enum Every {
     Pace(Pace),
@@ -69,7 +69,7 @@ struct Checkpoints {
     written: usize,
 }
 
-/// What a program has in its checkpoints before solver and observers, to a file or from one.
+/// Function that writes or reads program data before solver and observers in a checkpoint.
 type Preface<'a> = dyn FnMut(&mut Archive) -> Result<(), CheckpointError> + 'a;
 
 /// A run of a solver with observers and checkpoints.
@@ -95,12 +95,12 @@ pub struct Run<'a> {
     preface: Option<&'a mut Preface<'a>>,
     stop: Option<&'a AtomicBool>,
     summary: RunSummary,
-    /// Did it go on from a checkpoint, in whose run the observers looked when they were due?
+    /// True after a resume: observers are not called for the first moment again.
     resumed: bool,
 }
 
 impl<'a> Run<'a> {
-    /// Of this solver, without observers and checkpoints.
+    /// Create a run of this solver, without observers and checkpoints.
     pub fn new(solver: &'a mut (dyn Solver + 'static)) -> Self {
         let summary = RunSummary::default();
         Run {
@@ -114,30 +114,29 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Show the run to an observer, too.
+    /// Add an observer.
     #[must_use]
     pub fn observe(mut self, observer: &'a mut dyn Observer) -> Self {
         self.observers.push(observer);
         self
     }
 
-    /// Show the run to these observers, too.
+    /// Add observers.
     #[must_use]
     pub fn observe_all(mut self, observers: impl IntoIterator<Item = &'a mut dyn Observer>) -> Self {
         self.observers.extend(observers);
         self
     }
 
-    /// Write a checkpoint, of the scene and of what the observers keep, to the file `path` at this pace. It is the old one or the
-    /// new one at any time, never half.
+    /// Write a checkpoint of the scene and the observers to the file `path` at this pace. The file is replaced atomically.
     #[must_use]
     pub fn checkpoint(self, path: impl Into<PathBuf>, mut pace: Pace) -> Self {
         pace.looked(self.solver.steps(), self.solver.time());
         self.with_checkpoints(path.into(), Every::Pace(pace))
     }
 
-    /// The same after the first step that ends so long after the last checkpoint, on the clock on the wall: that was at `last`,
-    /// now or in an earlier piece of a run.
+    /// Write a checkpoint after the first step that ends at least `interval` of wall-clock time after the last checkpoint. `last` is the
+    /// time of the last one: now, or in an earlier part of the run.
     #[must_use]
     pub fn checkpoint_by_clock(self, path: impl Into<PathBuf>, interval: Duration, last: Instant) -> Self {
         let run = self.with_checkpoints(path.into(), Every::WallClock(interval));
@@ -149,8 +148,8 @@ impl<'a> Run<'a> {
         Run { checkpoints, ..self }
     }
 
-    /// Have what `preface` says in the checkpoints, too, before solver and observers: what else a program must know to go on. It
-    /// is called whenever a checkpoint is written or read. A file with a preface is for runs with one, and says so to others.
+    /// Add program data to the checkpoints, before solver and observers. `preface` is called whenever a checkpoint is written or read. A
+    /// run without a preface rejects a file with one, and the other way round.
     #[must_use]
     pub fn preface(
         self,
@@ -159,13 +158,14 @@ impl<'a> Run<'a> {
         Run { preface: Some(preface), ..self }
     }
 
-    /// Stop after the step in which `stop` becomes true, with a checkpoint if the run writes any, and [`RunError::Interrupted`]: for signals.
+    /// Stop after the step in which `stop` becomes true, for signals: write a checkpoint, if the run has any, and return
+    /// [`RunError::Interrupted`].
     #[must_use]
     pub fn stop_when(self, stop: &'a AtomicBool) -> Self {
         Run { stop: Some(stop), ..self }
     }
 
-    /// The checkpoint `path` of a run with a [preface](Run::preface), to be read from the preface on.
+    /// Open the checkpoint `path` of a run with a [preface](Run::preface), to be read from the preface on.
     ///
     /// # Errors
     /// A file that cannot be read, is damaged, or has no preface.
@@ -175,11 +175,11 @@ impl<'a> Run<'a> {
         Ok(file)
     }
 
-    /// Bring the scene, set up as at its start, and the observers, just made, to where those of the run stood that wrote the
-    /// checkpoint `path`. What follows is what would have followed there, bit for bit, files of the observers included.
+    /// Restore the scene, set up as at its start, and new observers from the checkpoint `path`. The continued run is the same as the saved
+    /// one, bit for bit, files of the observers included.
     ///
     /// # Errors
-    /// A file that cannot be read or is damaged; another scene; other observers. The scene is then not to be used.
+    /// A file that cannot be read or is damaged; another scene; other observers. The scene is then unusable.
     pub fn resume(mut self, path: impl AsRef<Path>) -> Result<Self, RunError> {
         let time = self.solver.time();
         let read = Archive::open(path.as_ref()).and_then(|mut file| {
@@ -191,7 +191,7 @@ impl<'a> Run<'a> {
         Ok(self)
     }
 
-    /// The preface, the solver, what the run took so far, and the observers.
+    /// Write or read the preface, the solver, the summary and the observers.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         match &mut self.preface {
             Some(preface) => {
@@ -204,7 +204,7 @@ impl<'a> Run<'a> {
         self.summary.archive(file)?;
         let mut count = self.observers.len();
         file.count(&mut count)?;
-        // A scene that was saved without a run says nothing of observers: they begin anew.
+        // A checkpoint of a scene without a run has no observers: they keep their initial state.
         if file.reads() && count == 0 {
             return Ok(());
         }
@@ -219,32 +219,31 @@ impl<'a> Run<'a> {
         Ok(())
     }
 
-    /// What the run took, whether it reached its end or stopped.
+    /// Return the cost of the run, whether it reached its end or stopped.
     #[must_use]
     pub fn summary(&self) -> RunSummary {
         self.summary
     }
 
-    /// When the last checkpoint was written: as it was given, or when the run was made, if there was none yet.
+    /// Return the time of the last checkpoint; before the first one, the time given or that of the creation of the run.
     #[must_use]
     pub fn last_checkpoint(&self) -> Option<Instant> {
         self.checkpoints.as_ref().map(|c| c.last)
     }
 
-    /// How many checkpoints were written.
+    /// Number of checkpoints written.
     #[must_use]
     pub fn checkpoints(&self) -> usize {
         self.checkpoints.as_ref().map_or(0, |c| c.written)
     }
 
-    /// Step until `end` (s), which is met exactly, or until an observer [ends the run](Observer::ends_run), and show the scene to the observers when they are due.
+    /// Step until exactly `end` (s), or until an observer [ends the run](Observer::ends_run), and call the observers when they are due.
     ///
-    /// No step is shortened for an observer, which sees the first step that ends at or after its due time. All observers see the
-    /// first and the last moment of the run, but none sees one step twice, so that a run may be continued with the same observers.
+    /// No step is shortened for an observer, which is called after the first step that ends at or after its due time. All observers are
+    /// called at the start and at the end of the run, but none twice at one step, so that a run may be continued with the same observers.
     ///
     /// # Errors
-    /// A step that cannot be made, an observer that cannot look, a checkpoint that cannot be written, an end before the time
-    /// reached. Observers are told that the run is over in any case.
+    /// A step, observation or checkpoint that failed, or an end before the current time. [`Observer::finish`] is called in any case.
     pub fn until(&mut self, end: f64) -> Result<RunSummary, RunError> {
         let mut result = self.steps(end);
         let time = self.solver.time();
@@ -274,7 +273,7 @@ impl<'a> Run<'a> {
             self.summary.updates += points;
             self.summary.steps += 1;
             let mut reached = self.solver.reached(end);
-            // Before observers see the last moment, which knows then what is rest.
+            // The check precedes the last observation, which needs the energy of rest.
             let mut looked = if reached { self.solver.look_at_the_end() } else { Ok(()) };
             self.tell(known);
             self.show(end, reached)?;
@@ -294,7 +293,7 @@ impl<'a> Run<'a> {
                 return Err(RunError::Interrupted { time, steps, saved });
             }
         }
-        // A run that had no step to make.
+        // A run without steps.
         let known = self.solver.warnings().len();
         let looked = self.solver.look_at_the_end();
         self.tell(known);
@@ -313,7 +312,7 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// Let look who is due, or at an `edge` of the run everyone who has not seen this step.
+    /// Call the observers that are due, or at an `edge` of the run all that have not observed this step.
     fn show(&mut self, end: f64, edge: bool) -> Result<(), RunError> {
         let (step, time) = (self.solver.steps(), self.solver.time());
         let now = RunView::new(self.solver, end, self.summary);
@@ -343,10 +342,10 @@ impl<'a> Run<'a> {
         if due { self.save() } else { Ok(()) }
     }
 
-    /// Write a checkpoint, where the run writes any.
+    /// Write a checkpoint, if the run has any.
     ///
     /// # Errors
-    /// A file that cannot be written; a run that was stopped.
+    /// A file that cannot be written; a stopped run.
     pub fn save(&mut self) -> Result<(), RunError> {
         let Some(checkpoints) = &self.checkpoints else { return Ok(()) };
         let (path, time) = (checkpoints.path.clone(), self.solver.time());

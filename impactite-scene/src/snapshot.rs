@@ -8,7 +8,7 @@ use crate::archive::{Archive, CheckpointError};
 use crate::body::{Body, PointView};
 use crate::clock::Clock;
 
-/// All points of all bodies.
+/// Gather all points of all bodies.
 pub(crate) fn gather(
     dimensions: usize,
     axisymmetric: bool,
@@ -18,8 +18,8 @@ pub(crate) fn gather(
     let mut columns = Gathered::new(bodies);
     for (index, body) in bodies.iter().enumerate() {
         let places = columns.places(&body.state_names());
-        // A failed point carries no tension, and its volume may grow without bound as it flies: it is drawn as wide as sound ones at
-        // most.
+        // A failed point carries no tension, and its volume may grow without bound: its drawn width is at most that of the widest intact
+        // one.
         let (mut failed, mut widest) = (Vec::new(), 0.0f64);
         body.for_each(&mut |p| {
             let width = p.drawn_width(dimensions, axisymmetric);
@@ -36,19 +36,19 @@ pub(crate) fn gather(
             }
         }
     }
-    // A line is drawn in the plane.
+    // Lines are drawn in the plane.
     let snapshot = columns.into_snapshot(dimensions.max(2), clock.time, clock.steps)?;
     Ok(snapshot.with_body_names(bodies.iter().map(|body| body.name())))
 }
 
-/// Names and kinds of the fields of [`Solver::snapshot`](crate::Solver::snapshot), without their values.
+/// Return names and kinds of the fields of [`Solver::snapshot`](crate::Solver::snapshot), without their values.
 #[must_use]
 pub fn snapshot_fields(bodies: &[&dyn Body]) -> Vec<(String, FieldKind)> {
     let own = OWN.into_iter().map(|(name, kind)| (name.to_string(), kind));
     own.chain(state_fields(bodies).into_iter().map(|name| (field_name(name), FieldKind::Scalar))).collect()
 }
 
-/// The fields that every snapshot has.
+/// Fields of every snapshot.
 const OWN: [(&str, FieldKind); 5] = [
     ("velocity", FieldKind::Vector),
     ("stress", FieldKind::Tensor),
@@ -57,7 +57,7 @@ const OWN: [(&str, FieldKind); 5] = [
     ("particle", FieldKind::Scalar),
 ];
 
-/// The numbers of the laws that become fields, by their names in the laws.
+/// Return the names of the state variables that become fields.
 fn state_fields(bodies: &[&dyn Body]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in bodies.iter().flat_map(|b| b.state_names()) {
@@ -68,16 +68,16 @@ fn state_fields(bodies: &[&dyn Body]) -> Vec<String> {
     names
 }
 
-/// The name of the field of a number of a law.
+/// Return the field name of a state variable.
 fn field_name(name: String) -> String {
     if TAKEN.contains(&name.as_str()) { format!("state_{name}") } else { name }
 }
 
 impl Archive {
-    /// Snapshots, as they are.
+    /// Write or read snapshots.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn snapshots(&mut self, list: &mut Vec<Snapshot>) -> Result<(), CheckpointError> {
         let mut count = list.len();
         self.count(&mut count)?;
@@ -94,14 +94,14 @@ impl Archive {
     }
 }
 
-/// What a snapshot is made of.
+/// Contents of a snapshot.
 #[derive(Default)]
 struct Parts {
     dimension: usize,
     time: f64,
     step: u64,
     positions: Vec<[f64; 3]>,
-    /// One for all, or one a point.
+    /// One size for all points, or one per point.
     sizes: Vec<f64>,
     uniform: bool,
     bodies: Vec<u32>,
@@ -111,7 +111,7 @@ struct Parts {
     node_vectors: Vec<(String, Vec<[f64; 3]>)>,
 }
 
-/// Columns of a field by the number of its components, of which one is not empty.
+/// Columns of a field by its number of components; one of them is not empty.
 #[derive(Clone, Default)]
 struct Field {
     components: u64,
@@ -214,11 +214,11 @@ impl Parts {
     }
 }
 
-/// Names that the snapshot gives itself, or frames add.
+/// Field names reserved for snapshots and frames.
 const TAKEN: [&str; 8] =
     ["velocity", "displacement", "stress", "pressure", "von_mises", "particle", "body", "size"];
 
-/// Columns of a snapshot while it is gathered.
+/// Columns of a snapshot during gathering.
 #[derive(Default)]
 struct Gathered {
     positions: Vec<[f64; 3]>,
@@ -232,7 +232,7 @@ struct Gathered {
     names: Vec<String>,
     state: Vec<Vec<f64>>,
     cells: Cells,
-    /// Nodes of the cells by the bits of their places: those of neighbours are one.
+    /// Node numbers by the bits of their positions: neighbouring cells share nodes.
     nodes: HashMap<[u64; 3], u32>,
 }
 
@@ -242,7 +242,7 @@ impl Gathered {
         Gathered { state: vec![Vec::new(); names.len()], names, ..Self::default() }
     }
 
-    /// For every column, which number of a body's state fills it.
+    /// Return for every column the index of its variable in a body's state.
     fn places(&self, body: &[String]) -> Vec<Option<usize>> {
         self.names.iter().map(|name| body.iter().position(|n| n == name)).collect()
     }
@@ -290,7 +290,7 @@ impl Gathered {
     }
 }
 
-/// Is it one of the six columns of a law's Cauchy stress?
+/// True for the six components of a law's Cauchy stress.
 fn is_stress(name: &str) -> bool {
     name.strip_prefix("stress_").is_some_and(|c| ["xx", "yy", "zz", "yz", "xz", "xy"].contains(&c))
 }

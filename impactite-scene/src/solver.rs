@@ -1,4 +1,4 @@
-//! What the run loop, observers, checkpoints and restart need of a method, and nothing else.
+//! Interface of a method for the run loop, observers, checkpoints and restart.
 
 use std::any::Any;
 use std::path::Path;
@@ -18,86 +18,86 @@ use crate::finding::Warning;
 use crate::snapshot::gather;
 use crate::summary::RunSummary;
 
-/// A scene of a method that goes on by steps.
+/// Scene of a method with time steps.
 ///
-/// A method of one's own is about a dozen short methods beside its physics: see the book, and `solver_conforms!`
-/// (feature `conformance`), which tests it.
+/// A custom method has about a dozen short methods beside its physics: see the book, and `solver_conforms!` (feature `conformance`), which
+/// tests it.
 pub trait Solver: Any + Send {
-    /// The method, in a line of words; the same in a scene that is resumed.
+    /// Description of the method in one line; unchanged in a resumed scene.
     fn method(&self) -> String;
     /// Dimensions of the scene, 1 to 3.
     fn dimensions(&self) -> usize;
-    /// Are the coordinates (r, z) of a body of revolution? Then extensive quantities are per radian.
+    /// True if the coordinates are (r, z) of a body of revolution. Then extensive quantities are per radian.
     fn axisymmetric(&self) -> bool {
         false
     }
-    /// Time and steps.
+    /// Simulated time and step count.
     fn clock(&self) -> &Clock;
-    /// The same, to be set.
+    /// Mutable access to the clock.
     fn clock_mut(&mut self) -> &mut Clock;
-    /// The largest stable step from now, s, by the scene's time control.
+    /// Return the largest stable step from now, s, by the scene's time control.
     ///
     /// # Errors
-    /// Wave speeds that give none.
+    /// Wave speeds that do not define a step.
     fn stable_step(&mut self) -> Result<f64, StepError>;
-    /// Make one step, of at most `left` seconds (infinite for no limit), and advance the clock by it. Returns its size, s.
+    /// Make one step of at most `left` seconds (infinite for no limit), advance the clock by it, and return its size, s.
     ///
     /// # Errors
-    /// Names body, point, place and cause of what stopped it. A run that was stopped stays so.
+    /// Body, point, position and cause of a failure. A stopped run stays stopped.
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError>;
-    /// Run on these threads. Results are the same bits for any number.
+    /// Set the thread pool. Results are the same bits for any number of threads.
     fn set_team(&mut self, team: Team);
-    /// The bodies; their numbers are places in this list.
+    /// Bodies of the scene; a body number is an index into this list.
     fn bodies(&self) -> Vec<&dyn Body>;
-    /// What the scene exchanged with its surroundings since its start.
+    /// Exchange of the scene with its surroundings since its start.
     fn exchange(&self) -> Exchange;
-    /// Everything that changes in a run, to a file or from one; and what the scene is made of, to be compared
-    /// ([`Archive::same`]). Reading leaves the scene as it stood when the file was written.
+    /// Write or read everything that changes in a run, and store or compare the constants of the scene ([`Archive::same`]). Reading
+    /// restores the scene as it was when the file was written.
     ///
     /// # Errors
-    /// The file; another scene.
+    /// I/O error; damaged file; another scene.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
 
-    /// What stopped the run, after which it makes no step.
+    /// Error that stopped the run. A stopped run makes no step.
     fn stopped_by(&self) -> Option<&StepError> {
         None
     }
-    /// Look at the run at its end, where that is not done with every step.
+    /// Check the run at its end, unless every step does so.
     ///
     /// # Errors
-    /// A run that is not to be trusted ([`crate::watch`]).
+    /// A finding that stops the run ([`crate::watch`]).
     fn look_at_the_end(&mut self) -> Result<(), StepError> {
         Ok(())
     }
-    /// What the run warned of so far.
+    /// Warnings so far.
     fn warnings(&self) -> &[Warning] {
         &[]
     }
-    /// Balances of energy and momentum since the first step; empty where none are kept.
+    /// Balances of energy and momentum since the first step; zero if the method has none.
     fn account(&self) -> Account {
         Account::default()
     }
-    /// The pairs of bodies that were ever in contact: force, places and gap in the last step, energy since the start.
+    /// Pairs of bodies that were ever in contact: force, contact points and gap in the last step, energy since the start.
     fn contacts(&self) -> Vec<PairContact> {
         Vec::new()
     }
-    /// The places of contact in the last step.
+    /// Contact points of the last step.
     fn contact_points(&self) -> Vec<ContactPoint> {
         Vec::new()
     }
-    /// What limits the next step, where the method knows.
+    /// Limit of the next time step, if the method knows it.
     fn limited_by(&self) -> Option<StepLimit> {
         None
     }
-    /// Points that a step moves: all but those of deactivated bodies.
+    /// Number of points that a step moves: all but those of deactivated bodies.
     fn moving_points(&self) -> usize {
         self.bodies().iter().map(|b| b.len()).sum()
     }
-    /// Bytes of memory of bodies and scratch.
+    /// Memory of bodies and scratch, bytes.
     fn bytes(&self) -> usize {
         self.bodies().iter().map(|b| b.bytes()).sum()
     }
-    /// What of a step of `dt` seconds may be rounding where the clock meets an end, s.
+    /// Tolerance of the clock at an end time, s: the rounding error of a step of `dt` seconds.
     fn clock_rounding(&self, dt: f64) -> f64 {
         4.0 * f64::EPSILON * dt
     }
@@ -107,12 +107,12 @@ pub trait Solver: Any + Send {
     fn time(&self) -> f64 {
         self.clock().time
     }
-    /// Steps made.
+    /// Number of steps.
     #[must_use]
     fn steps(&self) -> u64 {
         self.clock().steps
     }
-    /// Has the time come to `end`, s?
+    /// True if the time has reached `end`, s.
     #[must_use]
     fn reached(&self, end: f64) -> bool {
         self.clock().reached(end)
@@ -122,10 +122,10 @@ pub trait Solver: Any + Send {
     fn totals(&self) -> Totals {
         self.bodies().iter().fold(Totals::default(), |sum, b| sum.plus(&b.totals()))
     }
-    /// Make one step, shortened if it would go beyond `end`, s, which is then met exactly.
+    /// Make one step, shortened to end at exactly `end`, s, if it would go beyond.
     ///
     /// # Errors
-    /// As [`Solver::step_at_most`]; an end that is not finite, or that is reached.
+    /// Those of [`Solver::step_at_most`]; an end that is not finite, or that is reached.
     fn step_towards(&mut self, end: f64) -> Result<f64, StepError> {
         self.clock().check_end(end)?;
         let (time, before) = (self.clock().time, self.clock().last);
@@ -135,10 +135,10 @@ pub trait Solver: Any + Send {
         Ok(dt)
     }
 
-    /// Step until `end`, s, which is met exactly.
+    /// Step until exactly `end`, s.
     ///
     /// # Errors
-    /// As [`Solver::step_at_most`]; an end that is not finite, or before the time reached.
+    /// Those of [`Solver::step_at_most`]; an end that is not finite, or before the current time.
     fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         if !end.is_finite() || self.clock().is_past(end) {
             return Err(self.clock().refused("end", end, "finite and not before the time reached"));
@@ -149,11 +149,11 @@ pub trait Solver: Any + Send {
         self.look_at_the_end()
     }
 
-    /// All points of all bodies as pictures and files want them.
+    /// Return all points of all bodies for pictures and files.
     ///
-    /// Fields: `velocity` (m/s), `stress` (Cauchy, Pa), `pressure` (compression positive, Pa), `von_mises` (Pa), `particle` (its
-    /// number in its body), then every number the laws keep, by [`Body::state_names`]; NaN for bodies whose law keeps no such
-    /// number. `stress_xx` and its five companions are left out, being in `stress`; a name already taken gets `state_` before it.
+    /// Fields: `velocity` (m/s), `stress` (Cauchy, Pa), `pressure` (compression positive, Pa), `von_mises` (Pa), `particle` (number in its
+    /// body), then every state variable of the laws, by [`Body::state_names`]; NaN for bodies whose law does not have it. `stress_xx` and
+    /// its five companions are omitted, being in `stress`; a name already in use gets the prefix `state_`.
     ///
     /// Bodies are numbered in their order, from 0.
     ///
@@ -163,28 +163,26 @@ pub trait Solver: Any + Send {
         gather(self.dimensions(), self.axisymmetric(), self.clock(), &self.bodies())
     }
 
-    /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half
-    /// ([`WholeFile`](impactite_output::WholeFile)).
+    /// Write a checkpoint to the file `path`, which is replaced atomically ([`WholeFile`](impactite_output::WholeFile)).
     ///
     /// # Errors
-    /// A path that is no regular file; a file that cannot be written; a run that was stopped. Then the old one stays.
+    /// A path that is no regular file; a file that cannot be written; a stopped run. Then the old file stays.
     fn save(&mut self, path: &Path) -> Result<(), CheckpointError> {
         not_stopped(self)?;
         let mut file = Archive::create(path)?;
         file.same("kind of file", TITLE)?;
         archive_body(self, &mut file)?;
-        // No run, and no observers.
+        // Empty summary of a run, and no observers.
         RunSummary::default().archive(&mut file)?;
         file.count(&mut 0)?;
         file.close()
     }
 
-    /// Bring this scene, set up as the one that was saved to `path` was at its start, to where that stood when it was saved. What
-    /// it is made of is compared with what the checkpoint says. What observers kept, if the checkpoint is that of a
-    /// [`Run`](crate::Run), is left out.
+    /// Restore this scene from the checkpoint `path`. The scene must be set up as the saved one was at its start; its constants are
+    /// compared with the checkpoint. Data of observers, in a checkpoint of a [`Run`](crate::Run), are skipped.
     ///
     /// # Errors
-    /// A file that cannot be read or is damaged; another scene. The scene is then not to be used.
+    /// A file that cannot be read or is damaged; another scene. The scene is then unusable.
     fn resume(&mut self, path: &Path) -> Result<(), CheckpointError> {
         let mut file = Archive::open(path)?;
         file.same("kind of file", TITLE)?;
@@ -195,14 +193,14 @@ pub trait Solver: Any + Send {
 }
 
 impl dyn Solver {
-    /// This solver as what it is, if it is an `S`.
+    /// Return the solver as an `S`, if it is one.
     #[must_use]
     pub fn downcast_ref<S: Solver>(&self) -> Option<&S> {
         (self as &dyn Any).downcast_ref()
     }
 }
 
-/// A run that was stopped is not saved.
+/// Check that the run was not stopped, since a stopped run is not saved.
 pub(crate) fn not_stopped<S: Solver + ?Sized>(solver: &S) -> Result<(), CheckpointError> {
     match solver.stopped_by() {
         Some(error) => Err(CheckpointError::Stopped(Box::new(error.clone()))),
@@ -210,7 +208,7 @@ pub(crate) fn not_stopped<S: Solver + ?Sized>(solver: &S) -> Result<(), Checkpoi
     }
 }
 
-/// The solver, and what it is.
+/// Write or read the solver, after a comparison of method and dimension.
 pub(crate) fn archive_body<S: Solver + ?Sized>(
     solver: &mut S,
     file: &mut Archive,
@@ -220,7 +218,7 @@ pub(crate) fn archive_body<S: Solver + ?Sized>(
     solver.archive(file)
 }
 
-/// How checkpoints begin.
+/// Header of checkpoints.
 pub(crate) const TITLE: &str = "impactite checkpoint 10";
-/// How those of runs with a preface do.
+/// Header of checkpoints of runs with a preface.
 pub(crate) const PREFACED: &str = "impactite checkpoint 10 with a preface";

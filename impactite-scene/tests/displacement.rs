@@ -1,4 +1,4 @@
-//! Displacements in frames for ParaView: of points that fly, that come later, and of runs that are resumed.
+//! Displacements in frames for ParaView: moving points, points created later, and resumed runs.
 
 use std::path::{Path, PathBuf};
 
@@ -10,15 +10,15 @@ use impactite_scene::{
 };
 use impactite_simd::Team;
 
-/// The step, s. Like places and velocities below it has so few digits that all sums are exact.
+/// Time step, s. Like positions and velocities below it has so few digits that all sums are exact.
 const STEP: f64 = 1.0 / 1024.0;
 const END: f64 = 16.0 * STEP;
-/// With this step a point is split off.
+/// Step in which a point is created.
 const SPLITS: u64 = 6;
-/// Its number.
+/// Number of the new point.
 const NEW: usize = 100;
 
-/// Two bodies of points that fly, each point at its velocity, and change places in memory.
+/// Two bodies of points with constant velocities, whose order in memory changes.
 struct Flight {
     clock: Clock,
     bodies: [Flock; 2],
@@ -26,7 +26,7 @@ struct Flight {
 
 struct Flock {
     name: &'static str,
-    /// Number, place (m), velocity (m/s).
+    /// Number, position (m), velocity (m/s).
     points: Vec<(usize, [f64; 3], [f64; 3])>,
 }
 
@@ -56,7 +56,7 @@ impl Body for Flock {
         self.points.len()
     }
     fn state_names(&self) -> Vec<String> {
-        // A law may have a number of that name: it is no displacement of a frame.
+        // A law may have a state variable of this name: it is not the displacement of a frame.
         vec!["displacement".into()]
     }
     fn totals(&self) -> Totals {
@@ -72,7 +72,7 @@ impl Body for Flock {
                 position,
                 velocity,
                 mass: 1.0,
-                // The one that is split off has failed, and its volume grows without bound.
+                // The new point has failed, and its volume grows without bound.
                 volume: if number == NEW { 1e15 } else { 1.0 },
                 failed: number == NEW,
                 state,
@@ -150,7 +150,7 @@ impl Drop for Folder {
     }
 }
 
-/// A frame every four steps, with all digits.
+/// Write a frame every four steps, with all digits.
 fn frames(folder: &Path) -> VtkSeries {
     let options = VtkOptions { compressed: false, fields: Precision::Double };
     let pace = Pace::interval(4.0 * STEP).expect("a pace");
@@ -161,7 +161,7 @@ fn frame(folder: &Path, number: usize) -> Vec<u8> {
     std::fs::read(folder.join(format!("flight_{number:06}.vtp"))).expect("a frame")
 }
 
-/// The words of an array of a frame that is not compressed; none if there is none.
+/// Return the words of an array of an uncompressed frame; none if it does not exist.
 fn words(frame: &[u8], name: &str) -> Option<Vec<[u8; 8]>> {
     let marker = b"<AppendedData encoding=\"raw\">\n   _";
     let at = frame.windows(marker.len()).position(|w| w == marker).expect("appended data");
@@ -180,7 +180,7 @@ fn displacements(frame: &[u8]) -> Vec<[f64; 3]> {
     numbers.as_chunks().0.to_vec()
 }
 
-/// What the displacements of a frame must be: v t, and from its first frame on for a point that came after the start.
+/// Check the displacements of a frame: v t, with the time since its first frame for a point created after the start.
 fn check(frame: &[u8], number: usize) {
     let numbers: Vec<usize> = words(frame, "particle")
         .expect("the field")
@@ -192,7 +192,7 @@ fn check(frame: &[u8], number: usize) {
     let first = if 4 * number as u64 >= SPLITS { 8 } else { 7 };
     assert_eq!((numbers.len(), displacements.len()), (first + 7, first + 7));
     for (place, (&n, displacement)) in numbers.iter().zip(&displacements).enumerate() {
-        // It is first seen in frame 2, two steps after it was made.
+        // The new point is first observed in frame 2, two steps after its creation.
         let flown = if n == NEW { time - 8.0 * STEP } else { time };
         let v = velocity(usize::from(place >= first), n);
         assert_eq!(*displacement, v.map(|v| v * flown), "point {n} of frame {number}");
@@ -212,7 +212,7 @@ fn fields_are_known_without_their_values() {
 #[test]
 fn displacements_are_velocities_times_time() {
     let folder = Folder::new("displacement");
-    // Whatever is asked for first, and whether the field is named or not.
+    // Options in any order, with the field named or not.
     let [a, b, c, d] = ["a", "b", "c", "d"].map(|name| folder.0.join(name));
     let mut series = [
         frames(&a).with_displacement(),
@@ -232,7 +232,7 @@ fn displacements_are_velocities_times_time() {
     assert!(with(&a, "velocity") && with(&a, "state_displacement"));
     assert!(!with(&b, "velocity") && !with(&c, "velocity"));
     assert!(with(&d, "velocity") && !with(&d, "displacement"));
-    // A field that nobody asked for is none.
+    // A field that was not requested does not exist.
     let mut series = frames(&d).with_fields(["displacement"]);
     let said = Run::new(&mut Flight::new()).observe(&mut series).until(END).unwrap_err().to_string();
     assert!(said.contains("field \"displacement\""), "{said}");
@@ -245,7 +245,7 @@ fn a_run_that_is_resumed_goes_on_with_the_same_displacements() {
     let mut series = frames(&whole).with_displacement();
     Run::new(&mut Flight::new()).observe(&mut series).until(END).expect("a run");
 
-    // The last checkpoint is after nine steps: the new point was seen once.
+    // The last checkpoint is after nine steps: the new point was observed once.
     let file = folder.0.join("checkpoint");
     let mut series = frames(&halves).with_displacement();
     let mut flight = Flight::new();
@@ -269,7 +269,7 @@ fn a_run_that_is_resumed_goes_on_with_the_same_displacements() {
     assert_eq!(what, "`displacement` of the frames");
 }
 
-/// A failed point of a huge volume is drawn as wide as sound ones.
+/// A failed point of a huge volume is drawn as wide as intact ones.
 #[test]
 fn failed_points_are_drawn_no_wider_than_sound_ones() {
     let mut flight = Flight::new();

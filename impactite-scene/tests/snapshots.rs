@@ -1,4 +1,4 @@
-//! Snapshots come out of a file as they went into it.
+//! Snapshots are unchanged by writing to a file and reading back.
 
 use impactite_output::{Cells, ParticleSize, Snapshot};
 use impactite_scene::Archive;
@@ -36,7 +36,7 @@ fn they_come_back_as_they_were() {
     file.snapshots(&mut read).expect("read");
     file.close().expect("whole");
     assert_eq!(read, list);
-    // What is short says so, and is no list.
+    // A file that is cut short is an error.
     let bytes = std::fs::read(&path).expect("bytes");
     std::fs::write(&path, &bytes[..bytes.len() / 2]).expect("written");
     let error = Archive::open(&path).expect("the file").snapshots(&mut read).expect_err("half of it");

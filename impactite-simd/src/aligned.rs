@@ -1,50 +1,50 @@
-//! Records that begin with a cache line.
+//! Records aligned to a cache line.
 
 use super::LINE;
 
-/// Records of four numbers, the first of them at the beginning of a cache line.
+/// Records of four numbers, the first of them aligned to a cache line.
 #[derive(Debug, Default)]
 pub struct AlignedRecords<T> {
-    /// With room to choose where to begin.
+    /// Numbers with slack for the alignment.
     numbers: Vec<T>,
     count: usize,
 }
 
 impl<T: Copy + Default> AlignedRecords<T> {
-    /// So many records of zeros.
+    /// Create `count` records of zeros.
     pub fn zeros(count: usize) -> Self {
         let room = if count == 0 { 0 } else { LINE / size_of::<T>() };
         AlignedRecords { numbers: vec![T::default(); 4 * count + room], count }
     }
 
-    /// Have so many records; zeros, if there was another number of them.
+    /// Set the number of records to `count`; if it changes, all are zero.
     pub fn have(&mut self, count: usize) {
         if self.count != count {
             *self = Self::zeros(count);
         }
     }
 
-    /// The place of the first one among the numbers.
+    /// Index of the first number of the first record.
     #[inline(always)]
     fn start(&self) -> usize {
-        // Where no place is found, any will do.
+        // Any start will do if no aligned one exists.
         self.numbers.as_ptr().align_offset(LINE).min(self.numbers.len() - 4 * self.count)
     }
 
-    /// The records.
+    /// Return the records.
     #[inline(always)]
     pub fn all(&self) -> &[[T; 4]] {
         self.numbers[self.start()..][..4 * self.count].as_chunks().0
     }
 
-    /// The records.
+    /// Return the records for writing.
     #[inline(always)]
     pub fn all_mut(&mut self) -> &mut [[T; 4]] {
         let start = self.start();
         self.numbers[start..][..4 * self.count].as_chunks_mut().0
     }
 
-    /// Bytes of its memory.
+    /// Return the allocated memory, bytes.
     pub fn bytes(&self) -> usize {
         self.numbers.capacity() * size_of::<T>()
     }

@@ -1,6 +1,5 @@
-//! AVX2 vectors behind [`Lane`]. See the invariant in the parent module: it makes every `unsafe` here sound,
-//! since each only asks for instructions that the running processor is known to have, on values and on
-//! memory behind references.
+//! AVX2 implementation of [`Lane`]. The invariant in the parent module makes every `unsafe` here sound: each only uses
+//! instructions that the running processor is known to have, on values and on memory behind references.
 
 #![cfg(target_arch = "x86_64")]
 
@@ -12,7 +11,7 @@ use crate::lane::{Lane, Mask};
 use super::functions::{exp_of_rest, ln_of_parts};
 use super::{Arch, Band, Float, Kernel, Pack, Quad, Row, RowPair};
 
-/// Does this processor have what [`Avx2`] needs?
+/// True if this processor has the instructions of [`Avx2`].
 #[inline]
 pub fn available() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")
@@ -21,7 +20,7 @@ pub fn available() -> bool {
 /// Processors with AVX2 and FMA.
 pub struct Avx2;
 
-/// Run a kernel on such a processor.
+/// Run a kernel on a processor with AVX2 and FMA.
 #[target_feature(enable = "avx2,fma")]
 pub fn with<T: Float, K: Kernel<T>>(kernel: K) -> K::Output
 where
@@ -38,7 +37,7 @@ impl Arch<f64> for Avx2 {
     #[inline(always)]
     fn sums([a, b, c, d]: [F64x4; 4]) -> F64x4 {
         unsafe {
-            // Halves of a and b in turn, and of c and d: [a01, b01, a23, b23].
+            // Pair sums of a and b in turn, and of c and d: [a01, b01, a23, b23].
             let ab = _mm256_add_pd(_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
             let cd = _mm256_add_pd(_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
             let (outer, inner) = (_mm256_blend_pd::<0b1100>(ab, cd), _mm256_permute2f128_pd::<0x21>(ab, cd));
@@ -201,7 +200,7 @@ macro_rules! vector {
             }
             #[inline(always)]
             fn min(self, o: Self) -> Self {
-                // The instruction gives its second operand where one is not a number: `self`, as elsewhere.
+                // The instruction returns its second operand if one is NaN: `self`, as elsewhere.
                 unsafe { $name($min(o.0, self.0)) }
             }
             #[inline(always)]
@@ -409,7 +408,7 @@ fn ln_f64x4(x: F64x4) -> F64x4 {
         let shifted = _mm256_sub_epi64(bits, _mm256_set1_epi64x(SQRT_HALF));
         let exponent = _mm256_and_si256(shifted, _mm256_set1_epi64x(!0 << 52));
         let m = F64x4(_mm256_castsi256_pd(_mm256_sub_epi64(bits, exponent)));
-        // The exponents sit in the high halves of the four 64-bit lanes: gather those as 32-bit integers.
+        // The exponents are in the high halves of the four 64-bit lanes: gather those as 32-bit integers.
         let high = _mm256_srai_epi32::<20>(exponent);
         let packed = _mm256_permutevar8x32_epi32(high, _mm256_setr_epi32(1, 3, 5, 7, 1, 3, 5, 7));
         let e = F64x4(_mm256_cvtepi32_pd(_mm256_castsi256_si128(packed)));
@@ -430,7 +429,7 @@ fn exp_f64x4(x: F64x4) -> F64x4 {
     }
 }
 
-/// As [`ln_f64x4`], in single precision.
+/// Natural logarithm as [`ln_f64x4`], in single precision.
 #[inline(always)]
 fn ln_f32x8(x: F32x8) -> F32x8 {
     const SQRT_HALF: i32 = 0x3f35_04f3;
@@ -452,7 +451,7 @@ fn ln_f32x8(x: F32x8) -> F32x8 {
     }
 }
 
-/// As [`exp_f64x4`], in single precision; arguments limited to [-87, 88].
+/// Exponential as [`exp_f64x4`], in single precision; arguments limited to [-87, 88].
 #[inline(always)]
 fn exp_f32x8(x: F32x8) -> F32x8 {
     let x = x.clamp(F32x8::of(-87.0), F32x8::of(88.0));

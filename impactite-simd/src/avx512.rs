@@ -1,5 +1,5 @@
-//! AVX-512 vectors behind [`Lane`]: two groups of particles in double precision, so that a law, a gather and a weight take
-//! half as many instructions. See the invariant in the parent module and how [`super::avx2`] uses it.
+//! AVX-512 implementation of [`Lane`]: two groups of particles in double precision, so that laws, gathers and weights
+//! need half as many instructions. See the invariant in the parent module and its use in [`super::avx2`].
 
 #![cfg(target_arch = "x86_64")]
 
@@ -12,7 +12,7 @@ use super::avx2::F64x4;
 use super::functions::{exp_of_rest, ln_of_parts};
 use super::{Arch, Band, Kernel, Pack, Row, RowPair};
 
-/// Does this processor have what [`Avx512`] needs?
+/// True if this processor has the instructions of [`Avx512`].
 #[inline]
 pub fn available() -> bool {
     super::avx2::available()
@@ -24,13 +24,13 @@ pub fn available() -> bool {
 /// Processors with AVX-512 (F, DQ and VL), AVX2 and FMA.
 pub struct Avx512;
 
-/// Run a kernel on such a processor.
+/// Run a kernel on a processor with AVX-512, AVX2 and FMA.
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 pub fn with<K: Kernel<f64>>(kernel: K) -> K::Output {
     kernel.run::<Avx512>()
 }
 
-/// Eight numbers in memory.
+/// Memory representation of eight numbers.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct Numbers([f64; 8]);
@@ -50,7 +50,7 @@ impl Arch<f64> for Avx512 {
     #[inline(always)]
     fn sums([a, b, c, d]: [F64x8; 4]) -> F64x4 {
         unsafe {
-            // Sums of neighbours of a and b in turn, and of c and d, by quarters; halves of both together; then quarters.
+            // Pair sums of a and b in turn, and of c and d, by quarters; sums of halves of both; then sums of quarters.
             let ab = _mm512_add_pd(_mm512_unpacklo_pd(a.0, b.0), _mm512_unpackhi_pd(a.0, b.0));
             let cd = _mm512_add_pd(_mm512_unpacklo_pd(c.0, d.0), _mm512_unpackhi_pd(c.0, d.0));
             let z = _mm512_add_pd(_mm512_shuffle_f64x2::<0x44>(ab, cd), _mm512_shuffle_f64x2::<0xee>(ab, cd));
@@ -63,11 +63,11 @@ impl Arch<f64> for Avx512 {
     }
 }
 
-/// Eight particles.
+/// Vector over eight particles.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct F64x8(__m512d);
-/// Which of eight lanes.
+/// Mask of eight lanes.
 #[derive(Clone, Copy, Debug)]
 #[repr(transparent)]
 pub struct M64x8(__mmask8);
@@ -189,7 +189,7 @@ impl Lane for F64x8 {
     }
     #[inline(always)]
     fn min(self, o: Self) -> Self {
-        // As with AVX2: `self` where one is not a number.
+        // `self` if one is NaN, as with AVX2.
         unsafe { F64x8(_mm512_min_pd(o.0, self.0)) }
     }
     #[inline(always)]
@@ -250,7 +250,7 @@ impl Pack<f64> for F64x8 {
         unsafe {
             let (ab0, ab1) = (_mm512_unpacklo_pd(a.0, b.0), _mm512_unpackhi_pd(a.0, b.0));
             let (cd0, cd1) = (_mm512_unpacklo_pd(c.0, d.0), _mm512_unpackhi_pd(c.0, d.0));
-            // Quarters hold two numbers of a record: those of lanes 0 to 3, then those of lanes 4 to 7.
+            // Quarters contain two numbers of a record: first lanes 0 to 3, then lanes 4 to 7.
             let (s0, s1) = (_mm512_shuffle_f64x2::<0x44>(ab0, cd0), _mm512_shuffle_f64x2::<0x44>(ab1, cd1));
             let (t0, t1) = (_mm512_shuffle_f64x2::<0xee>(ab0, cd0), _mm512_shuffle_f64x2::<0xee>(ab1, cd1));
             let to = out.as_mut_ptr();

@@ -1,4 +1,5 @@
-//! Thread pool for parallel loops (fork and join, work stealing): its threads make loops together with the thread that calls.
+//! Thread pool for parallel loops (fork and join, work stealing): its threads run loops together with the calling
+//! thread.
 
 use std::any::Any;
 use std::cell::{Cell, UnsafeCell};
@@ -8,26 +9,26 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A thread without work watches for the next loop so long before it sleeps.
+/// Spin time of an idle thread before it sleeps.
 const WATCHES: Duration = Duration::from_micros(100);
-/// Turns of watching between looks at the clock.
+/// Number of spin iterations between clock reads.
 const TURNS: usize = 64;
-/// A thread takes this part of what is left of a range at once.
+/// Divisor: a thread takes 1 / `PART` of its remaining range at once.
 const PART: u32 = 8;
 
 type Task<'a> = dyn Fn(usize) + Send + Sync + 'a;
 
 thread_local! {
-    /// Number of this thread in the loop that it is in; none outside of loops.
+    /// Index of this thread in its current loop; none outside of loops.
     static THREAD: Cell<Option<usize>> = const { Cell::new(None) };
 }
 
-/// Number of this thread in the loop that it is in; 0 outside of loops.
+/// Return the index of this thread in its current loop; 0 outside of loops.
 pub(crate) fn thread() -> usize {
     THREAD.get().unwrap_or(0)
 }
 
-/// Is this thread in a loop?
+/// True if this thread is in a loop.
 pub(crate) fn in_loop() -> bool {
     THREAD.get().is_some()
 }
@@ -37,25 +38,25 @@ pub(crate) fn in_loop() -> bool {
 pub(crate) struct Crew {
     shared: Arc<Shared>,
     workers: Vec<JoinHandle<()>>,
-    /// Held by the thread that makes a loop.
+    /// Lock of the thread that runs a loop.
     lead: Mutex<()>,
 }
 
-/// What the threads of a crew share.
+/// Shared state of the threads of a pool.
 struct Shared {
-    /// Number of the loop, whether it is [`OPEN`], and how many workers are in it.
+    /// Number of the loop, the flags [`OPEN`] and `OVER`, and number of workers in the loop.
     state: AtomicU64,
     /// Task of the open loop.
     task: UnsafeCell<Option<&'static Task<'static>>>,
     ranges: Vec<Range>,
-    /// Threads that work elsewhere now.
+    /// Number of threads that are lent to other work.
     lent: AtomicUsize,
-    /// Threads of the open loop: those with smaller numbers. Written as the task is.
+    /// Number of threads of the open loop: those with smaller indices. Written by the leader, like the task.
     active: AtomicUsize,
-    /// Threads that sleep until the next loop.
+    /// Number of threads asleep until the next loop.
     sleeping: AtomicUsize,
     wake: Condvar,
-    /// Threads that sleep until more are active.
+    /// Number of inactive threads asleep until more are active.
     out: AtomicUsize,
     back: Condvar,
     lock: Mutex<()>,
@@ -63,7 +64,8 @@ struct Shared {
     panic: Mutex<Option<Box<dyn Any + Send>>>,
 }
 
-// SAFETY: the task is written by the leader alone while the loop is closed and no worker is in it, and read by workers that are in an open loop.
+// SAFETY: the task is written by the leader alone while the loop is closed and no worker is in it, and read by workers
+// that are in an open loop.
 unsafe impl Sync for Shared {}
 // SAFETY: as above; everything else is `Send`.
 unsafe impl Send for Shared {}
@@ -74,16 +76,16 @@ impl std::fmt::Debug for Shared {
     }
 }
 
-/// Workers in a loop, in the state.
+/// Bits of the state with the number of workers in the loop.
 const WORKERS: u64 = (1 << 16) - 1;
-/// Workers may enter the loop.
+/// Flag of the state: workers may enter the loop.
 const OPEN: u64 = 1 << 16;
-/// There are no more loops.
+/// Flag of the state: the pool shuts down.
 const OVER: u64 = 1 << 17;
-/// One loop, in the state.
+/// Increment of the loop number in the state.
 const LOOP: u64 = 1 << 18;
 
-/// Numbers from the lower half up to the upper half that a thread has still to do, on a cache line of its own.
+/// Remaining index range of a thread, from the lower half of the bits to the upper half, on a cache line of its own.
 #[derive(Debug, Default)]
 #[repr(align(128))]
 struct Range(AtomicU64);
@@ -92,7 +94,7 @@ impl Range {
     fn set(&self, from: u32, to: u32) {
         self.0.store(u64::from(to) << 32 | u64::from(from), Ordering::Relaxed);
     }
-    /// Take some numbers from the front, as its thread does, or from the back.
+    /// Take indices from the front (own thread) or from the back (work stealing).
     fn take(&self, front: bool) -> Option<std::ops::Range<u32>> {
         let mut now = self.0.load(Ordering::Relaxed);
         loop {
@@ -116,7 +118,7 @@ impl Range {
 }
 
 impl Crew {
-    /// So many threads, that of the caller of each loop among them.
+    /// Start a pool of `threads` threads, including that of the caller of each loop.
     pub(crate) fn new(threads: usize, stack: usize) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             state: AtomicU64::new(0),
@@ -140,15 +142,16 @@ impl Crew {
         Ok(crew)
     }
 
-    /// `task` for every number below `count`, each once, in any order.
+    /// Run `task` once for every number below `count`, in any order.
     ///
     /// # Panics
-    /// With the first panic of a task, when no other is running.
+    /// With the first panic of a task, after all other tasks have ended.
     pub(crate) fn each(&self, count: usize, task: &Task<'_>) {
         let shared = &*self.shared;
         let all = shared.ranges.len();
         let active = all - shared.lent.load(Ordering::Relaxed).min(all - 1);
-        // Within a loop, in a second thread that calls, or where it is not worth it, this thread does it all.
+        // This thread runs the whole loop if it is in one already, if another thread runs one, or if parallel execution
+        // does not pay.
         let alone = count <= 1 || active == 1 || THREAD.get().is_some();
         let (false, Ok(length), Ok(lead)) = (alone, u32::try_from(count), self.lead.try_lock()) else {
             return (0..count).for_each(task);
@@ -172,7 +175,7 @@ impl Crew {
             }
         }
         shared.make(0, task);
-        // Nobody enters any more; who is in it finishes what it took.
+        // Close the loop to new workers; those in it finish the indices they took.
         shared.state.fetch_and(!OPEN, Ordering::AcqRel);
         let mut turns = 0_u64;
         while shared.state.load(Ordering::Acquire) & WORKERS > 0 {
@@ -188,7 +191,7 @@ impl Crew {
         }
     }
 
-    /// One thread less, or one more, makes loops.
+    /// Lend one thread to other work, or take it back.
     pub(crate) fn lend(&self, out: bool) {
         let lent = &self.shared.lent;
         let _ = if out { lent.fetch_add(1, Ordering::Relaxed) } else { lent.fetch_sub(1, Ordering::Relaxed) };
@@ -202,14 +205,14 @@ impl Drop for Crew {
         self.shared.wake.notify_all();
         self.shared.back.notify_all();
         for worker in self.workers.drain(..) {
-            // It passes on panics of tasks, and has none of its own.
+            // A worker passes on panics of tasks, and has none of its own.
             let _ = worker.join();
         }
     }
 }
 
 impl Shared {
-    /// Do the own range, then take from those of others.
+    /// Run the thread's own range, then steal from those of others.
     fn make(&self, thread: usize, task: &Task<'_>) {
         let before = THREAD.replace(Some(thread));
         let made = catch_unwind(AssertUnwindSafe(|| {
@@ -225,18 +228,18 @@ impl Shared {
         }));
         THREAD.set(before);
         if let Err(panic) = made {
-            // The others stop soon.
+            // Empty all ranges, so that the other threads stop soon.
             self.ranges.iter().for_each(|range| range.set(0, 0));
             let mut first = self.panic.lock().unwrap_or_else(PoisonError::into_inner);
             match &*first {
                 None => *first = Some(panic),
-                // What it holds may panic as it is dropped.
+                // The payload may panic when dropped.
                 Some(_) => std::mem::forget(panic),
             }
         }
     }
 
-    /// Wait for a loop other than `known` that is open to this thread, and enter it. None if there are no more.
+    /// Wait for a loop other than `known` that is open to this thread, and enter it. None after shutdown.
     fn enter(&self, thread: usize, known: u64) -> Option<u64> {
         let open = |state: u64| {
             state & OPEN != 0 && state / LOOP != known && thread < self.active.load(Ordering::Relaxed)
@@ -270,7 +273,7 @@ impl Shared {
             let (asleep, signal) = if out { (&self.out, &self.back) } else { (&self.sleeping, &self.wake) };
             asleep.fetch_add(1, Ordering::SeqCst);
             let state = self.state.load(Ordering::SeqCst);
-            // A leader that opened a loop since either sees this thread asleep, or is seen here.
+            // A leader that has opened a loop since either sees this thread asleep, or is seen here.
             if state & OVER == 0 && !open(state) && out == is_out() {
                 drop(signal.wait(lock).unwrap_or_else(PoisonError::into_inner));
             }

@@ -1,4 +1,4 @@
-//! Logarithm and exponential in double precision, to about one unit in the last place, but for what they do with bits.
+//! Logarithm and exponential in double precision, to about one unit in the last place, without their bit operations.
 
 #![cfg(target_arch = "x86_64")]
 
@@ -8,14 +8,15 @@ use crate::lane::Lane;
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
-/// `high` x + `low`.
+/// Compute `high` x + `low`.
 #[inline(always)]
 fn pair<P: Lane>(high: f64, low: f64, x: P) -> P {
     P::of(high).mul_add(x, P::of(low))
 }
 
-/// (ln m / s - 2) / s^2 by powers of s^2, s = (m - 1) / (m + 1), for m in [sqrt 1/2, sqrt 2]: through the series 2/3 + 2/5 s^2 + ..
-/// at the Chebyshev points of that interval, which leaves 5e-18 of the logarithm; the series itself would need ten terms.
+/// Coefficients of (ln m / s - 2) / s^2 in powers of s^2, s = (m - 1) / (m + 1), for m in [sqrt 1/2, sqrt 2]:
+/// interpolation of the series 2/3 + 2/5 s^2 + .. at the Chebyshev points of that interval, with an error of 5e-18 of
+/// the logarithm; the series itself would need ten terms.
 const LN: [f64; 7] = [
     0.666_666_666_666_667,
     0.399_999_999_998_994_44,
@@ -26,12 +27,13 @@ const LN: [f64; 7] = [
     0.146_165_854_248_886_23,
 ];
 
-/// ln(2^e m) for m in [sqrt 1/2, sqrt 2].
+/// Compute ln(2^e m) for m in [sqrt 1/2, sqrt 2].
 #[inline(always)]
 pub fn ln_of_parts<P: Lane>(m: P, e: P) -> P {
     let s = (m - P::one()) / (m + P::one());
     let z = s * s;
-    // Pairs, pairs of pairs and so on (Estrin): a step of a material law waits for this chain, so that it is short.
+    // Estrin's scheme (pairs, pairs of pairs and so on): a short dependency chain, which limits the step of a material
+    // law.
     let (z2, z4) = (z * z, z * z * (z * z));
     let (first, second) = (pair(LN[1], LN[0], z), pair(LN[3], LN[2], z));
     let last = P::of(LN[6]).mul_add(z2, pair(LN[5], LN[4], z));
@@ -40,12 +42,12 @@ pub fn ln_of_parts<P: Lane>(m: P, e: P) -> P {
     e.mul_add(P::of(LN2_HIGH), e.mul_add(P::of(LN2_LOW), ln_m))
 }
 
-/// exp(x - k ln 2), of an integer k that leaves at most ln(2)/2 of x, by its series.
+/// Compute exp(x - k ln 2) by its series, for an integer k with |x - k ln 2| <= ln(2)/2.
 #[inline(always)]
 pub fn exp_of_rest<P: Lane>(x: P, k: P) -> P {
     let r = (-k).mul_add(P::of(LN2_HIGH), x);
     let r = (-k).mul_add(P::of(LN2_LOW), r);
-    // 1 + (r + r^2 q), q as in the logarithm.
+    // 1 + (r + r^2 q), q by Estrin's scheme as in the logarithm.
     let (r2, r4) = (r * r, r * r * (r * r));
     let a = pair(1.0 / 6.0, 0.5, r);
     let b = pair(1.0 / 120.0, 1.0 / 24.0, r);

@@ -1,8 +1,9 @@
-//! Numbers: the scalar [`Real`], and [`Lane`], a scalar or a pack of scalars that one instruction works on.
+//! Scalars and SIMD lanes: the scalar [`Real`], and [`Lane`], a scalar or a pack of scalars processed by one
+//! instruction.
 //!
-//! A law is written once, generic over `L: Lane`. The same text then runs on one point (`L = f64`) and on
-//! the four or eight points of a vector register. What would be an `if` on a point is a [`Lane::select`]
-//! under a [`Mask`]; a law that cannot be written so uses `pointwise` (in `mpm-materials`).
+//! A law is written once, generic over `L: Lane`. The same code then runs on one point (`L = f64`) and on the four or
+//! eight points of a vector register. A branch on a point becomes a [`Lane::select`] under a [`Mask`]; a law that
+//! cannot be written so uses `pointwise` (in `mpm-materials`).
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
@@ -10,7 +11,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use nalgebra::RealField;
 use num_traits::{FromPrimitive, ToPrimitive};
 
-/// A real scalar, `f32` or `f64`: what nalgebra computes with, plus conversions from literals.
+/// Real scalar, `f32` or `f64`: a number type of nalgebra plus conversions from literals.
 pub trait Real: RealField + Copy + Default + FromPrimitive + ToPrimitive {
     /// The one-lane [`Lane`] of this scalar, which is the scalar itself.
     type Single: Lane<Real = Self, Mask = bool> + Into<Self> + From<Self>;
@@ -25,7 +26,7 @@ pub trait Real: RealField + Copy + Default + FromPrimitive + ToPrimitive {
 /// A scalar or a pack of scalars with arithmetic lane by lane.
 ///
 /// All methods are `#[inline(always)]` where implemented: vector instructions are only generated when the
-/// whole law is inlined into a kernel compiled for them. Mark the generic functions of a law so too.
+/// whole law is inlined into a kernel compiled for them. Mark the generic functions of a law likewise.
 pub trait Lane:
     Copy
     + Debug
@@ -45,11 +46,11 @@ pub trait Lane:
     /// Number of lanes.
     const WIDTH: usize;
 
-    /// The same value in every lane.
+    /// Broadcast a value to every lane.
     fn splat(x: Self::Real) -> Self;
-    /// The value of lane `i`, `i < WIDTH`.
+    /// Return the value of lane `i`, `i < WIDTH`.
     fn lane(self, i: usize) -> Self::Real;
-    /// The pack with lane `i` replaced.
+    /// Replace the value of lane `i`.
     fn with_lane(self, i: usize, x: Self::Real) -> Self;
     /// `self * b + c`; fused where the machine has it.
     fn mul_add(self, b: Self, c: Self) -> Self;
@@ -69,7 +70,7 @@ pub trait Lane:
     fn lt(self, other: Self) -> Self::Mask;
     /// `self <= other`; false where either is not a number.
     fn le(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask is set, else `no`.
+    /// Select `yes` where the mask is set, else `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
     /// Zero.
@@ -82,7 +83,7 @@ pub trait Lane:
     fn one() -> Self {
         Self::of(1.0)
     }
-    /// The literal `x` in every lane.
+    /// Broadcast the literal `x` to every lane.
     #[inline(always)]
     fn of(x: f64) -> Self {
         Self::splat(Self::Real::of(x))
@@ -97,7 +98,7 @@ pub trait Lane:
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
-    /// Neither infinite nor not-a-number.
+    /// True if neither infinite nor NaN.
     #[inline(always)]
     fn is_finite(self) -> Self::Mask {
         // 0 * x is zero for finite x only.
@@ -120,15 +121,15 @@ pub trait Lane:
     }
 }
 
-/// The result of comparing [`Lane`]s: a truth value a lane.
+/// Result of comparing [`Lane`]s: a truth value per lane.
 pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// The same truth in every lane.
+    /// Broadcast a truth value to every lane.
     fn splat(truth: bool) -> Self;
-    /// Is it true in some lane?
+    /// True if any lane is true.
     fn any(self) -> bool;
-    /// The truth of lane `i`.
+    /// Return the truth value of lane `i`.
     fn lane(self, i: usize) -> bool;
-    /// Is it true in every lane?
+    /// True if every lane is true.
     #[inline(always)]
     fn all(self) -> bool {
         !(!self).any()
@@ -181,7 +182,7 @@ macro_rules! scalar {
             }
             #[inline(always)]
             fn mul_add(self, b: $t, c: $t) -> $t {
-                // Not `f64::mul_add`: without the instruction that is a slow library call.
+                // Not `f64::mul_add`: without an FMA instruction it is a slow library call.
                 self * b + c
             }
             #[inline(always)]
@@ -230,13 +231,13 @@ macro_rules! scalar {
 scalar!(f32);
 scalar!(f64);
 
-/// A pack of `N` scalars in plain Rust: what kernels use on a machine without wide vector instructions, and
-/// what tests hold the vector packs and the laws against.
+/// Pack of `N` scalars in plain Rust: for kernels on a machine without wide vector instructions, and the reference of
+/// tests of vector packs and laws.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(32))]
 pub struct Wide<T, const N: usize>(pub [T; N]);
 
-/// The mask of a [`Wide`].
+/// Mask of a [`Wide`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WideMask<const N: usize>(pub [bool; N]);
 

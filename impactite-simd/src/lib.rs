@@ -1,28 +1,28 @@
-//! Numbers, vectors of them, and threads: how a kernel is run. The only crate of the project with `unsafe`.
+//! Scalars, SIMD vectors and threads: execution of kernels. The only crate of the project with `unsafe`.
 //!
-//! A law, a weight, a transfer is written once, generic over a [`Lane`]: one number, or a pack of numbers that one instruction
-//! works on.
+//! Laws, weights and transfers are written once, generic over a [`Lane`]: one number, or a pack of numbers processed by
+//! one instruction.
 //!
 //! # Vector instructions
-//! A kernel is generic text over an [`Arch`]: the lanes it computes particles with, and the quad and the band that it adds node records
-//! with, of one particle and of one or two.
-//! [`Float::dispatch`] looks at the processor and runs the kernel compiled for AVX-512, where two groups of particles in double
-//! precision go through a pass together, the one for AVX2 and FMA, or the portable one. They differ by rounding.
+//! A kernel is generic code over an [`Arch`]: lanes for particles, a quad for one node record, and a band for one or
+//! two node records. [`Float::dispatch`] checks the processor and runs the kernel compiled for AVX-512, which processes
+//! two groups of particles in double precision per pass, the one for AVX2 and FMA, or the portable one. They differ by
+//! rounding.
 //!
-//! Every kind is one more compilation: [`Kernel::VECTORS`] says which a kernel is worth. Debug builds and the
-//! feature `one-width` leave AVX-512 out. Where the whole program is compiled for processors of one kind (`-C target-cpu=native`),
-//! there is only the best one that those have.
+//! Each instruction set is one more compilation: [`Kernel::VECTORS`] selects those of a kernel. Debug builds and the
+//! feature `one-width` leave AVX-512 out. A program compiled for one kind of processor (`-C target-cpu=native`)
+//! contains only the best version for it.
 //!
-//! The invariant behind every `unsafe` here, in `avx2` and in `avx512`:
-//! **a value of a vector type exists only inside a kernel that was entered after the processor was seen to have its
-//! instructions.** It holds because the types are private to this module, their values are made only by
-//! methods of [`Lane`] on a type that a kernel receives as `A: Arch`, and only functions of this module that looked at the
-//! processor name [`Arch`] implementations.
+//! Invariant of every `unsafe` here, in `avx2` and in `avx512`: **a value of a vector type exists only inside a kernel
+//! that was entered after a check that the processor has its instructions.** It is true because the types are private
+//! to this module, their values are created only by methods of [`Lane`] on a type that a kernel receives as `A: Arch`,
+//! and only functions of this module that checked the processor name [`Arch`] implementations.
 //!
 //! # Threads
-//! [`Team`] runs a loop over blocks on a chosen number of threads. Each task owns what it writes, which the types of its methods
-//! ensure, so that results do not depend on the number of threads. Its `unsafe` splits slices for tasks: each place goes to one
-//! task alone; and it lends the task of a loop to other threads, which leave the loop before the call returns (`crew`).
+//! [`Team`] runs parallel loops over blocks on a chosen number of threads. Each task owns the data that it writes, as
+//! the types of the methods ensure, so that results do not depend on the number of threads. Its `unsafe` splits slices
+//! among tasks, each element for one task alone, and lends the task of a loop to other threads, which leave the loop
+//! before the call returns (`crew`).
 
 #![allow(unsafe_code)]
 
@@ -41,7 +41,7 @@ pub use aligned::AlignedRecords;
 pub use lane::{Lane, Mask, Real, Wide, WideMask};
 pub use team::{Team, TeamError};
 
-/// The numbers of its lanes: 0, 1, 2 ...
+/// Return the lane indices: 0, 1, 2 ...
 #[inline(always)]
 pub fn lane_numbers<T: Float, P: Lane<Real = T>>() -> P {
     let mut numbers = P::zero();
@@ -51,130 +51,128 @@ pub fn lane_numbers<T: Float, P: Lane<Real = T>>() -> P {
     numbers
 }
 
-/// Vectors of lanes over particles: over those of one group, a row of storage each; over those of two groups; or one particle
-/// alone.
+/// Vector over particles: those of one group (one row of storage), of two groups, or one particle.
 pub trait Pack<T: Float>: Lane<Real = T> {
-    /// Groups whose lanes it takes together, 1 or 2.
+    /// Number of groups per vector, 1 or 2.
     const GROUPS: usize = if Self::WIDTH > T::GROUP { 2 } else { 1 };
-    /// Its numbers in memory.
+    /// Memory representation of the vector.
     type Numbers: Copy + Default + Send + AsRef<[T]>;
 
-    /// Read numbers.
+    /// Load from memory.
     fn load(numbers: &Self::Numbers) -> Self;
-    /// Write them.
+    /// Store to memory.
     fn store(self, numbers: &mut Self::Numbers);
-    /// Read rows of storage: of its two groups, or of the first one, of which one particle has `lane`.
+    /// Load rows of storage: both groups, the first group, or particle `lane` of the first group.
     fn from_rows(rows: [&T::Row; 2], lane: usize) -> Self;
-    /// Write the row of one of them, likewise.
+    /// Store to the row of `group`, or of particle `lane` in it.
     fn to_row(self, group: usize, row: &mut T::Row, lane: usize);
-    /// Read numbers that lie side by side: those of both groups, or of the `half` that is asked for.
+    /// Load adjacent rows: both groups, the group `half`, or particle `lane` in it.
     fn from_pair(pair: &RowPair<T::Row>, half: usize, lane: usize) -> Self;
-    /// Write them.
+    /// Store to adjacent rows.
     fn to_pair(self, pair: &mut RowPair<T::Row>, half: usize, lane: usize);
-    /// Bit `i` set where lane `i` of the mask is.
+    /// Convert a mask to bits: bit `i` is set if lane `i` is.
     fn bits(mask: Self::Mask) -> u32;
-    /// `out[i]` becomes lane `i` of `a`, `b`, `c` and `d`: from four columns of a group to one record a
-    /// particle. `out` has [`Lane::WIDTH`] records.
+    /// Transpose four columns of a group to one record per particle: `out[i]` becomes lane `i` of `a`, `b`, `c` and
+    /// `d`. `out` has [`Lane::WIDTH`] records.
     fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[T; 4]]);
 }
 
-/// Rows of two groups side by side, in one cache line: what a vector over both takes at once.
+/// Adjacent rows of two groups in one cache line, loaded at once by a vector over both groups.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub struct RowPair<R>(pub [R; 2]);
 
-/// A vector over the four numbers of a node record.
+/// Vector over the four numbers of a node record.
 pub trait Quad<T>: Lane<Real = T> {
-    /// Read a record.
+    /// Load a record.
     fn load(record: &[T; 4]) -> Self;
-    /// Write a record.
+    /// Store a record.
     fn store(self, record: &mut [T; 4]);
 }
 
-/// A vector over the numbers of node records: of one particle's, or of those of two particles.
+/// Vector over one node record, or over two, each of its own particle.
 pub trait Band<T, B: Pack<T>, Q>: Lane<Real = T>
 where
     T: Float,
 {
-    /// Records it takes together, 1 or 2.
+    /// Number of records per vector, 1 or 2.
     const RECORDS: usize = Self::WIDTH / 4;
 
-    /// Read so many records.
+    /// Load [`Band::RECORDS`] records.
     fn load(records: &[[T; 4]]) -> Self;
-    /// For all numbers of a record what its particle weighs: that of lane `first`, and the next one's.
+    /// Broadcast particle weights over the numbers of their records: the weight of lane `first`, then that of the next
+    /// lane.
     fn weights(of: &B::Numbers, first: usize) -> Self;
-    /// A record, and zeros.
+    /// Extend a record by zeros.
     fn widen(record: Q) -> Self;
-    /// The sum of the records.
+    /// Sum the records.
     fn fold(self) -> Q;
 }
 
-/// The vector types of a kind of processor.
+/// Vector types of an instruction set.
 pub trait Arch<T: Float>: 'static {
-    /// Lanes over the particles of a group, or one of them.
+    /// Vector over the particles of a group, or over one of them.
     type Pack: Pack<T>;
-    /// Lanes over the particles that go through a pass together: one, those of a group or of two.
+    /// Vector over the particles of one pass: one particle, one group or two groups.
     type Batch: Pack<T>;
-    /// Lanes over the numbers of a node record.
+    /// Vector over the numbers of a node record.
     type Quad: Quad<T>;
-    /// Lanes over the numbers of the records of one particle or of two.
+    /// Vector over the node records of one or two particles.
     type Band: Band<T, Self::Batch, Self::Quad>;
 
-    /// Are larger pieces of kernels calls ([`apart`]), so that all kernels share them? Where compile time counts for more than speed.
+    /// True if larger parts of kernels are shared calls ([`apart`]), for compile time at the expense of speed.
     const APART: bool = false;
 
-    /// The sums over the lanes of four vectors.
+    /// Sum each of four vectors over its lanes.
     fn sums(of: [Self::Batch; 4]) -> Self::Quad;
 }
 
-/// A piece of a kernel as a call: one for all kernels that do the same work, if this is called in a function of fewer types than
-/// theirs.
+/// Run a part of a kernel as a call. Kernels share its compiled code if the calling function is generic over fewer
+/// types than theirs.
 #[inline(never)]
 pub fn apart<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Plain Rust, one particle after the other: for x86-64 processors without AVX2. A third of the text that vectors of plain
-/// Rust are.
+/// Plain Rust, one particle at a time: for x86-64 processors without AVX2. A third of the code of [`Portable`].
 #[derive(Debug)]
 pub struct OneByOne;
 
-/// Plain Rust, in vectors of a group, of which compilers make what the processor has: for processors other than x86-64.
+/// Plain Rust with vectors of one group, vectorised by the compiler: for processors other than x86-64.
 #[derive(Debug)]
 pub struct Portable;
 
-/// Which copies of a kernel are worth their compile time, beside the one in plain Rust.
+/// Vector versions of a kernel, in addition to plain Rust.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vectors {
-    /// None: what is done rarely.
+    /// None, for rarely used kernels.
     Plain,
-    /// One, for AVX2 and FMA.
+    /// AVX2 and FMA.
     Avx2,
-    /// Also one for AVX-512, which takes two groups of an [`Arch::Batch`] at once.
+    /// AVX2 and FMA, and AVX-512 with two groups per [`Arch::Batch`].
     Avx512,
 }
 
-/// Text compiled once for each [`Arch`]. Mark `run` and all it calls `#[inline(always)]`.
+/// Kernel: code compiled once for each [`Arch`]. Mark `run` and all it calls `#[inline(always)]`.
 pub trait Kernel<T: Float> {
-    /// Which copies it is worth.
+    /// Vector versions to compile.
     const VECTORS: Vectors = Vectors::Avx2;
-    /// What it returns.
+    /// Return type.
     type Output;
-    /// Run it.
+    /// Run the kernel.
     fn run<A: Arch<T>>(self) -> Self::Output;
 }
 
-/// A scalar that particles are stored in: `f32` or `f64`.
+/// Scalar type of particle storage: `f32` or `f64`.
 pub trait Float: Real {
-    /// Lanes of a row; particles of a group.
+    /// Number of lanes of a row, and of particles of a group.
     const GROUP: usize;
-    /// The unit of particle storage: 32 bytes, one number of [`Float::GROUP`] particles.
+    /// Unit of particle storage: 32 bytes, one number of [`Float::GROUP`] particles.
     type Row: Copy + Default + Send + Sync + std::fmt::Debug + AsRef<[Self]> + AsMut<[Self]> + 'static;
 
-    /// Run the kernel with the best vectors this processor has.
+    /// Run the kernel with the best instruction set of this processor.
     fn dispatch<K: Kernel<Self>>(kernel: K) -> K::Output;
-    /// Run it with every kind of vectors that this processor has, plain Rust first: the reference that others are tested
-    /// against.
+    /// Run the kernel with every instruction set of this processor, plain Rust first, the reference of tests.
     fn each<K: Kernel<Self>>(kernel: impl Fn() -> K) -> Vec<K::Output>;
 }
 
@@ -358,16 +356,16 @@ macro_rules! float {
 float!(f64, 4, dispatch_double, avx2, avx512);
 float!(f32, 8, dispatch_single, avx2);
 
-/// Was the program compiled for AVX-512, or for AVX2, alone?
+/// True if the whole program is compiled for AVX-512; `ONLY_AVX2` is true if it is for AVX2.
 #[cfg(target_arch = "x86_64")]
 const ONLY_AVX512: bool = cfg!(all(target_feature = "avx512dq", target_feature = "avx512vl"));
 #[cfg(target_arch = "x86_64")]
 const ONLY_AVX2: bool = cfg!(all(target_feature = "avx2", target_feature = "fma"));
-/// Are kernels compiled for AVX-512 where that is worth it?
+/// True if kernels that request AVX-512 are compiled for it.
 #[cfg(target_arch = "x86_64")]
 const TWO_WIDTHS: bool = !cfg!(debug_assertions) && !cfg!(feature = "one-width");
 
-/// The copy for processors without AVX2, and of what is done rarely: told to the compiler as such, which then hurries.
+/// Run the scalar version, for processors without AVX2 and rarely used kernels: `cold` reduces its compile time.
 #[cfg(target_arch = "x86_64")]
 #[cold]
 #[inline(never)]
@@ -382,7 +380,7 @@ where
 #[inline]
 fn dispatch_double<K: Kernel<f64>>(kernel: K) -> K::Output {
     const {
-        // What the branches below leave to compile.
+        // Assumption of the branches below.
         assert!(!ONLY_AVX512 || ONLY_AVX2, "AVX-512 comes with AVX2");
     }
     if const { !cfg!(debug_assertions) && (ONLY_AVX512 || (TWO_WIDTHS && matches!(K::VECTORS, Vectors::Avx512))) }
@@ -420,8 +418,8 @@ fn dispatch_single<K: Kernel<f32>>(kernel: K) -> K::Output {
     kernel.run::<Portable>()
 }
 
-/// The same reference, of which the compiler does not know that it is: what was written there is read from there. Single
-/// lanes of vectors are best had so, where the compiler would shuffle each out of a register.
+/// Hide the origin of a reference from the compiler, so that values written to memory are read from memory. Faster for
+/// single lanes of vectors, which the compiler would shuffle out of a register.
 #[inline(always)]
 pub fn through_memory<X>(of: &X) -> &X {
     #[cfg(target_arch = "x86_64")]
@@ -437,15 +435,15 @@ pub fn through_memory<X>(of: &X) -> &X {
     of
 }
 
-/// Ask for `count` items of a slice from the place `first` on, which will be read at once. Never faults, also where there is
-/// no such place, and changes no result.
+/// Prefetch `count` items of a slice from index `first` on into the first-level cache, for reads at once. Never faults,
+/// not even outside the slice, and changes no result.
 #[inline(always)]
 pub fn prefetch_from<X>(of: &[X], first: usize, count: usize) {
     ask_at::<X, true>(of.as_ptr().wrapping_add(first), count);
 }
 
-/// The same by four cache lines at once, some behind the last one asked for, maybe: in fewer instructions, where the count is not known
-/// when compiling.
+/// Prefetch like [`prefetch_from`], in units of four cache lines, perhaps beyond the last item: fewer instructions for
+/// a count that is unknown at compile time.
 #[inline(always)]
 pub fn prefetch_fours_from<X>(of: &[X], first: usize, count: usize) {
     let step = 4 * LINE / size_of::<X>();
@@ -454,13 +452,13 @@ pub fn prefetch_fours_from<X>(of: &[X], first: usize, count: usize) {
     }
 }
 
-/// The same for what will be read after some other work, for the second cache: the first has no room for it.
+/// Prefetch like [`prefetch_from`], but into the second-level cache, for later reads: the first level has no room.
 #[inline(always)]
 pub fn prefetch_early_from<X>(of: &[X], first: usize, count: usize) {
     ask_at::<X, false>(of.as_ptr().wrapping_add(first), count);
 }
 
-/// Where some memory lies, to be asked for while another thread may be at work in it: nothing is read.
+/// Address range of some memory, for prefetching while another thread may write it: nothing is read.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Whereabouts {
     /// Address of the first byte.
@@ -469,16 +467,16 @@ pub struct Whereabouts {
 }
 
 impl Whereabouts {
-    /// Of what a slice holds.
+    /// Create the address range of a slice.
     pub fn of<X>(slice: &[X]) -> Self {
         Whereabouts { first: slice.as_ptr().addr(), bytes: size_of_val(slice) }
     }
-    /// Ask for all of it, for the second cache.
+    /// Prefetch the range into the second-level cache.
     #[inline(always)]
     pub fn prefetch_early(self) {
         ask_at::<u8, false>(std::ptr::without_provenance(self.first), self.bytes);
     }
-    /// The same of so many cache lines from line `first` on, whether or not they are within.
+    /// Prefetch `lines` cache lines from line `first` on into the second-level cache, inside the range or not.
     #[inline(always)]
     pub fn prefetch_lines_early(self, first: usize, lines: usize) {
         let address = self.first + first * LINE;
@@ -497,7 +495,7 @@ fn ask_at<X, const NEAR: bool>(first: *const X, count: usize) {
     {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
         let first = first.cast::<i8>();
-        // Up to the line of the last byte, wherever in its line the first one lies.
+        // Include the line of the last byte, for any offset of the first byte in its line.
         let lines = count * size_of::<X>() / LINE + 1;
         for line in 0..lines {
             // SAFETY: a prefetch reads nothing the program can see, at any address.

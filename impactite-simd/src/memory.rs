@@ -1,55 +1,55 @@
-//! How much memory one call may ask for.
+//! Memory limit of a call.
 //!
-//! What a few numbers can make huge (a box of nodes, a filling, rings, copies in a picture) is counted before anything is allocated, and
-//! refused where it goes beyond a limit: [`MOST_BYTES`], unless the caller sets another one (`Filling::memory`,
-//! `DenseGrid::within`). The limit is a number and not what the machine has, so that a program is refused
-//! the same everywhere; what the system refuses below it is an error as well.
+//! Memory whose size follows from a few input numbers (a box of nodes, a filling, rings, copies in a picture) is
+//! checked before allocation against a limit: [`MOST_BYTES`], unless the caller sets another one (`Filling::memory`,
+//! `DenseGrid::within`). The limit does not depend on the machine, so that a program is refused equally everywhere; a
+//! refusal by the operating system below it is an error as well.
 
-/// Bytes that one call may ask for if nobody says otherwise, 16 GiB: room for 2.6e8 particles that fill a body in space, or for as many
-/// nodes of a dense grid in double precision.
+/// Default memory limit of a call, bytes, 16 GiB: 2.6e8 particles that fill a body in space, or as many nodes of a
+/// dense grid in double precision.
 pub const MOST_BYTES: u64 = 16 << 30;
 
-/// Why memory is refused.
+/// Error of a refused memory request.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MemoryError {
-    /// More than is allowed.
+    /// Request above the limit.
     #[error("{what} would take {bytes:.4e} bytes of memory; at most {allowed} are allowed; {remedy}")]
     Limit {
-        /// What would be held in it.
+        /// Purpose of the memory.
         what: &'static str,
-        /// Bytes that it would take.
+        /// Requested bytes.
         bytes: f64,
-        /// Bytes that are allowed.
+        /// Allowed bytes.
         allowed: u64,
-        /// What to change.
+        /// Remedy: input to change.
         remedy: &'static str,
     },
-    /// More than the system gives.
+    /// Request refused by the operating system.
     #[error("{what} would take {bytes:.4e} bytes of memory, which the system refuses; {remedy}")]
     System {
-        /// What would be held in it.
+        /// Purpose of the memory.
         what: &'static str,
-        /// Bytes that it would take.
+        /// Requested bytes.
         bytes: f64,
-        /// What to change.
+        /// Remedy: input to change.
         remedy: &'static str,
     },
 }
 
-/// What asks for memory, how much of it is allowed, and what the user can change.
+/// Memory limit of a request, with its purpose and remedy.
 #[derive(Clone, Copy, Debug)]
 pub struct Budget {
-    /// What would be held in it.
+    /// Purpose of the memory.
     pub what: &'static str,
-    /// Bytes that are allowed.
+    /// Allowed bytes.
     pub allowed: u64,
-    /// What to change where that is too little.
+    /// Remedy if the limit is too small.
     pub remedy: &'static str,
 }
 
 impl Budget {
-    /// Refuses more bytes than are allowed, and what is no number.
+    /// Check a number of bytes against the limit; NaN is refused.
     ///
     /// # Errors
     /// [`MemoryError::Limit`].
@@ -60,10 +60,10 @@ impl Budget {
             Err(MemoryError::Limit { what: self.what, bytes, allowed: self.allowed, remedy: self.remedy })
         }
     }
-    /// Room for so many values.
+    /// Allocate room for `count` values.
     ///
     /// # Errors
-    /// More than is allowed, or than the system gives.
+    /// A request above the limit, or refused by the operating system.
     pub fn room<T>(self, count: usize) -> Result<Vec<T>, MemoryError> {
         let bytes = count as f64 * size_of::<T>() as f64;
         self.holds(bytes)?;

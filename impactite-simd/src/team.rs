@@ -1,4 +1,4 @@
-//! A chosen number of threads.
+//! Thread team: parallel loops on a chosen number of threads.
 
 use std::cell::RefCell;
 use std::marker::PhantomData;
@@ -9,11 +9,11 @@ use rayon::prelude::*;
 
 use crate::crew::{self, Crew};
 
-/// The threads that the stages of a step run on. One thread runs in the caller, without others.
+/// Threads that run the stages of a step. A team of one thread runs in the caller.
 ///
-/// The thread that calls a loop is one of them. Each thread has a range of the numbers of a loop, the same one in the next loop of as many, so that what it
-/// wrote is in its cache; one that is done takes from the ranges of others. A loop within a loop runs in the thread that calls it. A thread
-/// without work watches for the next loop for a moment before it sleeps.
+/// The thread that calls a loop takes part in it. Each thread has an index range of the loop, the same in the next loop
+/// of equal length, so that its data are in its cache; a finished thread steals from the ranges of others. A loop
+/// within a loop runs in its calling thread. An idle thread spins for a moment before it sleeps.
 ///
 /// A forked child process inherits teams without their threads. A team starts as many threads again when the child first uses it; if the
 /// operating system refuses them, loops run in the caller, with the same results.
@@ -25,20 +25,20 @@ enum Threads {
     /// The caller's thread.
     #[default]
     One,
-    /// Threads of a crew.
+    /// Threads of a pool.
     Crew(Arc<Crews>),
     /// Threads of the team whose [`Team::run`] the caller is in, else of the pool of rayon that it runs in.
     Ambient,
 }
 
-/// Crews of `threads` threads, one per process.
+/// Pools of `threads` threads, one per process.
 #[derive(Debug)]
 struct Crews {
     threads: usize,
     first: OnceLock<Box<Started>>,
 }
 
-/// Crew of a process; the next one belongs to a child that was forked from it.
+/// Pool of a process; the next one belongs to a child that was forked from it.
 #[derive(Debug)]
 struct Started {
     process: u32,
@@ -48,13 +48,13 @@ struct Started {
 }
 
 impl Crews {
-    /// Crew of this process. The list is append-only without a lock: a lock that a thread of the parent held at the fork would never be
-    /// released.
+    /// Return the pool of this process. The list is append-only without a lock: a lock that a thread of the parent held
+    /// at the fork would never be released.
     fn here(&self) -> Option<&Crew> {
         let mut place = &self.first;
         let process = process();
         while let Some(started) = place.get() {
-            // The last one only, since process numbers are used again.
+            // Check the last entry only, since process IDs are reused.
             if started.next.get().is_none() && started.process == process {
                 return started.crew.as_ref();
             }
@@ -87,46 +87,46 @@ thread_local! {
     static AMBIENT: RefCell<Option<Team>> = const { RefCell::new(None) };
 }
 
-/// Number of this process, which differs in a forked child; 0 on systems without fork.
+/// ID of this process, which differs in a forked child; 0 on systems without fork.
 fn process() -> u32 {
     if cfg!(unix) { std::process::id() } else { 0 }
 }
 
-/// Was this process forked from one that used the global pool of rayon, whose threads it does not have?
+/// True if this process was forked from one that used the global pool of rayon, whose threads it does not have.
 fn forked() -> bool {
-    /// Process that first used the global pool; 0 before.
+    /// ID of the process that first used the global pool; 0 before.
     static HOME: AtomicU32 = AtomicU32::new(0);
     let process = process();
     let home = HOME.compare_exchange(0, process, Ordering::Relaxed, Ordering::Relaxed);
     home.is_err_and(|home| home != process)
 }
 
-/// Bytes of stack of a thread: kernels compiled without optimisation take much of it.
+/// Stack size of a thread, bytes: kernels compiled without optimisation need much of it.
 const STACK: usize = 8 << 20;
 
-/// Why a team could not be made.
+/// Error in the creation of a team.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TeamError {
-    /// A number of threads that no team has.
+    /// Number of threads out of range.
     #[error("team: threads = {threads} is not allowed; it must be 1 to {}", Team::MOST)]
     Threads {
-        /// The number given.
+        /// Requested number of threads.
         threads: usize,
     },
-    /// The operating system refused.
+    /// Threads refused by the operating system.
     #[error("team: {threads} threads could not be started: {cause}")]
     Refused {
-        /// The number given.
+        /// Requested number of threads.
         threads: usize,
-        /// What it said.
+        /// Message of the operating system.
         cause: String,
     },
 }
 
-/// A slice whose elements tasks take, each by one task alone.
+/// Slice shared by tasks, each element accessed by one task alone.
 ///
-/// **Invariant:** `take` and `part` are called from [`Team::run`] only, with places that no two tasks share.
+/// **Invariant:** `take` and `part` are called from loops of [`Team`] only, with indices that no two tasks share.
 struct Shared<'a, X> {
     first: *mut X,
     length: usize,
@@ -141,7 +141,7 @@ impl<'a, X> Shared<'a, X> {
         Shared { first: slice.as_mut_ptr(), length: slice.len(), slice: PhantomData }
     }
     /// # Safety
-    /// No other task takes any of these.
+    /// No other task accesses any of these elements.
     #[allow(clippy::mut_from_ref)]
     unsafe fn part(&self, start: usize, end: usize) -> &mut [X] {
         assert!(start <= end && end <= self.length, "a part of a slice lies in it");
@@ -149,7 +149,7 @@ impl<'a, X> Shared<'a, X> {
         unsafe { std::slice::from_raw_parts_mut(self.first.add(start), end - start) }
     }
     /// # Safety
-    /// No other task takes it.
+    /// No other task accesses this element.
     #[allow(clippy::mut_from_ref)]
     unsafe fn take(&self, place: usize) -> &mut X {
         assert!(place < self.length, "an element of a slice lies in it");
@@ -159,25 +159,27 @@ impl<'a, X> Shared<'a, X> {
 }
 
 impl Team {
-    /// Most threads of a team: more than the processors of a machine that shares memory among them, with few exceptions, beyond which
-    /// threads wait for each other. So many start in about a second; ten thousand took a minute, and 80 GB of addresses for their stacks.
+    /// Largest number of threads of a team: more than the processors of a shared-memory machine, with few exceptions,
+    /// beyond which threads wait for each other. So many start in about a second; ten thousand took a minute, and 80 GB
+    /// of address space for their stacks.
     pub const MOST: usize = 1024;
 
-    /// The caller's thread alone.
+    /// Create a team of the caller's thread alone.
     pub fn one() -> Self {
         Team(Threads::One)
     }
 
-    /// The threads of the team whose [`Team::run`] the caller is in, else of the pool of rayon that it runs in, else of rayon's global pool; in a
-    /// child that was forked when the global pool was in use, the caller's.
+    /// Create a team of the threads of the team whose [`Team::run`] the caller is in, else of the pool of rayon that it
+    /// runs in, else of rayon's global pool; in a child that was forked when the global pool was in use, of the
+    /// caller's thread.
     pub fn ambient() -> Self {
         Team(Threads::Ambient)
     }
 
-    /// `threads` threads, 1 to [`Team::MOST`].
+    /// Create a team of `threads` threads, 1 to [`Team::MOST`].
     ///
     /// # Errors
-    /// Another number of threads, or the operating system refuses.
+    /// A number of threads out of range, or threads refused by the operating system.
     pub fn new(threads: usize) -> Result<Self, TeamError> {
         match threads {
             1 => Ok(Team(Threads::One)),
@@ -204,14 +206,15 @@ impl Team {
         }
     }
 
-    /// The team whose [`Team::run`] the caller is in.
+    /// Return the team whose [`Team::run`] the caller is in.
     fn around() -> Option<Team> {
         AMBIENT.with_borrow(Clone::clone)
     }
 
-    /// Do work in another thread, while which loops of this team run on one thread less, at least on that of the caller.
+    /// Run `work` in this thread, while loops of the team in other threads use one thread less, at least that of their
+    /// caller.
     pub fn lend<R>(&self, work: impl FnOnce() -> R) -> R {
-        /// Takes the thread back, also where `work` panics.
+        /// Guard that takes the thread back, also if `work` panics.
         struct Lent<'a>(&'a Crew);
         impl Drop for Lent<'_> {
             fn drop(&mut self) {
@@ -226,9 +229,9 @@ impl Team {
         work()
     }
 
-    /// Run `work`, of which loops of [`Team::ambient`] run on this team, too.
+    /// Run `work` so that loops of [`Team::ambient`] in it run on this team, too.
     pub fn run<R>(&self, work: impl FnOnce() -> R) -> R {
-        /// Puts back the team that was there before, also where `work` panics.
+        /// Guard that restores the previous team, also if `work` panics.
         struct Before(Option<Team>);
         impl Drop for Before {
             fn drop(&mut self) {
@@ -242,8 +245,8 @@ impl Team {
         work()
     }
 
-    /// `task` for every number below `count`, each once, in any order. No generic code, so that loops over threads are compiled
-    /// here and not once for each of their tasks.
+    /// Run `task` once for every number below `count`, in any order. Not generic, so that loops over threads are
+    /// compiled once and not for each of their tasks.
     #[inline(never)]
     fn each_number(&self, count: usize, task: &(dyn Fn(usize) + Send + Sync)) {
         match &self.0 {
@@ -261,7 +264,7 @@ impl Team {
         }
     }
 
-    /// `task` on every element, in any order: a task must touch only what it is given.
+    /// Run `task` on every element, in any order: a task must access its own element only.
     pub fn each<X: Send>(&self, items: &mut [X], task: impl Fn(usize, &mut X) + Send + Sync) {
         let count = items.len();
         let items = Shared::of(items);
@@ -269,10 +272,10 @@ impl Team {
         self.each_number(count, &|i| task(i, unsafe { items.take(i) }));
     }
 
-    /// `task` on every part `starts[i]..starts[i + 1]` of `items`, with the matching element of `with`.
+    /// Run `task` on every part `starts[i]..starts[i + 1]` of `items`, with the matching element of `with`.
     ///
     /// # Panics
-    /// Starts that do not rise, or are fewer than one more than the elements of `with`.
+    /// Starts that are not sorted, or fewer than one more than the elements of `with`.
     pub fn each_part<X: Send, Y: Send>(
         &self,
         items: &mut [X],
@@ -291,8 +294,8 @@ impl Team {
         });
     }
 
-    /// `task` on every element with memory of the thread it runs on, of which there must be one for each thread; what
-    /// the task makes must not depend on what it finds there.
+    /// Run `task` on every element with the scratch memory of its thread, one entry of `memory` per thread; the result
+    /// of a task must not depend on the previous content.
     pub fn each_with<X: Send, S: Send>(
         &self,
         items: &mut [X],
@@ -302,8 +305,8 @@ impl Team {
         self.each(items, |i, x| task(i, x, &mut self.own(memory)));
     }
 
-    /// In a task: the memory of the thread it runs on, of which there must be one for each thread. To be let go before
-    /// the task ends.
+    /// Lock the scratch memory of the current thread in a task, one entry of `memory` per thread. Release it before the
+    /// task ends.
     pub fn own<'a, S>(&self, memory: &'a [Mutex<S>]) -> MutexGuard<'a, S> {
         let thread = match &self.0 {
             Threads::One => 0,
@@ -312,11 +315,11 @@ impl Team {
             }
             _ => crew::thread(),
         };
-        // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
+        // No other thread waits for it. No task relies on the content that a panicked task left.
         memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// `task` on every piece of `length` elements of `items`, with the matching element of `with`.
+    /// Run `task` on every piece of `length` elements of `items`, with the matching element of `with`.
     pub fn each_piece<X: Send, Y: Send>(
         &self,
         items: &mut [X],
@@ -356,7 +359,7 @@ mod tests {
 
     #[test]
     fn a_process_starts_threads_of_its_own() {
-        // A crew of the parent, as a forked child finds it: it must neither be used nor ended.
+        // A pool of the parent, as a forked child finds it: it must neither be used nor ended.
         let dead = Box::new(Started::new(process().wrapping_add(1), Crew::new(2, STACK).ok()));
         let team = Team(Threads::Crew(Arc::new(Crews { threads: 2, first: dead.into() })));
         let Threads::Crew(crews) = &team.0 else { unreachable!("just made") };

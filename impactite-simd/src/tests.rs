@@ -1,4 +1,4 @@
-//! All kinds of vectors that the processor has do the same.
+//! Agreement of all instruction sets of the processor.
 
 use crate::lane::{Lane, Mask};
 
@@ -77,7 +77,7 @@ macro_rules! sums {
                 let mut expected = [0.0; 4];
                 for i in 0..4 {
                     for j in 0..A::Batch::WIDTH {
-                        // Each lane has a digit of its own, so that none can stand for another.
+                        // Each lane has its own digit, so that no lane can replace another.
                         let x = ((i + 1) << (3 * j)) as $t;
                         of[i] = of[i].with_lane(j, x);
                         expected[i] += x;

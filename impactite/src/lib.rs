@@ -1,6 +1,6 @@
 //! Impactite: the material point method and its neighbours, for impact, penetration and large deformation of solids.
 //!
-//! This crate is the front door: one dependency that re-exports the crates of the framework by topic, and a [`prelude`]. It has no code of
+//! This crate is the entry point: one dependency that re-exports the crates of the framework by topic, and a [`prelude`]. It has no code of
 //! its own.
 //!
 //! ```
@@ -20,7 +20,7 @@
 //! # }
 //! ```
 //!
-//! | module | holds | crate |
+//! | module | contents | crate |
 //! |---|---|---|
 //! | [`mpm`] | the material point method: parts of a method, grids, bodies, conditions, the step | `mpm-core` |
 //! | [`pcmm`] | the particle-contact meshfree method | `pcmm` |
@@ -29,22 +29,22 @@
 //! | [`fpm`] | the fragile points method: cells whose faces open as cracks | `fpm` |
 //! | [`coupling`] | elements and particles in one scene | `coupling` |
 //! | [`materials`] | constitutive laws, equations of state, failure; the driver of a single point | `mpm-materials` |
-//! | [`contact`] | detectors, normals and laws of contact; scenes of bodies of particles; points and meshes | `mpm-contact` |
+//! | [`contact`] | contact detectors, normals and laws; scenes of bodies of particles; points and meshes | `mpm-contact` |
 //! | [`geometry`] | shapes, lattices, seeding, meshes, neighbour search | `impactite-geometry` |
-//! | [`scene`] | what every method shares: bodies, `Solver`, run loop, balances, checkpoints | `impactite-scene` |
-//! | [`observe`], [`watch`] | observers; warnings of energy and momentum that nothing explains | `impactite-scene` |
+//! | [`scene`] | infrastructure of all methods: bodies, `Solver`, run loop, balances, checkpoints | `impactite-scene` |
+//! | [`observe`], [`watch`] | observers; checks of unexplained energy and momentum | `impactite-scene` |
 //! | [`output`] | ParaView files, pictures, charts, histories | `impactite-output` |
 //! | [`parallel`] | vector instructions and threads | `impactite-simd` |
 //!
-//! The [book](https://github.com/impactite/impactite/blob/main/docs/book/src/SUMMARY.md) is where to start reading. Units are SI; stress is
+//! Start with the [book](https://github.com/impactite/impactite/blob/main/docs/book/src/SUMMARY.md). Units are SI; stress is
 //! tension-positive, pressure compression-positive.
 //!
 //! # Features
 //! - `mesh` (default): bodies from STL, OBJ and PLY files.
-//! - `single`: kernels of the most used methods and laws in single precision, too.
-//! - `one-width`: no AVX-512, so that kernels compile faster.
+//! - `single`: kernels of the most used methods and laws also in single precision.
+//! - `one-width`: no AVX-512, for faster compilation of kernels.
 //! - `hdf5`: frames for ParaView in VTKHDF, [`output::Format`]`::Hdf`.
-//! - `conformance`: test suites for laws, shape functions, transfers, grids, detectors, contact laws and bodies of particles of one's own.
+//! - `conformance`: test suites for custom laws, shape functions, transfers, grids, detectors, contact laws and bodies of particles.
 
 pub use coupling;
 pub use fem;
@@ -60,9 +60,9 @@ pub use mpm_materials as materials;
 pub use pcmm;
 pub use sph;
 
-/// What most programs use: `use impactite::prelude::*;`.
+/// Names that most programs use: `use impactite::prelude::*;`.
 ///
-/// The particle-contact method is not in it, since its method and its scene have names of their own in `impactite::pcmm`.
+/// The particle-contact method is not included, since its method and its scene have names of their own in `impactite::pcmm`.
 pub mod prelude {
     pub use crate::contact::{
         Adhesion, Approach, Coulomb, Frictionless, Gradients, Pairs, Penalty, Regression, SeparatingPlane,
@@ -95,7 +95,7 @@ pub mod prelude {
     };
 }
 
-/// The programs of the README and of the book, compiled and run by `cargo test`: a struct a page.
+/// Programs of the README and of the book, compiled and run by `cargo test`: one struct per page.
 #[cfg(doctest)]
 mod pages {
     #[doc = include_str!("../../README.md")]

@@ -1,18 +1,17 @@
-//! The book and the other documents hold together: chapters and the table of contents agree, links resolve, programs are tested, and what
-//! the code says of the book is there.
+//! Consistency of the book and the other documents: table of contents, links, tested programs, and references of the code to the book.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// Where links lead that leave the book: files of this repository.
+/// Prefix of links that leave the book for files of this repository.
 const REPOSITORY: &str = "https://github.com/impactite/impactite/";
 
 fn root() -> PathBuf {
     normal(&Path::new(env!("CARGO_MANIFEST_DIR")).join(".."))
 }
 
-/// The path without `.` and `..`.
+/// Return the path without `.` and `..`.
 fn normal(path: &Path) -> PathBuf {
     let mut out = PathBuf::new();
     for part in path.components() {
@@ -31,7 +30,7 @@ fn text(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// All files below `folder` with this extension, in order; build output is left out.
+/// Collect all files below `folder` with this extension, in order; build output is skipped.
 fn files(folder: &Path, extension: &str, out: &mut Vec<PathBuf>) {
     let mut entries: Vec<PathBuf> = fs::read_dir(folder)
         .unwrap()
@@ -58,7 +57,7 @@ fn below(folder: &Path, extension: &str) -> Vec<PathBuf> {
     out
 }
 
-/// Lines of a page outside of blocks of code, and languages of the blocks.
+/// Split a page into the lines outside of code blocks and the languages of the blocks.
 fn split(page: &str) -> (String, Vec<String>) {
     let (mut prose, mut blocks, mut code) = (String::new(), Vec::new(), false);
     for line in page.lines() {
@@ -75,19 +74,19 @@ fn split(page: &str) -> (String, Vec<String>) {
     (prose, blocks)
 }
 
-/// Prose without spans of code.
+/// Return prose without code spans.
 fn without_spans(prose: &str) -> String {
     prose.split('`').step_by(2).collect::<Vec<_>>().join(" ")
 }
 
-/// What stands between `](` and `)`.
+/// Return the link targets between `](` and `)`.
 fn links(prose: &str) -> Vec<String> {
     let text = without_spans(prose);
     let ends = text.split("](").skip(1).filter_map(|rest| rest.split_once(')'));
     ends.map(|(target, _)| target.trim().to_string()).collect()
 }
 
-/// What stands in `href="..."` and `src="..."`.
+/// Return the values of `href="..."` and `src="..."`.
 fn references(html: &str) -> Vec<String> {
     let attribute = |name: &'static str| {
         html.split(name).skip(1).filter_map(|rest| rest.split_once('"')).map(|(target, _)| target.to_string())
@@ -102,7 +101,7 @@ fn headings(prose: &str) -> Vec<String> {
     heads.map(|h| h.trim().to_string()).collect()
 }
 
-/// The anchor of a heading, as mdBook and GitHub make it.
+/// Return the anchor of a heading, as mdBook and GitHub generate it.
 fn anchor(heading: &str) -> String {
     let kept = heading
         .to_lowercase()
@@ -112,7 +111,7 @@ fn anchor(heading: &str) -> String {
     kept.replace(' ', "-")
 }
 
-/// Does the link resolve, from the folder of its page?
+/// Check that a link resolves from the folder of its page.
 fn check(target: &str, folder: &Path, root: &Path) -> Result<(), String> {
     let (path, fragment) = target.split_once('#').map_or((target, None), |(p, f)| (p, Some(f)));
     let file = if let Some(inside) = path.strip_prefix(REPOSITORY) {
@@ -155,7 +154,7 @@ fn links_resolve() {
     let mut checked = 0;
     let mut look = |path: &Path, targets: Vec<String>| {
         for target in targets {
-            // An anchor alone is one of the same page.
+            // A bare anchor refers to the same page.
             let whole = if target.starts_with('#') { format!("{}{target}", path.display()) } else { target };
             checked += 1;
             if let Err(why) = check(&whole, path.parent().unwrap(), &root) {
@@ -193,7 +192,7 @@ fn programs_are_tested() {
     }
 }
 
-/// Files that the book names, as `tests/tests/step/books.rs`.
+/// File names in the book, such as `tests/tests/step/books.rs`.
 #[test]
 fn files_that_the_book_names_exist() {
     let root = root();
@@ -221,7 +220,7 @@ fn files_that_the_book_names_exist() {
     assert!(missing.is_empty(), "{}", missing.join("\n"));
 }
 
-/// Keys as [Ma2010] are in REFERENCES.md.
+/// Citation keys such as [Ma2010] are listed in REFERENCES.md.
 #[test]
 fn references_are_listed() {
     let root = root();
@@ -243,7 +242,7 @@ fn references_are_listed() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
-/// Comments say `book, "Heading"`.
+/// Comments cite headings as `book, "Heading"`.
 #[test]
 fn the_code_speaks_of_headings_that_exist() {
     let root = root();

@@ -1,4 +1,4 @@
-//! Bodies that are glued.
+//! Adhesive contact laws.
 
 use mpm_materials::{Check, ParameterError, Real};
 
@@ -6,10 +6,9 @@ use crate::friction::Coulomb;
 use crate::law::{Contact, ContactLaw};
 use crate::vector::{difference, dot, length, times};
 
-/// Bodies that are glued: one velocity where they meet, pulled or pushed, at every node where the detector says they
-/// touch: with [`crate::Approach`] that is what one velocity field does. On a grid a distance test finds a touch up to a quarter of a cell
-/// beyond its threshold for laws that pull, so that bodies whose faces lie on each other at the start hold, and what is strained at the joint
-/// does not let go.
+/// Perfect adhesion: one velocity at the contact, in tension and compression, at every node where the detector finds contact; with
+/// [`crate::Approach`] this is a single velocity field. On a grid a distance test finds contact up to a quarter of a cell beyond its
+/// threshold for laws that pull: bodies whose faces coincide at the start stick, and a strained joint does not separate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stick;
 impl<T: Real> ContactLaw<T> for Stick {
@@ -21,9 +20,9 @@ impl<T: Real> ContactLaw<T> for Stick {
     }
 }
 
-/// Bodies that stick up to a strength: glued while the traction stays below, (t_n / strength)^2 +
-/// (t_t / shear strength)^2 <= 1 (only t_t counts in compression); beyond it, Coulomb friction. Without memory:
-/// surfaces that touch again stick again. As with [`Stick`], bodies hold from the start where their faces lie on each other.
+/// Adhesion up to a strength: perfect while the traction satisfies (t_n / strength)^2 + (t_t / shear strength)^2 <= 1 (only t_t counts in
+/// compression); beyond it, Coulomb friction. Without memory: surfaces that touch again stick again. As with [`Stick`], bodies stick from
+/// the start where their faces coincide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adhesion<T> {
     strength: T,
@@ -31,7 +30,7 @@ pub struct Adhesion<T> {
     beyond: Coulomb<T>,
 }
 impl<T: Real> Adhesion<T> {
-    /// Tensile and shear strength, Pa, and the friction coefficient once they are passed.
+    /// Create from tensile and shear strength, Pa, and the friction coefficient after failure.
     ///
     /// # Errors
     /// A strength that is not positive, a coefficient that is negative.
@@ -56,7 +55,7 @@ impl<T: Real> ContactLaw<T> for Adhesion<T> {
         let along = dot(glued, contact.normal);
         let across = length(difference(glued, times(contact.normal, along)));
         let pull = (-along).max(T::of(0.0));
-        // t / strength <= 1 times area and step, so that an area of zero holds nothing.
+        // t / strength <= 1 times area and step, so that a zero area has no strength.
         let (a, b) = (pull * self.shear, across * self.strength);
         let capacity = self.strength * self.shear * contact.area * contact.dt;
         if a * a + b * b <= capacity * capacity { glued } else { self.beyond.impulse(contact) }

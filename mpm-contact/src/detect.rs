@@ -1,4 +1,4 @@
-//! Do two bodies touch at a node?
+//! Contact detection at nodes that two bodies share.
 
 use impactite_simd::Float;
 use mpm_materials::{Check, ParameterError};
@@ -8,30 +8,30 @@ use crate::places::{Places, SurfaceQuantity, each_place};
 use crate::separate::SeparatingPlane;
 use crate::vector::times;
 
-/// What it follows from whether bodies touch.
+/// Basis of contact detection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Criterion {
-    /// From their state, stress for example: asked in every step.
+    /// State of the bodies, stress for example: evaluated in every step.
     State,
-    /// They do wherever they share a node.
+    /// Contact wherever the bodies share a node.
     Always,
-    /// The gap is at most this, m. It is measured now and then, and followed in between.
+    /// Gap of at most this, m. It is measured from time to time, and extrapolated in between.
     Gap(f64),
 }
 
-/// A test whether two bodies touch at the nodes they share. Whether they approach is asked before it
-/// ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\]), unless the law pulls or springs, or a third body is at the node.
+/// Contact detector for two bodies at the nodes they share. Their approach, (v_r - v_s) . n > 0 (eq. 4 of \[Ma2010\]), is checked before,
+/// unless the law pulls or springs, or a third body is at the node.
 pub trait ContactDetector<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
-    /// What the answer of [`ContactDetector::touching`] follows from, for cells of `spacing`, m.
+    /// Basis of [`ContactDetector::touching`], for cells of `spacing`, m.
     fn criterion(&self, _spacing: f64) -> Criterion {
         Criterion::State
     }
-    /// Where the normals come from.
+    /// Type of the normal rule.
     type Normals: NormalRule<T, D>;
-    /// The rule for the normals.
+    /// Normal rule.
     fn normals(&self) -> &Self::Normals;
-    /// Of `nodes` (a bit each), those where the pair touches, for these normals from the first field to the
-    /// second. Fills in the gaps, m, if it measures them. Must not depend on which field is the first.
+    /// Select those of `nodes` (bit set) where the pair is in contact, for these normals from the first field to the second. Writes the
+    /// gaps, m, if it measures them. The result must not depend on the order of the fields.
     fn touching(
         &self,
         at: &dyn Places<T, D>,
@@ -42,8 +42,8 @@ pub trait ContactDetector<T: Float, const D: usize>: std::fmt::Debug + Send + Sy
     ) -> u64;
 }
 
-/// Bodies touch where they share a node and approach (eq. 4 of \[Ma2010\]): up to two cells too early, three
-/// with quadratic splines.
+/// Detection by approach: contact where bodies share a node and approach (eq. 4 of \[Ma2010\]): up to two cells too early, three with
+/// quadratic splines.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Approach<N = Gradients>(pub N);
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Approach<N> {
@@ -66,9 +66,9 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Ap
     }
 }
 
-/// Bodies touch where they approach and the mean of their normal tractions, sum_p N_ip m_p n . sigma_p . n over the
-/// mass of both, is compressive \[BardenhagenGuilkey2001\]; bodies free of stress touch as with [`Approach`],
-/// or they would never begin to.
+/// Detection by compression: contact where bodies approach and the mean of their normal tractions, sum_p N_ip m_p n . sigma_p . n over the
+/// mass of both, is compressive \[BardenhagenGuilkey2001\]. Stress-free bodies are in contact as with [`Approach`], or contact would never
+/// begin.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Compression<N = Gradients>(pub N);
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Compression<N> {
@@ -93,21 +93,20 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
     }
 }
 
-/// Bodies touch where they approach and their surfaces are no further apart than a threshold (eq. 5 of \[Ma2010\]):
-/// gap = -max_p \[(x_p - x_i) . n + l_p\] of the first body - the same of the second along -n.
+/// Detection by surface distance: contact where bodies approach and their gap is at most a threshold (eq. 5 of \[Ma2010\]): gap = -max_p
+/// \[(x_p - x_i) . n + l_p\] of the first body - the same of the second along -n.
 ///
-/// With l_p the particle's half size the bracket is how far the surface reaches beyond the node, and the
-/// threshold is zero. The later form \[Zhang2017\] leaves l_p out and touches at lambda = 0.5 cells: the same for two
-/// particles a cell and axis ([`SurfaceDistance::between_centres`]). With both there is a gap of half a cell.
-/// Half sizes are those of seeding, or the convected ones of shape functions that carry them; the half size along an
-/// oblique normal is that of the ellipsoid in the particle's box.
+/// With l_p the particle's half size, the bracket is the reach of the surface beyond the node, and the threshold is zero. The later form
+/// \[Zhang2017\] omits l_p and uses lambda = 0.5 cells: the same for two particles per cell and axis
+/// ([`SurfaceDistance::between_centres`]). With both there is a gap of half a cell. Half sizes are those of seeding, or the convected ones
+/// of shape functions that carry them; the half size along an oblique normal is that of the ellipsoid in the particle's box.
 ///
-/// The largest reach of all particles around a node may be that of a bulge up to a cell (1.5 with quadratic splines)
-/// beside it: a ball on a plane then rests on nodes that it has not reached, stiffer than it is, and is stopped by them where it rolls.
-/// The default therefore measures along the line through the node alone ([`SurfaceDistance::locally`]).
+/// The largest reach of all particles around a node may be that of a bulge up to a cell (1.5 with quadratic splines) beside it: a ball on a
+/// plane is then supported by nodes that it has not reached, is too stiff, and is stopped by them when it rolls. The default therefore
+/// measures along the line through the node alone ([`SurfaceDistance::locally`]).
 ///
-/// Normals of the [`SeparatingPlane`] do not tilt at edges, as those of [`crate::Gradients`] do, which makes blocks plough and lift off where they
-/// slide, and lets oblique surfaces meet up to 0.7 cells early (book, "Detection and normals").
+/// Normals of the [`SeparatingPlane`] do not tilt at edges. Those of [`crate::Gradients`] do: sliding blocks plough and lift off, and
+/// oblique surfaces are in contact up to 0.7 cells early (book, "Detection and normals").
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceDistance<N = SeparatingPlane> {
     normals: N,
@@ -115,14 +114,13 @@ pub struct SurfaceDistance<N = SeparatingPlane> {
     what: SurfaceQuantity,
 }
 impl Default for SurfaceDistance {
-    /// Half sizes, threshold zero, normals of the separating plane, locally.
+    /// Use half sizes, threshold zero, local reach and normals of the separating plane.
     fn default() -> Self {
         SurfaceDistance { normals: SeparatingPlane, threshold: 0.0, what: SurfaceQuantity::LocalReach }
     }
 }
 impl<N> SurfaceDistance<N> {
-    /// Surfaces at the particles' half sizes, in contact closer than `threshold` cells (0, or a little more to
-    /// touch early).
+    /// Create with surfaces at the particles' half sizes, in contact closer than `threshold` cells (0, or a little more for early contact).
     ///
     /// # Errors
     /// A threshold that is not finite.
@@ -130,8 +128,8 @@ impl<N> SurfaceDistance<N> {
         let threshold = Check("surface distance").that(true, "threshold", threshold, "finite")?;
         Ok(SurfaceDistance { normals, threshold, what: SurfaceQuantity::Reach })
     }
-    /// The form without half sizes: in contact where particle centres are closer than `lambda` cells along the
-    /// normal; 0.5 in \[Zhang2017\].
+    /// Create the form without half sizes: contact where particle centres are closer than `lambda` cells along the normal; 0.5 in
+    /// \[Zhang2017\].
     ///
     /// # Errors
     /// A lambda that is not positive.
@@ -139,8 +137,8 @@ impl<N> SurfaceDistance<N> {
         let threshold = Check("surface distance").positive("lambda", lambda)?;
         Ok(SurfaceDistance { normals, threshold, what: SurfaceQuantity::CentreReach })
     }
-    /// Measure surfaces at particles' half sizes, and only by particles whose centres lie within half a cell of the
-    /// line through the node along the normal; by all particles around the node where there is none of one of the bodies.
+    /// Measure surfaces at the particles' half sizes, only by particles whose centres are within half a cell of the line through the node
+    /// along the normal; by all particles around the node if one of the bodies has none there.
     #[must_use]
     pub fn locally(mut self) -> Self {
         self.what = SurfaceQuantity::LocalReach;
@@ -177,8 +175,8 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
     }
 }
 
-/// How far the surfaces of both fields of a pair reach beyond places, towards the other along the normals, m, in the first components:
-/// by all particles around the place where none of a body is near the line that [`SurfaceQuantity::LocalReach`] looks along.
+/// Reach of the surfaces of both fields of a pair beyond places, towards the other along the normals, m, in the first components: by all
+/// particles around the place if a body has none near the line of [`SurfaceQuantity::LocalReach`].
 pub(crate) fn distances<T: Float, const D: usize>(
     at: &dyn Places<T, D>,
     what: SurfaceQuantity,

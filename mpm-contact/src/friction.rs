@@ -1,12 +1,11 @@
-//! Bodies that push and rub.
+//! Friction laws.
 
 use mpm_materials::{Check, ParameterError, Real};
 
 use crate::law::{Contact, ContactLaw, Remembers};
 use crate::vector::times;
 
-/// Bodies that push along the normal and slide freely:
-/// J = \[(m_s p_r - m_r p_s) . n / (m_r + m_s)\] n if positive (eq. 11 of \[Zhang2017\]).
+/// Frictionless contact: J = \[(m_s p_r - m_r p_s) . n / (m_r + m_s)\] n if positive (eq. 11 of \[Zhang2017\]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Frictionless;
 impl<T: Real> ContactLaw<T> for Frictionless {
@@ -15,15 +14,14 @@ impl<T: Real> ContactLaw<T> for Frictionless {
     }
 }
 
-/// Coulomb friction: the tangential impulse stops the slip unless that takes more than mu times the normal one.
-/// Both are those of the whole step, the impulsive part of closing included; printed (13) - (15) of \[Ma2010\]
-/// leave that out of the limit.
+/// Coulomb friction: the tangential impulse stops the slip unless that takes more than mu times the normal impulse. Both are impulses of
+/// the whole step, the impulsive part of closing included; the original (13) - (15) of \[Ma2010\] exclude it from the limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coulomb<T> {
     friction: T,
 }
 impl<T: Real> Coulomb<T> {
-    /// Friction coefficient mu.
+    /// Create from the friction coefficient mu.
     ///
     /// # Errors
     /// A coefficient that is negative or not finite.
@@ -43,24 +41,23 @@ impl<T: Real> ContactLaw<T> for Coulomb<T> {
     }
 }
 
-/// Stop the approach, and the slip as far as friction of this coefficient can.
+/// Coulomb impulse: stop the approach, and the slip as far as this friction coefficient permits.
 fn rub<T: Real>(contact: &Contact<'_, T>, friction: T) -> [T; 3] {
     let approach = contact.approach();
     if approach > T::of(0.0) { contact.braking(approach, friction * approach) } else { [T::of(0.0); 3] }
 }
 
-/// Friction that falls with slip, from static to kinetic over the critical slip distance d_c:
-/// mu(s) = mu_s - (mu_s - mu_k) min(s / d_c, 1) \[Ida1972\], \[Andrews1976\].
+/// Slip-weakening friction: the coefficient falls from static to kinetic over the critical slip distance d_c: mu(s) = mu_s - (mu_s - mu_k)
+/// min(s / d_c, 1) \[Ida1972\], \[Andrews1976\].
 ///
-/// A contact sticks until the tangential impulse exceeds mu_s times the normal one, then weakens; it heals where the bodies let go
-/// of each other, and nowhere else. Under a normal traction sigma_n the weakening takes the energy
-/// (mu_s - mu_k) sigma_n d_c / 2 an area beside that of kinetic friction.
+/// A contact sticks until the tangential impulse exceeds mu_s times the normal one, then weakens; it heals only where the bodies separate.
+/// Under a normal traction sigma_n the weakening dissipates (mu_s - mu_k) sigma_n d_c / 2 per area in addition to kinetic friction.
 ///
-/// It remembers the slip ([`Remembers::Slip`]) and takes that at the start of the step: of second order in the step, which should be
-/// short beside 1 / lambda, lambda^2 = (mu_s - mu_k) N / (m d_c), the rate at which slip of a mass m under the normal force N runs away.
-/// Where slip begins somewhere along a surface of soft bodies, the zone that weakens is some
-/// G d_c / \[(mu_s - mu_k) sigma_n\] wide (G the shear modulus); cells must be smaller. On a grid the slip follows a patch that slides,
-/// and a patch that grows passes its slip on to what is new in it ([`Remembers`]).
+/// The law remembers the slip ([`Remembers::Slip`]) and uses its value at the start of the step: of second order in the step, which should
+/// be short beside 1 / lambda, lambda^2 = (mu_s - mu_k) N / (m d_c), the growth rate of unstable slip of a mass m under the normal force N.
+/// Where slip nucleates along a surface of soft bodies, the weakening zone is about G d_c / \[(mu_s - mu_k) sigma_n\] wide (G the shear
+/// modulus); cells must be smaller. On a grid the slip follows a sliding patch, and a growing patch passes its slip on to new nodes
+/// ([`Remembers`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlipWeakening<T> {
     at_rest: T,
@@ -68,7 +65,7 @@ pub struct SlipWeakening<T> {
     distance: T,
 }
 impl<T: Real> SlipWeakening<T> {
-    /// Static coefficient mu_s, kinetic coefficient mu_k, critical slip distance d_c, m.
+    /// Create from the static coefficient mu_s, the kinetic coefficient mu_k and the critical slip distance d_c, m.
     ///
     /// # Errors
     /// A kinetic coefficient that is negative, a static one below it, a distance that is not positive; numbers that are not finite.

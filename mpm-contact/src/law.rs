@@ -1,4 +1,4 @@
-//! What two bodies do to each other where they touch.
+//! Contact laws: impulses between two bodies in contact.
 
 use std::sync::Arc;
 
@@ -6,12 +6,12 @@ use mpm_materials::Real;
 
 use crate::vector::{difference, dot, length, sum, times};
 
-/// Two bodies that touch, at a node of a grid or as a pair of particles, as their law sees them.
+/// Contact of two bodies, at a node of a grid or as a pair of particles, as the input of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contact<'a, T> {
-    /// The bodies, by number in the order they are added to the scene, from 0; the smaller first.
+    /// Numbers of the bodies in the order of addition to the scene, from 0; the smaller first.
     pub bodies: [usize; 2],
-    /// Where they touch, m: the node, or half way between the particles.
+    /// Contact position, m: the node, or half way between the particles.
     pub position: [f64; 3],
     /// Time at the start of the step, s.
     pub time: f64,
@@ -19,24 +19,24 @@ pub struct Contact<'a, T> {
     pub dt: T,
     /// Unit normal, from the first body to the second.
     pub normal: [T; 3],
-    /// Distance of the surfaces along it, m, where it is measured; negative if they overlap.
+    /// Gap: distance of the surfaces along the normal, m, where measured; negative for overlap.
     pub gap: Option<T>,
-    /// Area that the contact stands for, m^2; zero if the law does not ask ([`ContactLaw::needs_area`]).
+    /// Contact area, m^2; zero if the law does not need it ([`ContactLaw::needs_area`]).
     pub area: T,
-    /// Masses that meet, kg: of the nodes or particles; infinite for a body of prescribed motion. Where several pairs share a mass, the
-    /// part that this one has of it.
+    /// Masses in contact, kg: of the nodes or particles; infinite for a body of prescribed motion. Where several pairs share a mass, the
+    /// part of this pair.
     pub masses: [T; 2],
-    /// Trial velocities, m/s: those that the bodies would have at the end of the step without this contact.
+    /// Trial velocities, m/s: those at the end of the step without this contact.
     pub velocities: [[T; 3]; 2],
-    /// How far the bodies slid along each other here before this step, m, since they touch; zero if the law does not remember it
+    /// Slip path between the bodies before this step, m, since contact began; zero if the law does not remember it
     /// ([`ContactLaw::remembers`]).
     pub slip: T,
-    /// The law's own numbers of this contact at the start of the step; empty if it remembers none.
+    /// State variables of the law at the start of the step; empty if it has none.
     pub memory: &'a [f64],
 }
 
 impl<T: Real> Contact<'_, T> {
-    /// The first contact of bodies 0 and 1, at the origin, without gap, area or memory.
+    /// Create a contact of bodies 0 and 1, at the origin, without gap, area or memory.
     pub fn new(normal: [T; 3], masses: [T; 2], velocities: [[T; 3]; 2], dt: T) -> Self {
         let (bodies, position, time) = ([0, 1], [0.0; 3], 0.0);
         let (gap, area, slip, memory) = (None, T::of(0.0), T::of(0.0), &[][..]);
@@ -46,17 +46,17 @@ impl<T: Real> Contact<'_, T> {
     pub fn relative_velocity(&self) -> [T; 3] {
         difference(self.velocities[0], self.velocities[1])
     }
-    /// How fast the bodies close, m/s; negative where they part.
+    /// Approach velocity along the normal, m/s; negative at separation.
     pub fn approach(&self) -> T {
         dot(self.relative_velocity(), self.normal)
     }
-    /// m_r m_s / (m_r + m_s), kg, which also holds for an infinite mass.
+    /// Reduced mass m_r m_s / (m_r + m_s), kg, also for an infinite mass.
     pub fn reduced_mass(&self) -> T {
         let (one, [r, s]): (T, _) = (T::of(1.0), self.masses);
         one / (one / r + one / s)
     }
-    /// The impulse that slows the bodies down by `approach` along the normal, and their slip by at most `limit`, both in m/s: of friction
-    /// mu, `limit` is mu times `approach`.
+    /// Impulse that reduces the approach velocity by `approach` along the normal, and the slip velocity by at most `limit`, both in m/s:
+    /// for friction mu, `limit` is mu times `approach`.
     pub fn braking(&self, approach: T, limit: T) -> [T; 3] {
         let (normal, relative) = (self.normal, self.relative_velocity());
         let slip = difference(relative, times(normal, dot(relative, normal)));
@@ -66,44 +66,42 @@ impl<T: Real> Contact<'_, T> {
     }
 }
 
-/// What a step did to a contact.
+/// Result of a step for a contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome<T> {
-    /// Impulse on the second body, N s; zero where they touch and do not press.
+    /// Impulse on the second body, N s; zero for contact without pressure.
     pub impulse: [T; 3],
-    /// How far the first body slid along the second in the step, m: its relative velocity at the end of the step across the normal,
-    /// times the step.
+    /// Slip increment of the first body along the second, m: its tangential relative velocity at the end of the step, times the step.
     pub slid: [T; 3],
 }
 
-/// What a law remembers of a contact from step to step: numbers that are zero when two bodies begin to touch, last while they do, and
-/// are forgotten when they let go. They are part of checkpoints, and the same bits for any number of threads.
+/// Memory of a law for a contact from step to step: numbers that are zero when contact begins, last as long as contact, and are lost at
+/// separation. They are part of checkpoints, and bitwise equal for any number of threads.
 ///
-/// *On a grid contacts are at nodes, and bodies move through them.* What a node remembers of a pair of bodies lasts while the detector
-/// finds that they touch there, whether they press or not (with a detector of gaps: to within the thousandth of a cell by which it
-/// looks ahead, so that rattling does not clear it). It moves with the mean of both velocities, from node to nearest node. A
-/// node where they begin to touch takes the mean of the nearest nodes, among its 3^D - 1 neighbours, where they touched a step ago, and
-/// only where there is none does it begin with zeros. So memory follows a patch through the grid, whichever of the bodies moves:
-/// exactly what is uniform over the patch, as the slip of a block; a pattern along it to within half a cell, if it is wider than some
-/// cells and the bodies do not turn. It is the contact that remembers, and neither surface: with bodies that slide by much
-/// more than a cell a pattern belongs to none of both. A patch that grows hands what its rim remembers to what is new in it,
-/// since growth cannot be told from motion. Numbers that are parts of a vector are not turned with the bodies. Bodies that are
-/// put to rest forget.
+/// *On a grid contacts are at nodes, and bodies move through them.* The memory of a node for a pair of bodies lasts while the detector
+/// finds contact there, with or without pressure (a detector of gaps: to within the thousandth of a cell by which it looks ahead, so that
+/// rattling does not clear it). It is advected with the mean of both velocities, from node to nearest node. A node with new contact takes
+/// the mean of the nearest nodes, among its 3^D - 1 neighbours, that were in contact one step before; if there are none, it begins with
+/// zeros. Memory therefore follows a patch through the grid, whichever body moves: exactly if it is uniform over the patch, like the slip
+/// of a block; a pattern along it to within half a cell, if it is wider than some cells and the bodies do not rotate. The memory is that of
+/// the contact, not of a surface: if bodies slide by much more than a cell, a pattern belongs to neither of them. A growing patch passes
+/// the memory of its rim on to new nodes, since growth cannot be distinguished from motion. Vector components are not rotated with the
+/// bodies. Deactivated bodies lose their memory.
 ///
-/// The crate `pcmm` keeps no memory, and refuses laws that ask for it.
+/// The crate `pcmm` keeps no memory, and refuses laws with memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Remembers {
-    /// Nothing, at no cost.
+    /// No memory, at no cost.
     #[default]
     Nothing,
-    /// [`Contact::slip`].
+    /// Slip: [`Contact::slip`].
     Slip,
-    /// [`Contact::slip`], and so many numbers of its own, [`Contact::memory`].
+    /// Slip, [`Contact::slip`], and this number of state variables, [`Contact::memory`].
     SlipAnd(usize),
 }
 
 impl Remembers {
-    /// How many numbers these are, with the slip.
+    /// Number of remembered values, slip included.
     #[must_use]
     pub fn numbers(self) -> usize {
         match self {
@@ -114,7 +112,7 @@ impl Remembers {
     }
 }
 
-/// A law of contact: the impulse between two bodies that touch, from what they are and, for laws with memory, from what they did.
+/// Contact law: the impulse between two bodies in contact, from their present state and, for laws with memory, from their history.
 ///
 /// ```
 /// use mpm_contact::{Contact, ContactLaw, Coulomb};
@@ -125,7 +123,7 @@ impl Remembers {
 /// # Ok::<(), mpm_materials::ParameterError>(())
 /// ```
 ///
-/// A law of one's own: friction that wears off with the work it does.
+/// Custom law: friction that decreases with the work it does.
 ///
 /// ```
 /// use mpm_contact::vector::dot;
@@ -160,31 +158,31 @@ impl Remembers {
 /// mpm_contact::conformance::law(&Polishing { friction: 0.3, scale: 1.0 }).unwrap();
 /// ```
 pub trait ContactLaw<T: Real>: std::fmt::Debug + Send + Sync + 'static {
-    /// Does it hold bodies that move apart back?
+    /// True if the law resists separation.
     fn pulls(&self) -> bool {
         false
     }
-    /// Does it store energy, and give it back to bodies that move apart? All others at best take none.
+    /// True if the law stores energy, and returns it at separation. All other laws at best conserve energy.
     fn springs(&self) -> bool {
         false
     }
-    /// Does it need [`Contact::area`]?
+    /// True if the law needs [`Contact::area`].
     fn needs_area(&self) -> bool {
         false
     }
-    /// What of a contact it remembers.
+    /// Memory of the law for a contact.
     fn remembers(&self) -> Remembers {
         Remembers::Nothing
     }
-    /// Impulse on the second body, N s; the first gets its opposite. Where pairs depend on each other it is asked many times a step, with
-    /// the same memory. Exchanging the bodies and turning the normal must turn the impulse.
+    /// Compute the impulse on the second body, N s; the first receives its opposite. For coupled pairs it is called many times a step, with
+    /// the same memory. Exchange of the bodies with a reversed normal must reverse the impulse.
     fn impulse(&self, contact: &Contact<'_, T>) -> [T; 3];
-    /// Bring its own numbers to the end of the step, once a step while the bodies touch, whether they press or not: `memory` is
-    /// [`Contact::memory`] at first. The slip is followed without this.
+    /// Update the state variables to the end of the step, once a step while the bodies are in contact, with or without pressure: `memory`
+    /// is [`Contact::memory`] at first. The slip is updated without this.
     fn advance(&self, _contact: &Contact<'_, T>, _outcome: &Outcome<T>, _memory: &mut [f64]) {}
 }
 
-/// The law of every pair of bodies: a default, and exceptions.
+/// Contact laws of all pairs of bodies: a default, and exceptions.
 ///
 /// ```
 /// use mpm_contact::{Coulomb, Pairs, Stick};
@@ -203,11 +201,11 @@ impl<L: ContactLaw<f64>> From<L> for Pairs<f64> {
     }
 }
 impl<T: Real> Pairs<T> {
-    /// The same law for all pairs.
+    /// Create with one law for all pairs.
     pub fn new(law: impl ContactLaw<T>) -> Self {
         Pairs { default: Arc::new(law), table: Vec::new() }
     }
-    /// Another law between two bodies, by number in the order they are added to the scene, from 0.
+    /// Set another law between two bodies, by number in the order of addition to the scene, from 0.
     #[must_use]
     pub fn with(mut self, one: usize, other: usize, law: impl ContactLaw<T>) -> Self {
         let bodies = [one.min(other), one.max(other)];
@@ -215,13 +213,13 @@ impl<T: Real> Pairs<T> {
         self.table.push((bodies, Arc::new(law)));
         self
     }
-    /// The law between two bodies.
+    /// Contact law between two bodies.
     pub fn law(&self, one: usize, other: usize) -> &dyn ContactLaw<T> {
         let bodies = [one.min(other), one.max(other)];
         let found = self.table.iter().find(|entry| entry.0 == bodies);
         found.map_or(self.default.as_ref(), |entry| entry.1.as_ref())
     }
-    /// How many numbers a contact keeps from step to step, of the law that keeps most: [`Remembers::numbers`].
+    /// Number of values that a contact keeps from step to step, for the law with most of them: [`Remembers::numbers`].
     pub fn remembered_numbers(&self) -> usize {
         let all = self.table.iter().map(|entry| &entry.1).chain([&self.default]);
         all.map(|law| law.remembers().numbers()).max().unwrap_or(0)

@@ -1,23 +1,23 @@
-//! Contact between bodies: detectors, normals and laws that compose.
+//! Contact between bodies: interchangeable detectors, normals and laws.
 //!
 //! | part | choices |
 //! |---|---|
-//! | [`ContactDetector`] | [`Approach`], [`Compression`], [`SurfaceDistance`], [`Regression`]; [`EachPair`] of one's own [`PairDetector`] |
-//! | [`NormalRule`] | [`SeparatingPlane`]; [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
+//! | [`ContactDetector`] | [`Approach`], [`Compression`], [`SurfaceDistance`], [`Regression`]; [`EachPair`] of a [`PairDetector`] |
+//! | [`NormalRule`] | [`SeparatingPlane`]; [`Gradients`] by mass or volume: collinear, difference, of one body; [`Regression`] |
 //! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`SlipWeakening`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
 //!
-//! [`particles`] is contact of bodies of particles with each other, in scenes of their own; [`mesh`] is contact of points of any method
-//! with the facets of meshes, from search to impulses.
+//! [`particles`] is contact between bodies of particles, in scenes of their own; [`mesh`] is contact of points of any method with the
+//! facets of meshes, from search to impulses.
 //!
-//! No method is known here: detectors, normals and laws see [`Places`], which a grid has at its nodes (`mpm_core::GridContact`) and
-//! bodies of particles at their pairs ([`particles`]). Any number of bodies may touch at a place; every
-//! impulse acts on two bodies with opposite signs ([`relax`]).
+//! The crate is independent of methods: detectors, normals and laws work on [`Places`], which are the nodes of a grid
+//! (`mpm_core::GridContact`) or pairs of particles ([`particles`]). Any number of bodies may be in contact at a place; every impulse acts
+//! on two bodies with opposite signs ([`relax`]).
 //!
-//! Units are SI; normals point from the first body of a pair to the second; a gap is negative where bodies overlap.
-//! `REFERENCES.md` of the repository explains the keys in square brackets.
+//! Units are SI; normals point from the first body of a pair to the second; a gap is negative for overlap. `REFERENCES.md` of the
+//! repository explains the keys in square brackets.
 //!
 //! # Features
-//! - `conformance`: tests for detectors, laws and bodies of particles written elsewhere.
+//! - `conformance`: tests for custom detectors, laws and bodies of particles.
 
 mod bonds;
 #[cfg(feature = "conformance")]

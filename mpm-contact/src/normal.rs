@@ -1,29 +1,28 @@
-//! Normals at the nodes that bodies share.
+//! Contact normals at the nodes that bodies share.
 
 use impactite_simd::Float;
 
 use crate::places::{Places, SurfaceQuantity, each_place};
 use crate::vector::{difference, times, unit};
 
-/// What detectors may remember while they look at one block: cleared for every block, kept in memory.
+/// Scratch memory of detectors for one block: cleared for every block, kept allocated.
 #[derive(Debug)]
 pub struct Memory<'a, T> {
     /// Numbers of nodes.
     pub numbers: &'a mut Vec<[T; 4]>,
-    /// For each field: the nodes that are looked at, a bit each; others have mass there, too.
+    /// Selected nodes of each field (bit set); the field has mass at others, too.
     pub nodes: &'a [u64],
 }
 
-/// A number a node of a block.
+/// Nodal values of a block.
 pub type Nodal<X> = [X; 64];
 
-/// A rule for the normal between two bodies at a node, from where their particles are. One normal serves both (the bodies' own normals are not
-/// opposite, and momentum would drift).
+/// Rule for the contact normal between two bodies at a node, from the positions of their particles. One normal serves both (the bodies' own
+/// normals are not opposite, and momentum would drift).
 pub trait NormalRule<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
-    /// Look at the fields once, before their pairs.
+    /// Prepare the fields once, before their pairs.
     fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>);
-    /// Unit normals from the first to the second field of `pair` at `nodes` (a bit each). Returns the nodes
-    /// that have one.
+    /// Compute unit normals from the first to the second field of `pair` at `nodes` (bit set). Returns the nodes that have one.
     fn normals(
         &self,
         at: &dyn Places<T, D>,
@@ -34,29 +33,28 @@ pub trait NormalRule<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 
     ) -> u64;
 }
 
-/// Which particles weigh how much in a body's normal.
+/// Weighting of particles in the normal of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Weight {
-    /// By mass: sum_p m_p grad N_ip (eq. 9 of \[Zhang2017\]).
+    /// Mass weighting: sum_p m_p grad N_ip (eq. 9 of \[Zhang2017\]).
     Mass,
-    /// By volume: sum_p V_p grad N_ip \[BardenhagenGuilkey2001\].
+    /// Volume weighting: sum_p V_p grad N_ip \[BardenhagenGuilkey2001\].
     Volume,
 }
 
-/// How two bodies' normals become one.
+/// Combination of the normals of two bodies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Choice {
-    /// (n_r - n_s) / |n_r - n_s| of the unit normals \[Huang2011\]; n_r where they nearly cancel, as at a sheet
-    /// inside the support of the node.
+    /// Collinear normal (n_r - n_s) / |n_r - n_s| of the unit normals \[Huang2011\]; n_r where they nearly cancel, as at a sheet inside the
+    /// support of the node.
     Collinear,
-    /// The direction of g_r - g_s: the body with more particles at the node counts more.
+    /// Direction of g_r - g_s: the body with more particles at the node has more weight.
     Difference,
-    /// The normal of the body that stands first in this list of numbers (the stiffer or the convex one); of
-    /// pairs that are not in it, the first body's.
+    /// Normal of the body that is first in this list of numbers (the stiffer or the convex one); for pairs not in it, of the first body.
     OneBody(Vec<usize>),
 }
 
-/// Normals from the gradient of mass or volume at the node, which points out of a body.
+/// Normals by the gradient of mass or volume at the node, which points out of a body.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Gradients {
     weight: Weight,
@@ -64,14 +62,14 @@ pub struct Gradients {
 }
 
 impl Default for Gradients {
-    /// By mass, collinear.
+    /// Use mass weighting and collinear normals.
     fn default() -> Self {
         Gradients::new(Weight::Mass, Choice::Collinear)
     }
 }
 
 impl Gradients {
-    /// Normals of this weight and choice.
+    /// Create with this weighting and combination.
     pub fn new(weight: Weight, choice: Choice) -> Self {
         Gradients { weight, choice }
     }
@@ -84,7 +82,7 @@ impl Gradients {
             Choice::Collinear => {
                 let (r, s) = (unit(r)?, unit(s)?);
                 let both = difference(r, s);
-                // Less than 0.1: the normals are within 6 degrees of each other.
+                // Below 0.1 the normals are within 6 degrees of each other.
                 let nearly = crate::vector::length(both) < T::of(0.1);
                 if nearly { Some(r) } else { unit(both) }
             }
@@ -96,7 +94,7 @@ impl Gradients {
     }
 }
 
-/// Place of a node's number among those of a field's nodes.
+/// Index of a node among those of a field.
 fn rank(nodes: u64, node: usize) -> usize {
     (nodes & ((1 << node) - 1)).count_ones() as usize
 }

@@ -1,4 +1,4 @@
-//! Detectors that look at one pair of bodies at one place.
+//! Detectors for one pair of bodies at one place.
 
 use impactite_simd::Float;
 
@@ -8,18 +8,18 @@ use crate::places::{Places, SurfaceQuantity, each_place};
 use crate::separate::SeparatingPlane;
 use crate::vector::{difference, dot};
 
-/// The surfaces of two bodies at a place where they may touch.
+/// Surfaces of two bodies at a place of possible contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfacePair {
-    /// The bodies, by number; the smaller first.
+    /// Numbers of the bodies; the smaller first.
     pub bodies: [usize; 2],
-    /// The place, m: a node, or half way between two particles.
+    /// Position of the place, m: a node, or half way between two particles.
     pub position: [f64; 3],
-    /// Distance of nodes, or mean diameter of particles, m.
+    /// Spacing: distance of nodes, or mean diameter of particles, m.
     pub spacing: f64,
     /// Unit normal, from the first body to the second.
     pub normal: [f64; 3],
-    /// How far the surface of each body reaches beyond the place towards the other, along the normal, m; negative if it ends short of it.
+    /// Reach of the surface of each body beyond the place, towards the other along the normal, m; negative if it ends short of it.
     pub reaches: [f64; 2],
     /// Masses at the place, kg; infinite for a body of prescribed motion.
     pub masses: [f64; 2],
@@ -28,19 +28,19 @@ pub struct SurfacePair {
 }
 
 impl SurfacePair {
-    /// Distance of the surfaces along the normal, m; negative if they overlap.
+    /// Gap: distance of the surfaces along the normal, m; negative for overlap.
     #[must_use]
     pub fn gap(&self) -> f64 {
         -(self.reaches[0] + self.reaches[1])
     }
-    /// How fast the bodies close, m/s; negative where they part.
+    /// Approach velocity along the normal, m/s; negative at separation.
     #[must_use]
     pub fn approach(&self) -> f64 {
         dot(difference(self.velocities[0], self.velocities[1]), self.normal)
     }
 }
 
-/// A detector in one function of one pair at one place. [`EachPair`] makes a [`ContactDetector`] of it, in two dimensions and three, for
+/// Detector by one function of one pair at one place. [`EachPair`] makes a [`ContactDetector`] of it, in two dimensions and three, for
 /// grids and pairs of particles, in single and double precision.
 ///
 /// ```
@@ -60,17 +60,17 @@ impl SurfacePair {
 /// # let _ = detector;
 /// ```
 pub trait PairDetector: std::fmt::Debug + Send + Sync + 'static {
-    /// Do the bodies touch there? Must not depend on which of them is the first. (Whether they close is asked beside it, as for every
+    /// True if the bodies are in contact there. The result must not depend on their order. (Approach is checked separately, as for every
     /// [`ContactDetector`].)
     fn touches(&self, pair: &SurfacePair) -> bool;
-    /// What the answer follows from, for cells of `spacing`, m. By default it is asked in every step; [`Criterion::Gap`] of a number
-    /// says that it is whether [`SurfacePair::gap`] is at most that, which is measured now and then, at a fraction of the cost.
+    /// Basis of the detection, for cells of `spacing`, m. By default it is evaluated in every step; [`Criterion::Gap`] of a number means
+    /// contact if [`SurfacePair::gap`] is at most that, which is measured from time to time, at a fraction of the cost.
     fn criterion(&self, _spacing: f64) -> Criterion {
         Criterion::State
     }
 }
 
-/// The detector of a [`PairDetector`], with normals of a rule. Surfaces are at particles' half sizes, along the line through the place
+/// Contact detector of a [`PairDetector`], with a normal rule. Surfaces are at particles' half sizes, along the line through the place
 /// ([`crate::SurfaceDistance::locally`]).
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EachPair<P, N = SeparatingPlane> {
@@ -79,13 +79,13 @@ pub struct EachPair<P, N = SeparatingPlane> {
 }
 
 impl<P> EachPair<P> {
-    /// With normals of the [`SeparatingPlane`].
+    /// Create with normals of the [`SeparatingPlane`].
     pub fn new(detector: P) -> Self {
         EachPair { detector, normals: SeparatingPlane }
     }
 }
 impl<P, N> EachPair<P, N> {
-    /// With other normals.
+    /// Set another normal rule.
     pub fn with_normals<M>(self, normals: M) -> EachPair<P, M> {
         EachPair { detector: self.detector, normals }
     }

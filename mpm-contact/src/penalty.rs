@@ -1,40 +1,40 @@
-//! Bodies that push each other apart by springs.
+//! Penalty contact.
 
 use mpm_materials::{Check, ParameterError, Real};
 
 use crate::friction::Coulomb;
 use crate::law::{Contact, ContactLaw};
 
-/// Penalty: surfaces that overlap by delta push each other apart as a spring on the masses m of the contact would,
-/// J_n = m omega^2 \[delta + (1/e^2 - 1) min(delta, v_n / omega)\] dt, v_n the closing velocity where they close: a spring that
-/// is stiffer while it is pressed, so that a part 1 - e^2 of the energy is lost. With Coulomb friction.
+/// Penalty law: surfaces that overlap by delta repel each other like a spring on the masses m of the contact, J_n = m omega^2 \[delta +
+/// (1/e^2 - 1) min(delta, v_n / omega)\] dt, with the approach velocity v_n: the spring is stiffer in compression, so that a part 1 - e^2
+/// of the energy is lost. With Coulomb friction.
 ///
-/// A node that only stops what closes loses what its mass brings along, once for every node that comes into contact: discs
-/// of 8 cells lose a tenth of their energy in an impact. A spring gives it back. In return surfaces overlap by
-/// about v_n / omega, and a joint passes a wave on later, by 2 / omega. What omega should be is a number of c / h, c the wave speed, m/s,
-/// and h the cell, m ([`Penalty::of_cells`]): 0.9 with e = 0.8 is a fair choice, and e = 0.9 may gain a per cent
-/// (book, "Contact laws against the cases"). For bodies that collide; for bodies that roll, and joints under load,
-/// [`Coulomb`] is better.
+/// Inelastic contact dissipates the kinetic energy of every node that comes into contact: discs of 8 cells lose a tenth of their energy in
+/// an impact. A spring returns it. In exchange surfaces overlap by about v_n / omega, and a joint delays waves by 2 / omega. omega should
+/// be a number times c / h, c the wave speed, m/s, and h the cell, m ([`Penalty::of_cells`]): 0.9 with e = 0.8 is a fair choice, and e =
+/// 0.9 may gain a per cent (book, "Contact laws against the cases"). The law suits bodies that collide; for bodies that roll, and joints
+/// under load, [`Coulomb`] is better.
 ///
-/// What the spring holds is in no body's energy: a sixth of that of discs of 8 cells while they are pressed together.
+/// Spring energy is not part of any body's energy: a sixth of that of discs of 8 cells while they are pressed together.
 ///
-/// Needs a detector that measures gaps, best along normals of the [`crate::SeparatingPlane`]: along gradients of mass overlaps may be
-/// cells off at the rim of a contact. Where none is measured it acts as [`Coulomb`]. In steps longer than e / omega the
-/// spring is one of e / dt.
+/// The law needs a detector that measures gaps, best along normals of the [`crate::SeparatingPlane`]: along gradients of mass, overlaps may
+/// be cells off at the rim of a contact. Without a gap it acts as [`Coulomb`]. In steps longer than e / omega the spring has the frequency
+/// e / dt.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penalty<T> {
     frequency: T,
     restitution: T,
     friction: T,
-    /// Where no gap is measured.
+    /// Law for contacts without a measured gap.
     ungauged: Coulomb<T>,
 }
 impl<T: Real> Penalty<T> {
-    /// `number` times c / h as the frequency, for the wave speed c of the bodies, m/s, and cells of h, m; else as of [`Penalty::new`].
+    /// Create with `number` times c / h as the frequency, for the wave speed c of the bodies, m/s, and cells of h, m; the rest as for
+    /// [`Penalty::new`].
     ///
     /// # Errors
-    /// A number outside 0.1 to 2: softer springs let bodies through each other; a wave speed or cell that is not positive; else as of
-    /// [`Penalty::new`].
+    /// A number outside 0.1 to 2, because softer springs let bodies pass through each other; a wave speed or cell that is not positive;
+    /// errors of [`Penalty::new`].
     pub fn of_cells(
         number: T,
         [wave_speed, spacing]: [T; 2],
@@ -48,7 +48,8 @@ impl<T: Real> Penalty<T> {
         let frequency = number * wave_speed / check.positive("spacing", spacing)?;
         Self::new(frequency, restitution, friction)
     }
-    /// Angular frequency omega, rad/s (not a number of c / h: [`Penalty::of_cells`]), restitution e of two masses that meet, and coefficient of friction.
+    /// Create from the angular frequency omega, rad/s (not a number of c / h: [`Penalty::of_cells`]), the restitution e of two colliding
+    /// masses, and the friction coefficient.
     ///
     /// # Errors
     /// A frequency that is not positive, a restitution not in 0.1 to 1, a coefficient that is negative.

@@ -9,23 +9,22 @@ use crate::normal::{Memory, Nodal, NormalRule};
 use crate::places::{Places, each_place};
 use crate::vector::{dot, unit};
 
-/// The plane that best tells the particles of two bodies near a node apart \[Nairn2020\]; its direction is the normal,
-/// and the gap is measured along it between the particles' surfaces.
+/// Plane that best separates the particles of two bodies near a node \[Nairn2020\]: its direction is the normal, and the gap is measured
+/// along it between the particles' surfaces.
 ///
-/// Here the plane phi . (x, 1) = 0 (x in cells from the node) minimises the convex
-/// sum_p w_p ln(1 + exp(-c_p phi . x_p)) + (k / 2) |phi|^2 sum_p w_p, with c_p = -1 for the first and +1 for the
-/// second body, w_p one over the number of the body's particles and k = 1e-3, by Newton's method;
-/// \[Nairn2020\] minimise squares of the difference to a sigmoid. Better than gradients at edges, corners and
-/// where bodies differ in density. It visits particles one by one: the slowest rule. Surfaces meet within a tenth of a cell
-/// (book, "Detection and normals"). [`crate::SurfaceDistance::new`] with these normals is the same detector, and its
-/// [`crate::SurfaceDistance::locally`] also finds how wide a contact is.
+/// The plane phi . (x, 1) = 0 (x in cells from the node) minimises the convex sum_p w_p ln(1 + exp(-c_p phi . x_p)) + (k / 2) |phi|^2 sum_p
+/// w_p, with c_p = -1 for the first and +1 for the second body, w_p one over the number of the body's particles and k = 1e-3, by Newton's
+/// method; \[Nairn2020\] minimise squares of the difference to a sigmoid. The normals are better than gradients at edges, corners and
+/// between bodies of different density. The rule visits particles one by one, and is the slowest. Surfaces are in contact within a tenth of
+/// a cell (book, "Detection and normals"). [`crate::SurfaceDistance::new`] with these normals is the same detector, and its
+/// [`crate::SurfaceDistance::locally`] also finds the width of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Regression;
 
 const PENALTY: f64 = 1e-3;
 const ITERATIONS: usize = 30;
 
-/// A particle near a node: place from the node in cells, half sizes, weight; -1 or +1 for its body.
+/// Particle near a node: position from the node in cells, half sizes, weight; -1 or +1 for its body.
 #[derive(Clone, Copy)]
 struct Point {
     node: usize,
@@ -36,7 +35,7 @@ struct Point {
 }
 
 thread_local! {
-    /// Memory for the particles near a block's nodes, kept from block to block.
+    /// Scratch memory for the particles near a block's nodes, kept from block to block.
     static POINTS: RefCell<Vec<Point>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -137,7 +136,7 @@ impl<T: Float, const D: usize> ContactDetector<T, D> for Regression {
     }
 }
 
-/// Normal of the plane between two classes of points, towards +1; `None` if one class is missing.
+/// Normal of the separating plane of two classes of points, towards +1; `None` if one class is missing.
 fn separate<const D: usize>(points: &mut [Point]) -> Option<[f64; 3]> {
     for class in [-1.0, 1.0] {
         let of_class = |p: &&mut Point| p.class == class;

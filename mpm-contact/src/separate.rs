@@ -1,4 +1,4 @@
-//! Normals of the plane that separates the particles of two bodies with the widest margin.
+//! Normals of the separating plane of widest margin between the particles of two bodies.
 
 use std::cell::RefCell;
 
@@ -8,31 +8,30 @@ use crate::normal::{Gradients, Memory, Nodal, NormalRule};
 use crate::places::{Places, each_place};
 use crate::vector::{difference, dot, sum, times, unit};
 
-/// The plane between the particles of two bodies near a node that is farthest from both: the separating hyperplane of widest
-/// margin. Its normal is the direction in which the convex hulls of their centres are nearest to each other, found by the
-/// algorithm of \[Gilbert1988\].
+/// Separating hyperplane of widest margin between the particles of two bodies near a node: the plane farthest from both. Its normal is the
+/// direction of the least distance between the convex hulls of their centres, found by the algorithm of \[Gilbert1988\].
 ///
-/// Gradients of mass tilt at edges, where half of a node's support is empty, and a block that slides on another ploughs into it.
-/// The plane of widest margin is that of the faces however they are cut off, and a tangent plane between a curved
-/// surface and a face or another curved surface. Only the places of particles count, not their masses: bodies may differ in density,
-/// in particles a cell, and in which stands first.
+/// Gradients of mass tilt at edges, where half of a node's support is empty, and a sliding block ploughs into the other one. The plane of
+/// widest margin is that of the faces even at their ends, and a tangent plane between a curved surface and a face or another curved
+/// surface. Only the positions of particles count, not their masses: bodies may differ in density, in particles per cell, and in their
+/// order.
 ///
-/// Where hulls overlap (surfaces that are hollow or rough, or that went through each other) both are shrunk about
-/// their centroids, by a quarter, then by half: faces keep their directions. If they still overlap, the normal is the direction between the
-/// centroids. Pairs of particles without a grid, whose surfaces are facets, have the facets' normals (default [`Gradients`]).
+/// Overlapping hulls (surfaces that are hollow or rough, or that penetrated each other) are both shrunk about their centroids, by a
+/// quarter, then by half: faces keep their directions. If they still overlap, the normal is the direction between the centroids. Pairs of
+/// particles without a grid, whose surfaces are facets, have the facets' normals (default [`Gradients`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SeparatingPlane;
 
-/// How far hulls are shrunk, in turn.
+/// Shrinkage of the hulls, in turn.
 const SHRINKS: [f64; 3] = [0.0, 0.25, 0.5];
-/// Hulls closer than this, in cells, overlap: the direction between them is that of rounding.
+/// Distance of hulls, in cells, below which they overlap: the direction between them is rounding.
 const NEAREST: f64 = 1e-3;
-/// Steps of the search. Some five are common.
+/// Maximum number of search steps; about five are usual.
 const STEPS: usize = 40;
-/// The search ends where another step can shorten the squared distance by this part of it at most.
+/// Convergence tolerance: largest possible relative reduction of the squared distance by another step.
 const FOUND: f64 = 1e-13;
 
-/// Particles that are near to the same nodes, one behind the other.
+/// Run of particles that are near the same nodes.
 #[derive(Clone, Copy)]
 struct Run {
     nodes: u64,
@@ -40,7 +39,7 @@ struct Run {
     end: usize,
 }
 
-/// Centres in cells, a vector an axis.
+/// Centres in cells, one vector per axis.
 #[derive(Default)]
 struct Centres([Vec<f64>; 3]);
 
@@ -57,7 +56,7 @@ impl Centres {
     fn get(&self, i: usize) -> [f64; 3] {
         [self.0[0][i], self.0[1][i], self.0[2][i]]
     }
-    /// Those that are near to a node.
+    /// Select the centres near a node.
     fn choose(&mut self, all: &Centres, runs: &[Run], node: usize) {
         self.clear();
         for run in runs.iter().filter(|r| r.nodes >> node & 1 != 0) {
@@ -70,7 +69,7 @@ impl Centres {
         let share = 1.0 / self.len() as f64;
         [0, 1, 2].map(|d| self.0[d].iter().sum::<f64>() * share)
     }
-    /// The first of those that are farthest along a direction. `along` is memory.
+    /// Find the first of the farthest centres along a direction. `along` is scratch memory.
     fn farthest(&self, direction: [f64; 3], along: &mut Vec<f64>) -> [f64; 3] {
         let [x, y, z] = &self.0;
         let count = self.len();
@@ -80,7 +79,7 @@ impl Centres {
         for i in 0..count {
             along[i] = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
         }
-        // The largest of four in turn first: a chain of one comparison after the other waits for each.
+        // Find the largest of every fourth value first: a chain of single comparisons would wait for each.
         let mut four = [f64::NEG_INFINITY; 4];
         let mut parts = along.chunks_exact(4);
         for part in &mut parts {
@@ -94,7 +93,7 @@ impl Centres {
     }
 }
 
-/// Memory of a thread, kept from block to block.
+/// Scratch memory of a thread, kept from block to block.
 #[derive(Default)]
 struct Workspace {
     all: [Centres; 2],
@@ -155,7 +154,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
     }
 }
 
-/// The unit normal from the first to the second of two sets; none where one is empty or both have the same centroid.
+/// Unit normal from the first to the second of two sets; none if one is empty or both have the same centroid.
 fn separating(sets: &[Centres; 2], along: &mut Vec<f64>) -> Option<[f64; 3]> {
     if sets[0].len() == 0 || sets[1].len() == 0 {
         return None;
@@ -165,8 +164,8 @@ fn separating(sets: &[Centres; 2], along: &mut Vec<f64>) -> Option<[f64; 3]> {
     unit(apart.unwrap_or(centroids))
 }
 
-/// The shortest vector from the hull of the first set to that of the second, both shrunk about their centroids, which are
-/// `centroids` apart; none where they overlap.
+/// Shortest vector from the hull of the first set to that of the second, both shrunk about their centroids, which are `centroids` apart;
+/// none if they overlap.
 fn nearest(sets: &[Centres; 2], centroids: [f64; 3], shrink: f64, along: &mut Vec<f64>) -> Option<[f64; 3]> {
     let mut v = centroids;
     let mut simplex = Simplex::default();
@@ -183,7 +182,7 @@ fn nearest(sets: &[Centres; 2], centroids: [f64; 3], shrink: f64, along: &mut Ve
         }
         simplex.add(vertex);
         let next = simplex.nearest();
-        // The centroid was no vertex: the first one may be farther.
+        // The centroid was not a vertex: the first one may be farther.
         if step > 0 && dot(next, next) >= square {
             break;
         }
@@ -192,7 +191,7 @@ fn nearest(sets: &[Centres; 2], centroids: [f64; 3], shrink: f64, along: &mut Ve
     Some(v)
 }
 
-/// Up to four vertices of the difference of two hulls, the nearest point to the origin in their own.
+/// Simplex of up to four vertices of the difference of two hulls, which contains its nearest point to the origin.
 #[derive(Default)]
 struct Simplex {
     vertices: [[f64; 3]; 4],
@@ -207,8 +206,8 @@ impl Simplex {
         self.vertices[self.count] = vertex;
         self.count += 1;
     }
-    /// The point nearest to the origin; keeps the vertices of the face that it is in. Every face with the newest vertex is tried, since the
-    /// nearest point of the others was known: there are eight at most, and none of them needs care where others are degenerate.
+    /// Find the point nearest to the origin; keep the vertices of its face. Every face with the newest vertex is tried, since the nearest
+    /// point of the others was known: there are eight at most, and degenerate ones need no special care.
     fn nearest(&mut self) -> [f64; 3] {
         let mut best = (f64::INFINITY, [0.0; 3], 0u32);
         for set in 1u32 << (self.count - 1)..1 << self.count {
@@ -236,7 +235,7 @@ impl Simplex {
     }
 }
 
-/// The point of the plane through some vertices that is nearest to the origin, if it is between them.
+/// Point nearest to the origin on the plane through some vertices, if it is between them.
 fn within(face: &[[f64; 3]]) -> Option<[f64; 3]> {
     match *face {
         [a] => Some(a),
@@ -290,7 +289,7 @@ mod tests {
         centres
     }
 
-    /// Rows of a block, turned by an angle about z.
+    /// Rows of a block, rotated by an angle about z.
     fn block(
         x: std::ops::Range<i32>,
         y: std::ops::Range<i32>,
@@ -313,7 +312,7 @@ mod tests {
         for angle in [0.0, 0.3, FRAC_PI_4, 2.0, -1.1] {
             for depth in [0..1, 0..3] {
                 for right in -1..4 {
-                    // The upper one ends anywhere over the lower one.
+                    // The upper block ends anywhere over the lower one.
                     let low = block(-3..3, -3..0, depth.clone(), angle);
                     let high = block(-3..right, 0..3, depth.clone(), angle);
                     let exact = [-f64::sin(angle), f64::cos(angle), 0.0];
@@ -327,7 +326,7 @@ mod tests {
 
     #[test]
     fn a_body_and_the_other_see_opposite_normals() {
-        // Points of two balls that nearly touch, without order.
+        // Points of two nearly touching balls, without order.
         let ball = |seed: u32, at: [f64; 3]| {
             let mut x = seed;
             let mut next = move || {
@@ -349,7 +348,7 @@ mod tests {
 
     #[test]
     fn hulls_that_overlap_are_shrunk() {
-        // A block with a lip below its face, and one that went half a particle into it.
+        // Block with a lip below its face, and one that penetrated it by half a particle.
         let low = set((-4..4).flat_map(|i| [[f64::from(i), -0.2, 0.0], [f64::from(i), -1.2, 0.0]]));
         let high =
             set((-4..4).flat_map(|i| [[f64::from(i) + 0.3, -0.3, 0.0], [f64::from(i) + 0.3, 0.7, 0.0]]));

@@ -1,4 +1,4 @@
-//! The battery for our own laws, and for broken ones.
+//! Conformance tests of our own laws, and of broken ones.
 
 #![cfg(feature = "conformance")]
 #![allow(missing_docs)]
@@ -21,14 +21,14 @@ fn laws() -> Result<(), Broken> {
         law(&Penalty::new(300.0, restitution, 0.3).expect("law"))?;
     }
     law(&Adhesion::new(10.0, 5.0, 0.3).expect("law"))?;
-    // Slips of a step are of 1e-3 m: before, within and after weakening.
+    // Slip of 1e-3 m per step: before, within and after weakening.
     for distance in [1e-5, 2e-3, 1.0] {
         law(&SlipWeakening::new(0.6, 0.2, distance).expect("law"))?;
     }
     law(&Spring { stiffness: 1e-3, friction: 0.4 })
 }
 
-/// A tangential spring between the bodies that friction limits (Cundall and Strack): what it remembers is a vector.
+/// Tangential spring limited by friction (Cundall and Strack): its memory is a vector.
 #[derive(Debug)]
 struct Spring {
     stiffness: f64,
@@ -53,7 +53,7 @@ impl ContactLaw<f64> for Spring {
     }
 }
 
-/// It ignores masses.
+/// Broken law that ignores masses.
 #[derive(Debug)]
 struct Massless;
 impl ContactLaw<f64> for Massless {
@@ -61,7 +61,7 @@ impl ContactLaw<f64> for Massless {
         contact.normal.map(|n| n * contact.approach().max(0.0))
     }
 }
-/// Stops half of the approach.
+/// Broken law that stops half of the approach.
 #[derive(Debug)]
 struct Half;
 impl ContactLaw<f64> for Half {
@@ -69,7 +69,7 @@ impl ContactLaw<f64> for Half {
         Frictionless.impulse(contact).map(|j| 0.5 * j)
     }
 }
-/// Half friction, half forgotten sign.
+/// Broken law with a wrong sign of friction.
 #[derive(Debug)]
 struct Driving;
 impl ContactLaw<f64> for Driving {
@@ -88,7 +88,7 @@ impl ContactLaw<f64> for Driving {
     }
 }
 
-/// A spring that pushes harder on the way back.
+/// Broken spring that pushes harder at separation.
 #[derive(Debug)]
 struct Ratchet(Penalty<f64>);
 impl ContactLaw<f64> for Ratchet {
@@ -100,7 +100,7 @@ impl ContactLaw<f64> for Ratchet {
     }
 }
 
-/// Remembers which way the impulse was, of the first body alone.
+/// Broken law with memory of the slip direction of the first body alone.
 #[derive(Debug)]
 struct Hardening;
 impl ContactLaw<f64> for Hardening {
@@ -125,7 +125,7 @@ fn the_battery_finds_broken_laws() {
     assert_eq!(law(&Driving).expect_err("driving").property, "no energy gained");
     let refused = law(&Hardening).expect_err("memory of one side").property;
     assert_eq!(refused, "symmetry in the bodies");
-    // An absurd strength is glue, which conserves momentum and takes energy.
+    // An absurd strength is perfect adhesion, which conserves momentum and takes energy.
     law(&Adhesion::new(1e300, 1e-300, 0.0).expect("law")).expect("adhesion");
 }
 

@@ -1,25 +1,26 @@
-//! What is said of ingredients of a method that do not go together: once, where they are written.
+//! Compiler errors for incompatible parts of a method: one message each, at the place of the combination.
 //!
-//! A bound that does not hold is reported by the compiler where it is asked for, and the type of the call is known all the same, so that
-//! whatever is done with it is reported too: kernels that are not compiled, bounds that the method passes on. Here the type of the call
-//! follows from the bound. Each of these traits has two implementations, of which the second never holds: with one alone the compiler takes
-//! it as it is and looks at its bounds later; of two it takes the one whose bounds hold. Where neither does, there is no type, one
-//! message, that of the trait, and nothing about what follows.
+//! By default the compiler reports an unsatisfied bound where it is required. The type of the call is known all the
+//! same, so that the compiler also reports its consequences: kernels that are not compiled, bounds that the method
+//! passes on. Here the type of the call follows from the bound. Each of these traits has two implementations, the
+//! second of which never applies: a single implementation is selected first and its bounds are checked later; of two,
+//! the one with satisfied bounds is selected. If neither is, the call has no type, and the compiler prints one
+//! message, that of the trait, without consequences.
 
 use crate::scheme::Allows;
 use crate::shape::FixedDomain;
 use crate::transfer::Suits;
 
-/// The implementation that counts.
+/// Marker of the implementation that can apply.
 #[derive(Clone, Copy, Debug)]
 pub struct Holding;
-/// The one that never holds.
+/// Marker of the implementation that never applies.
 #[derive(Clone, Copy, Debug)]
 pub struct Failing;
-/// What no type is.
+/// Trait that no type implements.
 pub trait Never {}
 
-/// A transfer that goes with the shape function `S`: what makes `R` of `M` is the same.
+/// Transfer compatible with the shape function `S`. `R` equals `M`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a transfer that can be used with the shape function `{S}`",
     label = "not with this shape function",
@@ -31,7 +32,7 @@ pub trait Never {}
             generic code asks for it: `where S: Suits<X>`"
 )]
 pub trait OnShape<S, W, M, R> {
-    /// It.
+    /// Return the method.
     fn made(method: M) -> R;
 }
 impl<X, S: Suits<X>, M> OnShape<S, Holding, M, M> for X {
@@ -45,7 +46,7 @@ impl<X: Never, S, M> OnShape<S, Failing, M, M> for X {
     }
 }
 
-/// A stress update that goes with the transfer `X`: what makes `R` of `M` is the same.
+/// Stress update compatible with the transfer `X`. `R` equals `M`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a stress update that can be used with the transfer `{X}`",
     label = "not with this transfer",
@@ -57,7 +58,7 @@ impl<X: Never, S, M> OnShape<S, Failing, M, M> for X {
             it: `where U: Allows<X>`"
 )]
 pub trait WithTransfer<X, W, M, R> {
-    /// It.
+    /// Return the method.
     fn made(method: M) -> R;
 }
 impl<U: Allows<X>, X, M> WithTransfer<X, Holding, M, M> for U {
@@ -71,7 +72,7 @@ impl<U: Never, X, M> WithTransfer<X, Failing, M, M> for U {
     }
 }
 
-/// A shape function that has a form in the reference configuration: what makes `R` of `M` is the same.
+/// Shape function available in the reference configuration. `R` equals `M`.
 #[diagnostic::on_unimplemented(
     message = "`.total_lagrangian()` cannot be used with the shape function `{Self}`",
     label = "not with this shape function",
@@ -81,7 +82,7 @@ impl<U: Never, X, M> WithTransfer<X, Failing, M, M> for U {
             code asks for it: `where S: FixedDomain`"
 )]
 pub trait InReference<W, M, R> {
-    /// It.
+    /// Return the method.
     fn made(method: M) -> R;
 }
 impl<S: FixedDomain, M> InReference<Holding, M, M> for S {

@@ -1,14 +1,14 @@
-//! Whose change of volume the law of a particle sees: its own, or the mean of its cell.
+//! Volume change passed to the material law: that of the particle, or the mean over its cell.
 
-/// The change of volume that laws see.
+/// Volume change passed to material laws.
 pub trait Dilatation: Copy + Send + Sync + 'static {
-    /// The mean of the particles of a cell?
+    /// True for the mean over the particles of a cell.
     const MEAN: bool;
-    /// The name in tables and messages.
+    /// Name in tables and messages.
     const NAME: &'static str;
 }
 
-/// Every particle's own.
+/// Volume change of each particle.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct OwnDilatation;
 impl Dilatation for OwnDilatation {
@@ -16,26 +16,28 @@ impl Dilatation for OwnDilatation {
     const NAME: &'static str = "own dilatation";
 }
 
-/// The mean over the particles of a body in a cell, by mass: a cure for volumetric locking.
+/// Mean volume change over the particles of a body in a cell, weighted by mass: a cure for volumetric locking.
 ///
-/// Material that keeps its volume (plastic metal, soil in undrained shear, rubber) asks each particle of a cell for a
-/// velocity without divergence, more conditions than the nodes of a cell can meet: the grid answers with stiffness and
-/// with pressures that alternate from particle to particle. With the increment dL of the step, the law sees
+/// Nearly incompressible material (plastic metal, undrained soil, rubber) requires a divergence-free velocity at each
+/// particle of a cell. These are more constraints than the nodes of a cell can satisfy: the grid responds with
+/// stiffness and with pressures that alternate from particle to particle. From the increment dL of the step, the law
+/// receives
 ///
 /// ```text
 /// dL + (mean(tr dL) + (mean(J) / J - 1) / 10 - tr dL) / n I
 /// ```
 ///
-/// with J the volume ratio, n being 3, or 2 in plane strain, where nothing stretches along the third axis: the increment form of F-bar (de Souza
-/// Neto et al. 1996), with the cell of the background grid for the element. Forces are those of the stress that comes of
-/// it, with the weights' own gradients: as in F-bar they are not the gradient of an energy, and the energy of a step closes
-/// to second order in what the mean takes off.
+/// with J the volume ratio and n = 3, or n = 2 in plane strain, where the third axis has no strain. This is the
+/// increment form of F-bar (de Souza Neto et al. 1996), with the cell of the background grid as the element. Forces
+/// are assembled from the resulting stress with the unmodified gradients of the weights: as in F-bar they are not the
+/// gradient of an energy, and the energy of a step closes to second order in the difference to the mean.
 ///
-/// The term with J brings particles back to the mean of their cell within some ten steps. Without it each would keep what it
-/// brings along from cell to cell, and the volumes of those that crossed many would have little to do with the room they take (a
-/// copper bar in three dimensions ended after 51 microseconds, a particle compressed beyond its equation of state).
+/// The term with J returns the volume of a particle to the mean of its cell within some ten steps. Without it a
+/// particle would keep its deviation from cell to cell, and after many cells its volume would be unrelated to the
+/// space that it occupies (a copper bar in three dimensions stopped after 51 microseconds, a particle compressed
+/// beyond its equation of state).
 ///
-/// A particle alone in its cell is not changed, nor is a uniform dilatation.
+/// The correction is zero for a particle alone in its cell and for a uniform dilatation.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MeanDilatation;
 impl Dilatation for MeanDilatation {
@@ -44,6 +46,6 @@ impl Dilatation for MeanDilatation {
 }
 
 impl MeanDilatation {
-    /// Part of the way back to the mean of a cell that a particle's volume goes in a step.
+    /// Fraction of the deviation from the cell mean that the volume of a particle recovers in a step.
     pub const RETURN: f64 = 0.1;
 }

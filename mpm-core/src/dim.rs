@@ -6,7 +6,7 @@ use std::ops::{Index, IndexMut};
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Dim<const D: usize>;
 
-/// Nodes a block of the grid has along an axis.
+/// Nodes of a grid block along an axis.
 pub const BLOCK: usize = 4;
 
 /// Nodes (and bins) in a block: 4^D.
@@ -21,29 +21,29 @@ pub const fn neighbours(d: usize) -> usize {
     if d == 3 { 27 } else { 9 }
 }
 
-/// The node with the smallest index of a stencil of so many nodes an axis, relative to the bin, along an axis.
+/// Index, relative to the bin, of the first node along an axis of a stencil of `nodes` nodes an axis.
 #[inline(always)]
 pub const fn first_node(nodes: usize) -> i32 {
     -((nodes as i32 - 1) / 2)
 }
 
-/// Where the bins' centres of such stencils lie between the nodes, in units of h: 1/2 for even numbers, 0 for odd ones.
+/// Offset of bin centres from the nodes in units of h for a stencil of `nodes` nodes an axis: 1/2 for even numbers, 0 for odd ones.
 #[inline(always)]
 pub const fn centre(nodes: usize) -> f64 {
     if nodes.is_multiple_of(2) { 0.5 } else { 0.0 }
 }
 
-/// Node `a` of such a stencil relative to the bin's centre, in units of h.
+/// Offset of node `a` of a stencil of `nodes` nodes an axis from the bin centre, in units of h.
 #[inline(always)]
 pub const fn offset_of(nodes: usize, a: usize) -> f64 {
     a as f64 - 0.5 * (nodes as f64 - 1.0)
 }
 
-/// An array whose length a trait knows.
+/// Array whose length is an associated type of a trait.
 pub trait Array<X>:
     Copy + Send + Index<usize, Output = X> + IndexMut<usize> + AsRef<[X]> + AsMut<[X]>
 {
-    /// Every element `x`.
+    /// Create an array with every element `x`.
     fn filled(x: X) -> Self;
 }
 impl<X: Copy + Send, const N: usize> Array<X> for [X; N] {
@@ -53,22 +53,22 @@ impl<X: Copy + Send, const N: usize> Array<X> for [X; N] {
     }
 }
 
-/// Sizes of a stencil of `N` nodes an axis in `D` dimensions; implemented by `Dim<D>` as `Stencil<N>` for
-/// N = 2, 3, 4. A shape function names the one it needs: `type Extent = Extent<D, N>`.
+/// Sizes of a stencil of `N` nodes an axis in `D` dimensions; implemented by [`Extent`] for N = 2, 3, 4. A shape
+/// function specifies its stencil by `type Extent = Extent<D, N>`.
 pub trait Stencil: Copy + Send + Sync + 'static {
     /// Nodes along an axis.
     const NODES: usize;
     /// Layers of nodes along the third axis: `NODES` in three dimensions, 1 in two.
     const LAYERS: usize;
-    /// Nodes that the particles of one block of bins reach, along an axis: `BLOCK + NODES - 1`.
+    /// Nodes along an axis in reach of the particles of one block of bins: `BLOCK + NODES - 1`.
     const TILE: usize = BLOCK + Self::NODES - 1;
-    /// From the first node of a stencil in a tile to one behind its last, in tile order.
+    /// Number of nodes from the first of a stencil in a tile to one past its last, in tile order.
     const SPAN: usize = ((Self::LAYERS - 1) * Self::TILE + Self::NODES - 1) * Self::TILE + Self::NODES;
-    /// Node of the stencil with the smallest index, relative to the bin, along an axis.
+    /// Index, relative to the bin, of the first node of the stencil along an axis.
     const BASE: i32 = first_node(Self::NODES);
-    /// A value a node of the stencil along one axis.
+    /// One value per node of the stencil along one axis.
     type Axis<X: Copy + Send>: Array<X>;
-    /// A value a node of the stencil.
+    /// One value per node of the stencil.
     type Nodes<X: Copy + Send>: Array<X>;
 }
 
@@ -88,7 +88,7 @@ macro_rules! stencil {
 }
 stencil!(2 2 1 4, 2 3 1 9, 2 4 1 16, 3 2 2 8, 3 3 3 27, 3 4 4 64);
 
-/// Offset -1, 0 or 1 along each axis of neighbour `index`.
+/// Return the offset -1, 0 or 1 along each axis of neighbour `index`.
 pub(crate) fn offset<const D: usize>(index: usize) -> [i32; D] {
     let mut o = [0; D];
     let mut rest = index;

@@ -1,4 +1,4 @@
-//! Methods with kernels, and scenes that are made of them.
+//! Methods with compiled kernels, and scenes built from them.
 
 use std::sync::Arc;
 
@@ -11,15 +11,15 @@ use crate::step::passes::compiled::{inlined, kernels};
 use crate::step::{Deformable, Kernels, Mpm, Scalar};
 use impactite_simd::Float;
 
-/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; book, "What is compiled where"), or
-/// what [`Method::compiled`](crate::Method::compiled) makes of any other one, or kernels that are there already.
+/// Methods that a scene accepts: those with kernels compiled in this crate (the implementors below; book, "What is
+/// compiled where"), any other by [`Method::compiled`](crate::Method::compiled), and existing kernels.
 #[diagnostic::on_unimplemented(
     message = "a scene of {D} dimensions cannot have the method `{Self}`: its kernels are not compiled in `mpm-core`",
     note = "the embedding must have the dimensions of the grid's lattice: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`",
     note = "if it has, compile the kernels in your crate, once, for some seconds: `method.compiled()`"
 )]
 pub trait IntoKernels<T: Float, const D: usize> {
-    /// Its kernels.
+    /// Return the kernels of the method.
     fn into_kernels(self) -> Kernels<T, D>;
 }
 
@@ -35,12 +35,12 @@ impl<T: Scalar<D>, const D: usize, M: Composition<T, D>> IntoKernels<T, D> for C
     }
 }
 
-/// A grid for the method `M`.
+/// Grid for the method `M`.
 ///
-/// The grid is asked first, so that a scene has the dimensions of its lattice: where the embedding has others, that is what is said, and
-/// not that the grid, and seeds and boundaries after it, should have those of the embedding.
+/// The bound is on the grid, so that a scene has the dimensions of its lattice. For an embedding of other dimensions
+/// the compiler then reports the embedding, and not the grid, the seeds and the boundaries.
 pub trait GridFor<M, T: Float, const D: usize>: GridStorage<T, D> {
-    /// The kernels of the method.
+    /// Return the kernels of the method.
     fn kernels(method: M) -> Kernels<T, D>;
 }
 impl<G: GridStorage<T, D>, M: IntoKernels<T, D>, T: Float, const D: usize> GridFor<M, T, D> for G {
@@ -50,8 +50,8 @@ impl<G: GridStorage<T, D>, M: IntoKernels<T, D>, T: Float, const D: usize> GridF
 }
 
 impl<const D: usize> Mpm<D> {
-    /// An empty scene in double precision, of any method ([`IntoKernels`]) and grid ([`GridStorage`]) of the same dimensions, whose bodies
-    /// will share one velocity field.
+    /// Create an empty scene in double precision from a method ([`IntoKernels`]) and a grid ([`GridStorage`]) of the
+    /// same dimensions. Its bodies share one velocity field.
     ///
     /// ```
     /// use mpm_core::geometry::Lattice;
@@ -68,7 +68,7 @@ impl<const D: usize> Mpm<D> {
         Mpm::with_contact(method, grid, OneField)
     }
 
-    /// An empty scene in double precision whose bodies act on each other by this contact algorithm.
+    /// Create an empty scene in double precision with a contact algorithm between its bodies.
     pub fn with_contact<M>(
         method: M,
         grid: impl GridFor<M, f64, D> + 'static,
@@ -79,8 +79,8 @@ impl<const D: usize> Mpm<D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// An empty scene in any precision: `Mpm::<3, f32>::of(method, grid, OneField)`. All three may be objects, chosen at run time:
-    /// [`Kernels`], `Box<dyn GridStorage<T, D>>`, `Arc<dyn ContactAlgorithm<T, D>>`.
+    /// Create an empty scene in any precision: `Mpm::<3, f32>::of(method, grid, OneField)`. All three arguments may
+    /// be objects chosen at run time: [`Kernels`], `Box<dyn GridStorage<T, D>>`, `Arc<dyn ContactAlgorithm<T, D>>`.
     pub fn of<M, G>(method: M, grid: G, contact: impl ContactAlgorithm<T, D>) -> Self
     where
         G: GridFor<M, T, D> + 'static,
@@ -90,8 +90,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 }
 
 impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
-    /// With passes that have the law as part of them, compiled where this is written: the last per cent of speed for one
-    /// composition, at the price of compiling the passes once more for this law. `method` must be that of the scene.
+    /// Inline the law into the passes, which are compiled at the call: the last per cent of speed for one
+    /// composition, at the cost of compiling the passes once more for this law. `method` must be that of the scene.
     #[must_use]
     pub fn inlined<M, C>(mut self, method: M) -> Self
     where

@@ -1,7 +1,7 @@
-//! The material point method as parts that compose: particles, sparse grids, shape functions, transfers.
+//! Material point method from interchangeable parts: particles, sparse grids, shape functions, transfers.
 //!
-//! A [`Method`] names a shape function, a transfer, a stress update and an embedding; [`Mpm`] runs it on a grid,
-//! with bodies of any laws ([`mpm_materials`]):
+//! A [`Method`] consists of a shape function, a transfer, a stress update and an embedding; [`Mpm`] runs it on a grid
+//! with bodies of any material law ([`mpm_materials`]):
 //!
 //! ```
 //! use mpm_core::geometry::{Ball, Filling, Lattice, fill};
@@ -23,26 +23,26 @@
 //! # }
 //! ```
 //!
-//! | module | holds |
+//! | module | content |
 //! |---|---|
-//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`], [`frame`], [`dilatation`] | the parts of a method, and which go together |
-//! | [`step`] | the solver, the stages of a step, the time step |
-//! | [`particles`], [`grid`] | where particles and nodes are kept |
-//! | [`contact`] | contact between bodies at the nodes they share |
-//! | [`boundary`] | conditions and loads |
-//! | [`geometry`] | shapes, and particles seeded from them |
-//! | [`memory`] | how much of it one call may ask for |
-//! | [`watch`] | books of energy and momentum, and what stops or warns |
-//! | [`observe`], [`output`] | what looks at a run, and what it writes |
+//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`], [`frame`], [`dilatation`] | parts of a method, compatibility |
+//! | [`step`] | solver, stages of a step, time step |
+//! | [`particles`], [`grid`] | storage of particles and nodes |
+//! | [`contact`] | contact between bodies at shared nodes |
+//! | [`boundary`] | boundary conditions and loads |
+//! | [`geometry`] | shapes, and particles seeded in them |
+//! | [`memory`] | limit of the memory that one call may request |
+//! | [`watch`] | energy and momentum balances, stop criteria and warnings |
+//! | [`observe`], [`output`] | observers of a run, and output files |
 //! | [`parallel`] | vectors and threads: the crate `impactite-simd` |
 //!
-//! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy,
-//! zz, yz, xz, xy. Results are the same bits for any number of threads and any grid. `CONVENTIONS.md` and
+//! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy, zz,
+//! yz, xz, xy. Results are bitwise identical for any number of threads and any grid. `CONVENTIONS.md` and
 //! `REFERENCES.md` of the repository explain symbols, rules and the keys in square brackets.
 //!
 //! # Features
 //! - `mesh` (default): bodies from STL, OBJ and PLY files.
-//! - `conformance`: tests for shape functions, transfers, grids and methods written elsewhere.
+//! - `conformance`: tests for custom shape functions, transfers, grids and methods.
 
 mod combine;
 #[cfg(feature = "conformance")]

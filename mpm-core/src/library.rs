@@ -1,4 +1,4 @@
-//! The methods whose kernels are compiled here, once, for all programs.
+//! Methods with kernels compiled in this crate, once for all programs.
 
 use crate::frame::TotalLagrangian;
 use crate::kernels::IntoKernels;

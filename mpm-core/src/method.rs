@@ -1,4 +1,4 @@
-//! A method: the shape function, transfer, stress update and embedding that make a solver together.
+//! Method: the shape function, transfer, stress update and embedding of a solver.
 
 use std::marker::PhantomData;
 
@@ -13,9 +13,9 @@ use crate::shape::{CpGimp, Linear, QuadraticBSpline, ShapeFunction};
 use crate::transfer::{Aflip, Apic, Flip, Suits, Transfer};
 use impactite_scene::embedding::Embedding;
 
-/// The ingredients of a material point method, chosen at compile time.
+/// Parts of a material point method, chosen at compile time.
 ///
-/// Combinations that would break are refused by the compiler, with the reason:
+/// Combinations that are unstable or undefined do not compile; the error names the reason:
 /// ```compile_fail
 /// use mpm_core::{Apic, FullSpace, Linear, Method, Usl};
 /// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
@@ -38,11 +38,12 @@ use impactite_scene::embedding::Embedding;
 /// check(Method::impact(FullSpace)); // by what it is for
 /// ```
 ///
-/// Two ingredients are there without being asked for, and the charts of docs/report/index.html say what they cost. Weights are
-/// those of the current configuration: those of the reference one ([`Method::total_lagrangian`]) are the cheapest for any error
-/// below half a per cent in chart C1 and below a tenth in C2, but only what neither tears nor flows without end has one. Laws see every particle's own
-/// dilatation: in chart C6 the mean of a cell ([`Method::mean_dilatation`]) takes the error of a limit load from 16 to below 5 %, and
-/// brings nothing where material is compressible, so that it is for metal that flows, undrained soil and rubber.
+/// Two further parts have defaults; the charts of docs/report/index.html show their costs. Weights refer to the
+/// current configuration. Those of the reference configuration ([`Method::total_lagrangian`]) are the cheapest for
+/// any error below half a per cent in chart C1 and below a tenth in C2, but require material that neither tears nor
+/// flows without limit. Laws receive the dilatation of each particle. The mean over a cell
+/// ([`Method::mean_dilatation`]) reduces the error of a limit load in chart C6 from 16 to below 5 %, without benefit
+/// for compressible material: use it for plastic metal, undrained soil and rubber.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Method<S, X, U, E, F = UpdatedLagrangian, V = OwnDilatation> {
     shape: S,
@@ -51,9 +52,9 @@ pub struct Method<S, X, U, E, F = UpdatedLagrangian, V = OwnDilatation> {
 }
 
 impl<S, X, U, E> Method<S, X, U, E> {
-    /// A method from its ingredients, which must go together (book, "Choosing the parts"): `R` is `Method<S, X, U, E>`, of any shape
+    /// Create a method from compatible parts (book, "Choosing the parts"): `R` is `Method<S, X, U, E>`, for any shape
     /// function `S` that [`Suits`] the transfer `X`, and any stress update `U` that [`Allows`] it.
-    // `R` is `Self`, by way of the bounds.
+    // The bounds make `R` equal to `Self`.
     #[allow(clippy::new_ret_no_self)]
     pub fn new<R, Q, V, W>(shape: S, transfer: X, _stress_update: U, _embedding: E) -> R
     where
@@ -65,63 +66,66 @@ impl<S, X, U, E> Method<S, X, U, E> {
 }
 
 impl<E> Method<QuadraticBSpline, Aflip<f64>, Usl, E> {
-    /// For impact, penetration and fragments that fly and tumble: quadratic B-splines, AFLIP, stress last.
+    /// Create a method for impact, penetration and tumbling fragments: quadratic B-splines, AFLIP, stress last.
     ///
-    /// It keeps a disc whole that spins without load, where FLIP without an affine field tears one apart within a few turns, whatever the shape
-    /// function; it gained energy in none of the scenes there, and loses a quarter to a third of what APIC does in an impact (book, "Methods compared").
+    /// A disc that spins without load stays whole; FLIP without an affine field tears it apart within a few turns,
+    /// whatever the shape function. AFLIP gained energy in none of the scenes of the book, and loses a quarter to a
+    /// third of what APIC does in an impact (book, "Methods compared").
     pub fn impact(embedding: E) -> Self {
         Method::new(QuadraticBSpline, Aflip::default(), Usl, embedding)
     }
 }
 
 impl<E> Method<QuadraticBSpline, Apic, Usl, E> {
-    /// For bodies that rest on each other: quadratic B-splines, APIC, stress last. FLIP without an affine field never forgets what the
-    /// nodes do not see, and contacts that open and close feed it until the bodies jump; with APIC a stack comes to rest to
-    /// rounding (book, "Methods compared").
+    /// Create a method for bodies at rest on each other: quadratic B-splines, APIC, stress last. FLIP without an
+    /// affine field keeps velocity components that the nodes do not resolve, and contacts that open and close amplify
+    /// them until the bodies jump; with APIC a stack comes to rest to rounding (book, "Methods compared").
     pub fn contact_at_rest(embedding: E) -> Self {
         Method::new(QuadraticBSpline, Apic, Usl, embedding)
     }
 }
 
 impl<E> Method<CpGimp, Flip, Musl, E> {
-    /// For elastic bodies that bounce and roll on others: cpGIMP, FLIP, velocities mapped twice. What contact of bodies loses on nodes a cell away
-    /// is least with it (book, "Walls and floors"), and particles that cross cells make less noise than with linear shape functions. Nothing damps
-    /// what vibrates: soft bodies that rest on few cells in space feed noise, and bodies that spin freely for many turns lose angular momentum.
+    /// Create a method for elastic bodies that bounce and roll on others: cpGIMP, FLIP, velocities mapped twice. It
+    /// has the least loss in contact of bodies on nodes a cell away (book, "Walls and floors"), and less
+    /// cell-crossing noise than linear shape functions. Vibrations are undamped: soft bodies that rest on few cells
+    /// in space amplify noise, and bodies that spin freely for many turns lose angular momentum.
     pub fn machine_parts(embedding: E) -> Self {
         Method::new(CpGimp, Flip, Musl, embedding)
     }
 }
 
 impl<E> Method<Linear, Flip, Musl, E, TotalLagrangian> {
-    /// For large elastic deformation of bodies that neither break nor flow: linear shape functions in the reference configuration, FLIP.
-    /// No particle crosses a cell, the energy is kept, and it is the cheapest for a given error in charts C1 and C2 of docs/report/index.html.
-    /// Bodies that meet are added by `Mpm::add_total_lagrangian`.
+    /// Create a method for large elastic deformation without fracture or flow: linear shape functions in the
+    /// reference configuration, FLIP. No particle crosses a cell, the energy is conserved, and it is the cheapest for
+    /// a given error in charts C1 and C2 of docs/report/index.html. Add bodies that come into contact by
+    /// `Mpm::add_total_lagrangian`.
     pub fn large_elastic(embedding: E) -> Self {
         Method::new(Linear, Flip, Musl, embedding).total_lagrangian()
     }
 }
 
 impl<S, X, U, E, F, V> Method<S, X, U, E, F, V> {
-    /// The method with kernels that are compiled where this is written, for some seconds: what a scene takes of ingredients of one's
-    /// own, and of those of this crate that it has no kernels of together ([`IntoKernels`](crate::IntoKernels)).
+    /// Compile the kernels at the call, which takes some seconds: required for custom parts, and for combinations of
+    /// parts of this crate without compiled kernels ([`IntoKernels`](crate::IntoKernels)).
     pub fn compiled(self) -> CompiledHere<Self> {
         CompiledHere(self)
     }
-    /// The same, mapped in the reference configuration ([`TotalLagrangian`]): `R` is `Method<S, X, U, E, TotalLagrangian, V>`, of a shape
-    /// function that has a [`FixedDomain`](crate::FixedDomain).
+    /// Map in the reference configuration ([`TotalLagrangian`]): `R` is `Method<S, X, U, E, TotalLagrangian, V>`, for
+    /// a shape function that has a [`FixedDomain`](crate::FixedDomain).
     pub fn total_lagrangian<R, W>(self) -> R
     where
         S: InReference<W, Method<S, X, U, E, TotalLagrangian, V>, R>,
     {
         S::made(Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData })
     }
-    /// The same, with the dilatation of a cell for that of its particles: [`MeanDilatation`].
+    /// Replace the dilatation of particles by that of their cell: [`MeanDilatation`].
     pub fn mean_dilatation(self) -> Method<S, X, U, E, F, MeanDilatation> {
         Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData }
     }
 }
 
-/// What a solver asks of a method; implemented by every legal [`Method`].
+/// Interface of a method to the solver; implemented by every legal [`Method`].
 pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     /// Shape function.
     type Shape: ShapeFunction<T, D>;
@@ -133,18 +137,18 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     type Embedding: Embedding<D>;
     /// Frame of reference of weights and gradients.
     type Frame: Frame;
-    /// Whose change of volume laws see.
+    /// Volume change passed to laws.
     type Dilatation: Dilatation;
-    /// Does a step need only the sum of momentum and impulse at the nodes? So it is with USL and a transfer
-    /// that does not read the acceleration: then force goes to the nodes as the impulse of the step to come,
-    /// whose size is planned one step ahead.
+    /// True if a step needs only the sum of momentum and impulse at the nodes: with USL and a transfer that does not
+    /// read the acceleration. The force is then mapped as the impulse of the next step, whose size is planned one
+    /// step ahead.
     const MAPS_TOGETHER: bool =
         !Self::Update::REMAP && !Self::Update::BEFORE_FORCES && !Self::Transfer::READS_INCREMENT;
     /// The shape function.
     fn shape(&self) -> &Self::Shape;
     /// The transfer.
     fn transfer(&self) -> &Self::Transfer;
-    /// A line that names the ingredients.
+    /// Describe the parts in one line.
     fn describe(&self) -> String {
         let frame = if Self::Frame::TOTAL { Self::Frame::NAME.to_string() + ", " } else { String::new() };
         let mean =
@@ -159,7 +163,7 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-/// A method whose kernels are compiled where it is used: [`Method::compiled`].
+/// Method with kernels compiled where it is used: [`Method::compiled`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CompiledHere<M>(pub(crate) M);
 

@@ -1,7 +1,7 @@
-//! When in a step the stress is updated, and which passes over the particles that makes.
+//! Order of the stress update in a step, and the passes over the particles that it requires.
 //!
-//! The stages of a step that visit particles and have no grid stage between them share one pass over memory.
-//! Because a step begins where the last one ended, the map of the next step rides with the end of this one:
+//! Stages that visit particles without a grid stage between them share one pass over memory. A step begins where the
+//! last one ended: the last pass of a step therefore contains the map of the next step:
 //!
 //! | order | pass 1 | pass 2 |
 //! |---|---|---|
@@ -14,7 +14,7 @@ use crate::transfer::{Aflip, AnyTransfer, Apic, Blend, Flip, Fmpm, Held, Pic, Tr
 use impactite_scene::embedding::{AnySpace, Embedding};
 use impactite_simd::{Real, Vectors};
 
-/// What one pass over the particles does, in this order.
+/// Operations of one pass over the particles, in this order.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
     /// Update strain and stress from this nodal vector, if any.
@@ -27,45 +27,45 @@ pub struct Pass {
     pub momentum: bool,
     /// Map the force of the stress to the grid.
     pub force: bool,
-    /// Instead of all this: gather the second nodal vector and map it back as momentum (FMPM).
+    /// Smooth instead of the other operations: gather the second nodal vector and map it back as momentum (FMPM).
     pub smooth: bool,
 }
 
-/// The nodal vectors a pass can read.
+/// Nodal vectors that a pass can read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Nodal {
-    /// The velocity.
+    /// Velocity.
     First,
-    /// The acceleration, the re-mapped velocity (MUSL) or the series term (FMPM), whichever a step keeps there.
+    /// The acceleration, the re-mapped velocity (MUSL) or the series term (FMPM): content of the second vector in the step.
     Second,
 }
 
 impl Pass {
     pub(crate) const NOTHING: Pass =
         Pass { strain: None, velocity: false, moves: false, momentum: false, force: false, smooth: false };
-    /// Is a law asked in it?
+    /// True if the pass evaluates a material law.
     pub const fn has_law(self) -> bool {
         self.strain.is_some() || self.force
     }
 }
 
-/// A pass as a type, so that what it does not do is not compiled. It sees of a method what it needs: passes of methods that
-/// differ elsewhere are one, compiled once.
+/// Pass as a type, so that only its own operations are compiled. It depends on the parts of a method that it uses:
+/// methods that differ in other parts share one compiled pass.
 pub trait PassKind: Send + Sync + 'static {
-    /// What it does.
+    /// Operations of the pass.
     const DOES: Pass;
-    /// Which copies of its kernels are worth their compile time, in three dimensions; in two, where a cell has few particles, no more
-    /// than that for AVX2.
+    /// Vector instructions for which its kernels are compiled in three dimensions. Kernels in two dimensions, where a
+    /// cell has few particles, use AVX2 at most.
     const VECTORS: Vectors;
-    /// May it map momentum and the impulse of the coming step together?
+    /// True if it may map momentum and the impulse of the next step together.
     const PLANS: bool;
-    /// The transfer as it sees it: the method's, where it changes velocities.
+    /// Transfer of the pass: that of the method, where the pass changes velocities.
     type Transfer<T: Real, X: Transfer<T>>: Transfer<T>;
-    /// The embedding: the method's, where it strains or maps forces.
+    /// Embedding of the pass: that of the method, where the pass computes strain or maps forces.
     type Embedding<const D: usize, E: Embedding<D>>: Embedding<D>;
-    /// The frame: the method's, where it strains, maps forces or moves.
+    /// Frame of the pass: that of the method, where the pass computes strain, maps forces or moves particles.
     type Frame<F: Frame>: Frame;
-    /// The transfer as it sees it, of that of the method.
+    /// Convert the transfer of the method to that of the pass.
     fn transfer<T: Real, X: Transfer<T>>(of: X) -> Self::Transfer<T, X>;
 }
 
@@ -116,23 +116,23 @@ macro_rules! passes {
     };
 }
 passes! {
-    /// Map mass, momentum and force of particles as they stand (USL).
+    /// Map mass, momentum and force of the particles in their present state (USL).
     UslMap [Plain true its its] { momentum: true, force: true }
-    /// The same (MUSL).
+    /// Map mass, momentum and force of the particles in their present state (MUSL).
     MuslMap [Plain false any its] { momentum: true, force: true }
-    /// Map mass, momentum and force of particles as they stand, momentum with the affine field of the nodes (USL).
+    /// Map mass, momentum and force of the particles in their present state, momentum with the affine field of the nodes (USL).
     UslRefit [Plain true held its] { velocity: true, momentum: true, force: true }
-    /// Map mass and momentum likewise (USF).
+    /// Map mass and momentum of the particles in their present state, momentum with the affine field of the nodes (USF).
     UsfRefit [Plain false held any] { velocity: true, momentum: true }
-    /// Map mass and momentum of particles as they stand.
+    /// Map mass and momentum of the particles in their present state.
     MapMomentum [Plain false any any] { momentum: true }
-    /// The same in every step, beside forces that are none: of particles that hold the place of others.
+    /// Map mass and momentum of proxy particles, which have no internal force, in every step.
     MapPlace [Avx2 false any any] { momentum: true }
-    /// Bring particles that were placed out of their bins to those they are in now.
+    /// Sort particles that were placed outside of their bins into the bins of their present position.
     Follow [Avx2 false any any] { moves: true }
-    /// One smoothing of FMPM.
+    /// Make one smoothing of FMPM.
     Smooth [Avx512 false any any] { smooth: true, momentum: true }
-    /// The one pass of USL.
+    /// Only pass of USL.
     UslPass [Avx512 true its its] {
         strain: Some(Nodal::First), velocity: true, moves: true, momentum: true, force: true
     }
@@ -148,17 +148,17 @@ passes! {
     UsfAdvance [Avx512 false its frame] { velocity: true, moves: true, momentum: true }
 }
 
-/// When the stress is updated.
+/// Order of the stress update in a step.
 pub trait StressUpdate: Copy + Send + Sync + 'static {
-    /// The name in tables and messages.
+    /// Name in tables and messages.
     const NAME: &'static str;
-    /// Before the forces (USF)?
+    /// True if the stress is updated before the forces (USF).
     const BEFORE_FORCES: bool = false;
-    /// From the momentum mapped a second time (MUSL)?
+    /// True if the stress is updated from the momentum mapped a second time (MUSL).
     const REMAP: bool = false;
-    /// The map at the start of a run.
+    /// Map at the start of a run.
     type Map: PassKind;
-    /// The same with the affine velocity field of an affine transfer, which the first map cannot know.
+    /// Map at the start of a run with the affine velocity field of an affine transfer, which is unknown in the first map.
     type Refit: PassKind;
     /// First pass of a step: before the forces for USF, after the momentum update for the others.
     type First: PassKind;
@@ -166,8 +166,8 @@ pub trait StressUpdate: Copy + Send + Sync + 'static {
     type Second: PassKind;
 }
 
-/// Update stress last, from the velocity of the momentum update. Dissipates (book, "Properties of stress updates and transfers", finding 2);
-/// for smooth shape functions.
+/// Update stress last, from the velocity of the momentum update. Dissipates (book, "Properties of stress updates and
+/// transfers", finding 2); use it with smooth shape functions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Usl;
 impl StressUpdate for Usl {
@@ -178,8 +178,8 @@ impl StressUpdate for Usl {
     type Second = UslPass;
 }
 
-/// Modified update stress last (Sulsky et al. 1995): particle velocities are mapped to the grid a second time
-/// and the strain is taken from that. Safe where cells hold little material.
+/// Modified update stress last (Sulsky et al. 1995): particle velocities are mapped to the grid a second time and the
+/// strain is computed from the result. Robust where cells contain little material.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Musl;
 impl StressUpdate for Musl {
@@ -204,8 +204,8 @@ impl StressUpdate for Usf {
     type Second = UsfAdvance;
 }
 
-/// Which transfers a stress-update order can be used with: USL with all, MUSL with those that filter no velocity, USF with those that
-/// map force and momentum apart. A transfer of one's own goes with USL, and with others by `impl Allows<Mine> for Musl {}`.
+/// Transfers that a stress update supports: USL all, MUSL those that filter no velocity, USF those that map force and
+/// momentum separately. A custom transfer can be used with USL, and with others by `impl Allows<Mine> for Musl {}`.
 #[diagnostic::on_unimplemented(
     message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
     note = "`Usl` goes with every transfer, `Musl` with `Flip` and `Blend`, `Usf` with all but `Mls`"

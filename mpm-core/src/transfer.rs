@@ -1,37 +1,37 @@
-//! Transfers: what a particle's velocity becomes from the grid's.
+//! Transfers: update of particle velocities from nodal velocities.
 
 use mpm_materials::{Lane, Real, Wide};
 
 use crate::shape::AffineShape;
 
-/// Grid-to-particle rule for the velocity.
+/// Grid-to-particle velocity update.
 pub trait Transfer<T: Real>: Copy + Send + Sync + 'static {
-    /// The name in tables and messages.
+    /// Name in tables and messages.
     const NAME: &'static str;
-    /// Does it read the nodal velocity? Where nothing else in a pass does, it is not fetched.
+    /// True if it reads the nodal velocity. A pass gathers this velocity only if the transfer or another operation reads it.
     const READS_VELOCITY: bool = true;
-    /// Does it read the nodal acceleration?
+    /// True if it reads the nodal acceleration.
     const READS_INCREMENT: bool;
-    /// Does it carry the affine velocity field of APIC from the gather to the next scatter?
+    /// True if it carries the affine velocity field of APIC from the gather to the next scatter.
     const AFFINE: bool = false;
-    /// Is its affine fit also the velocity gradient, and the force its adjoint (MLS-MPM)?
+    /// True if the affine fit is also the velocity gradient and the force is its adjoint (MLS-MPM).
     const LEAST_SQUARES: bool = false;
-    /// Order k of the approximate inverse of the full mass matrix (FMPM); 1 is the lumped one.
+    /// Order k of the approximate inverse of the full mass matrix (FMPM); 1 for the lumped mass.
     const ORDER: usize = 1;
 
-    /// The new velocity, from the `old` one, the grid's velocity `nodal` and its change over the step
+    /// Return the new velocity from the `old` one, the nodal velocity `nodal` and its change over the step
     /// `increment`, both interpolated at the particle.
     fn velocity<L: Lane<Real = T>>(&self, old: L, nodal: L, increment: L, dt: L) -> L;
 }
 
-/// How much of the nodes' velocity particles take for their own in a step: none with FLIP, all with PIC.
+/// PIC fraction of the transfer in a step of `dt`: 0 for FLIP, 1 for PIC.
 pub(crate) fn taken<T: Real, X: Transfer<T>>(transfer: &X, dt: T) -> T {
     let [nothing, nodal, dt] = [T::default(), T::of(1.0), dt].map(|x| Wide([x]));
     let Wide([taken]) = transfer.velocity(nothing, nodal, nothing, dt);
     taken
 }
 
-/// FLIP: v <- v + dt sum N a (eq. 17 of \[Ma2010\]). No dissipation of its own.
+/// FLIP: v <- v + dt sum N a (eq. 17 of \[Ma2010\]). It does not dissipate by itself.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Flip;
 impl<T: Real> Transfer<T> for Flip {
@@ -44,7 +44,7 @@ impl<T: Real> Transfer<T> for Flip {
     }
 }
 
-/// PIC: v <- sum N v. Removes all that the grid cannot see; viscosity (p + 1) h^2 / 12 dt.
+/// PIC: v <- sum N v. Removes velocity components that the grid does not resolve; viscosity (p + 1) h^2 / 12 dt.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pic;
 impl<T: Real> Transfer<T> for Pic {
@@ -56,14 +56,14 @@ impl<T: Real> Transfer<T> for Pic {
     }
 }
 
-/// FLIP that relaxes towards PIC with a time constant tau: the PIC share of a step is dt / tau (at most 1),
-/// so that the damping does not depend on the step size, as it does with a constant share.
+/// FLIP that relaxes towards PIC with a time constant tau: the PIC fraction of a step is dt / tau (at most 1), so
+/// that the damping does not depend on the step size, unlike that of a constant fraction.
 #[derive(Clone, Copy, Debug)]
 pub struct Blend<T> {
     tau: T,
 }
 impl<T: Real> Blend<T> {
-    /// Time constant tau, s.
+    /// Create the transfer with time constant tau, s.
     ///
     /// # Errors
     /// A time constant that is not positive.
@@ -82,9 +82,9 @@ impl<T: Real> Transfer<T> for Blend<T> {
     }
 }
 
-/// APIC (Jiang, Schroeder, Teran 2017): PIC that carries the local affine velocity field, so that angular
-/// momentum is conserved. The affine matrix lives only from the gather to the scatter that follows it in the
-/// same pass, and takes no memory.
+/// APIC (Jiang, Schroeder, Teran 2017): PIC that carries the local affine velocity field, so that angular momentum is
+/// conserved. The affine matrix exists only from the gather to the next scatter in the same pass, and needs no
+/// memory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Apic;
 impl<T: Real> Transfer<T> for Apic {
@@ -97,29 +97,31 @@ impl<T: Real> Transfer<T> for Apic {
     }
 }
 
-/// FLIP with the affine velocity field of APIC (AFLIP, \[Fei2021\]): particles take the change of the nodes' velocity and a share of
-/// that velocity a step, and map their own with the affine field around it.
+/// FLIP with the affine velocity field of APIC (AFLIP, \[Fei2021\]): particles receive the change of the nodal
+/// velocity and, per step, a fraction of that velocity itself. Particle velocities are mapped with the affine field
+/// around them.
 ///
-/// A thousandth to a hundredth of PIC a step is enough to forget what the nodes do not see, where APIC takes all: in impacts
-/// a quarter to a third of what APIC damps, and like APIC it comes to rest. Angular momentum, which APIC conserves on B-splines, it keeps nearly:
-/// -0.01 % a turn for a disc of ten cells a radius (book, "Methods compared"). Shares belong to steps of the default
-/// length: with shorter ones more is forgotten in a time.
+/// A PIC fraction of a thousandth to a hundredth per step suffices to remove velocity components that the nodes do
+/// not resolve; APIC removes all of them at once. In impacts AFLIP damps a quarter to a third of what APIC damps, and
+/// like APIC it comes to rest. Angular momentum, which APIC conserves on B-splines, is nearly conserved: -0.01 % per
+/// turn for a disc with a radius of ten cells (book, "Methods compared"). The fraction refers to steps of the default
+/// length: shorter steps damp more per time.
 #[derive(Clone, Copy, Debug)]
 pub struct Aflip<T = f64> {
     share: T,
 }
 impl<T: Real> Aflip<T> {
-    /// The share of PIC a step, 0 to 1.
+    /// Create the transfer with a PIC fraction per step, 0 to 1.
     ///
     /// # Errors
-    /// A share out of range.
+    /// A fraction out of range.
     pub fn new(share: T) -> Result<Self, mpm_materials::ParameterError> {
         let allowed = share >= T::default() && share <= T::of(1.0);
         Ok(Aflip { share: mpm_materials::Check("AFLIP").that(allowed, "share", share, "0 to 1")? })
     }
 }
 impl<T: Real> Default for Aflip<T> {
-    /// One hundredth.
+    /// PIC fraction of one hundredth.
     fn default() -> Self {
         Aflip { share: T::of(0.01) }
     }
@@ -136,8 +138,8 @@ impl<T: Real> Transfer<T> for Aflip<T> {
 }
 
 /// APIC in moving-least-squares form (Hu et al. 2018): the affine fit serves as the velocity gradient, and its
-/// adjoint carries the force, f_i = -V sigma D^-1 N_i (x_i - x_p). No gradients of weights: the cheapest affine
-/// step; as accurate as [`Apic`] in the bulk, first order where the fit is.
+/// adjoint maps the force, f_i = -V sigma D^-1 N_i (x_i - x_p). It needs no gradients of weights: the cheapest affine
+/// step, as accurate as [`Apic`] in the bulk, first order where the fit is.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mls;
 impl<T: Real> Transfer<T> for Mls {
@@ -169,14 +171,14 @@ where
     }
 }
 
-/// The orders that FMPM has. A series of no term is none, which stable Rust cannot say of a number but by naming those that are;
-/// beyond 16 a step would map more than thirty times to the nodes and back.
+/// Orders of FMPM, listed one by one because stable Rust cannot bound a number: a series without terms is not a
+/// transfer, and beyond 16 a step would map more than thirty times to the nodes and back.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a transfer: its order is not allowed",
     note = "the order K of `Fmpm::<K>` must be 1 to 16; `Fmpm::<1>` is PIC, `Fmpm::<2>` and `Fmpm::<4>` are usual"
 )]
 pub trait FmpmOrder {
-    /// The name in tables and messages.
+    /// Name in tables and messages.
     const NAME: &'static str;
 }
 macro_rules! orders {
@@ -188,7 +190,7 @@ macro_rules! orders {
 }
 orders!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
 
-/// A transfer where velocities stay as they are: what of it maps to the nodes.
+/// Particle-to-grid part of a transfer: particle velocities do not change.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Held<X>(pub(crate) X);
 impl<T: Real, X: Transfer<T>> Transfer<T> for Held<X> {
@@ -202,7 +204,7 @@ impl<T: Real, X: Transfer<T>> Transfer<T> for Held<X> {
     }
 }
 
-/// Any of them, for passes that change no velocity.
+/// Placeholder transfer for passes that change no velocity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AnyTransfer;
 impl<T: Real> Transfer<T> for AnyTransfer {
@@ -215,8 +217,8 @@ impl<T: Real> Transfer<T> for AnyTransfer {
     }
 }
 
-/// Which shape functions a transfer can be used with: those with an affine velocity field need an [`AffineShape`], the others take any.
-/// A transfer of one's own goes with a shape function by `impl Suits<Mine> for Gimp {}`.
+/// Shape functions that a transfer supports: one with an affine velocity field requires an [`AffineShape`], the
+/// others accept any. Declare the shape functions of a custom transfer by `impl Suits<Mine> for Gimp {}`.
 #[diagnostic::on_unimplemented(
     message = "the transfer `{X}` cannot be used with the shape function `{Self}`",
     note = "a transfer of one's own says which shape functions it goes with: `impl Suits<Mine> for Gimp {{}}`"

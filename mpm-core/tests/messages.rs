@@ -1,13 +1,13 @@
-//! What the compiler says of methods that cannot be: one error, at the line where the ingredients are written, that names them and what to
-//! take instead. Programs are checked as `cargo check` does, without code generation, by the compiler and with the libraries that
-//! this test was built with.
+//! Compiler messages for invalid methods: one error, at the line of the combination, that names the parts and
+//! alternatives. Programs are checked as by `cargo check`, without code generation, with the compiler and libraries
+//! of this test.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// A program that has a method of `$dimensions` and goes on with it; the method is in line 8, the scene in line 9.
+/// Program with a method of `$dimensions` and a scene that uses it; the method is in line 8, the scene in line 9.
 const PROGRAM: &str = r#"#![allow(unused)]
 use mpm_core::geometry::*;
 use mpm_core::*;
@@ -26,7 +26,7 @@ fn run(law: NeoHookean<f64>) -> Result<(), Box<dyn std::error::Error>> {
 }
 "#;
 
-/// The libraries of a name in a folder, those built last first.
+/// Return the libraries of a name in a folder, the newest first.
 fn built(folder: &Path, name: &str) -> Vec<PathBuf> {
     let files =
         std::fs::read_dir(folder).expect("the folder of this test").flatten().map(|entry| entry.path());
@@ -41,7 +41,7 @@ fn built(folder: &Path, name: &str) -> Vec<PathBuf> {
     found
 }
 
-/// The two libraries, of those built with one set of features or another, that were built for each other: the ones built last of which a sound
+/// Return the newest two libraries that were built for each other, with any set of features: those with which a valid
 /// program compiles.
 fn libraries(folder: &Path) -> &'static [PathBuf; 2] {
     static FOUND: OnceLock<[PathBuf; 2]> = OnceLock::new();
@@ -62,7 +62,7 @@ fn program(method: &str, dimensions: usize) -> String {
     PROGRAM.replace("$dimensions", &dimensions.to_string()).replace("$method", method)
 }
 
-/// What the compiler says of a program.
+/// Return the compiler output for a program.
 fn checked(name: &str, program: &str) -> String {
     let test = std::env::current_exe().expect("this test");
     let folder = test.parent().expect("its folder");
@@ -84,11 +84,11 @@ fn said(name: &str, program: &str, folder: &Path, libraries: &[PathBuf; 2]) -> S
     rustc.arg("--out-dir").arg(&scratch).arg(&source);
     let said = rustc.output().expect("the compiler runs");
     let _ = std::fs::remove_dir_all(&scratch);
-    // Names as a reader takes them.
+    // Paths are removed from names.
     String::from_utf8_lossy(&said.stderr).replace("mpm_core::", "")
 }
 
-/// One that is no method is reported once, at this line, in these words, with this advice.
+/// Check that an invalid method causes one error, at this line, with this message and this advice.
 fn refused(name: &str, dimensions: usize, method: &str, line: usize, message: &str, advice: &str) {
     let said = checked(name, &program(method, dimensions));
     let errors = said.lines().filter(|l| l.starts_with("error") && !l.starts_with("error: aborting"));

@@ -1,4 +1,4 @@
-//! Files are there whole or not at all, whoever else writes to the same path and whatever goes wrong.
+//! Output files are complete or absent, whichever processes write to the same path and whatever fails.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -11,7 +11,7 @@ use mpm_core::output::{History, OutputError, ParticleSize, Snapshot, VtkOptions,
 use mpm_core::{BlockGrid, CheckpointError, Flip, Linear, Method, Mpm, Musl, PlaneStrain};
 use mpm_materials::{LinearElastic, Moduli};
 
-/// A folder of one test, removed at its end.
+/// Folder of one test, removed at its end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -20,7 +20,7 @@ impl Folder {
         std::fs::create_dir_all(&path).expect("a folder");
         Self(path)
     }
-    /// What is in it.
+    /// Return the names of its files.
     fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(&self.0).expect("a folder").flatten();
         let mut names: Vec<String> = entries.map(|e| e.file_name().to_string_lossy().into_owned()).collect();
@@ -35,7 +35,7 @@ impl Drop for Folder {
     }
 }
 
-/// A block of so many cells an axis, after some steps.
+/// Create a block of so many cells an axis, and make some steps.
 fn scene(cells: usize, steps: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.1).expect("lattice");
     let shape = Cuboid::new([0.0; 2], [0.1 * cells as f64; 2]).expect("shape");
@@ -54,10 +54,10 @@ fn snapshot(particles: usize) -> Snapshot {
     Snapshot::new(2, 0.0, 0, positions, ParticleSize::Uniform(1e-3)).expect("snapshot")
 }
 
-/// What writes a file at a path, and what is said if it cannot.
+/// Function that writes a file at a path, and returns the error message if it cannot.
 type Writer = fn(&Path) -> Result<(), String>;
 
-/// All there are, of files that are too large for a small disk.
+/// Return all writers, for files that are too large for a small disk.
 fn writers() -> Vec<(&'static str, Writer)> {
     vec![
         ("checkpoint", |path| scene(20, 1).save(path).map_err(|e| e.to_string())),
@@ -72,10 +72,10 @@ fn writers() -> Vec<(&'static str, Writer)> {
 
 const SAVES: u64 = 200;
 
-/// Where a process that this test starts is to do what it is told to.
+/// Environment variable with the path for a process that this test starts.
 const PATH: &str = "IMPACTITE_TEST_WHOLE_PATH";
 
-/// What the processes do that the tests below start; nothing otherwise.
+/// Task of the processes that the tests below start; otherwise no operation.
 #[test]
 fn another_process() {
     let Some(path) = std::env::var_os(PATH).map(PathBuf::from) else { return };
@@ -92,7 +92,7 @@ fn another_process() {
     }
 }
 
-/// This test as another process.
+/// Create a command that runs this test in another process.
 fn process(path: &Path) -> Command {
     let mut command = Command::new(std::env::current_exe().expect("this test"));
     command.args(["--exact", "another_process", "--nocapture"]).env(PATH, path);
@@ -103,7 +103,7 @@ fn process(path: &Path) -> Command {
 fn who_reads_while_threads_and_processes_save_to_one_path_reads_one_of_them() {
     let folder = Folder::new("many");
     let path = folder.0.join("checkpoint");
-    // Of different lengths: a mixture would be found out.
+    // Checkpoints of different lengths: a mixture would be detected.
     let steps = [3, 6, 9];
     scene(4, steps[0]).save(&path).expect("saved");
     let mut process = process(&path).spawn().expect("a process");
@@ -144,7 +144,7 @@ fn a_link_stays_a_link() {
     let folder = Folder::new("link");
     std::fs::create_dir(folder.0.join("there")).expect("a folder");
     let target = folder.0.join("there").join("file");
-    // Through a link to a link, read from where it is; at first to nothing.
+    // A link to a link, relative to its own folder; without a target at first.
     symlink("there/second", folder.0.join("first")).expect("a link");
     symlink("file", folder.0.join("there").join("second")).expect("a link");
     let link = folder.0.join("first");
@@ -194,7 +194,7 @@ fn what_is_no_regular_file_is_refused() {
     }
 }
 
-/// A disk that is full halfway: files of this process may not be longer than a few blocks, and the signal that would end it is not heard.
+/// Simulate a full disk: a limit of a few blocks for files of this process, with the signal that would end it ignored.
 #[cfg(unix)]
 #[test]
 fn a_write_that_fails_leaves_nothing_behind_and_the_old_file() {

@@ -1,4 +1,4 @@
-//! What a few numbers make huge is refused before memory is asked for, or is small.
+//! Inputs that would need huge memory are refused before allocation, or stay small.
 
 use mpm_core::geometry::*;
 use mpm_core::{DenseGrid, DenseGridError, GridStorage, MemoryError};
@@ -28,11 +28,11 @@ fn a_dense_grid_beyond_memory_is_refused() {
     let needs = 16 * (16 * 64 + 8);
     assert!(within(needs - 1).is_err());
     assert_eq!(within(needs).unwrap().bytes() as u64, needs);
-    // Far corners are far from each other.
+    // Far corners: indices do not overflow.
     let end = DenseGrid::<f64, 2>::new(lattice(1.0), [i32::MAX - 9; 2], [i32::MAX; 2]).unwrap();
     assert_eq!(end.find(&[i32::MIN; 2]), None);
     assert!(end.find(&[i32::MAX / 4; 2]).is_some());
-    // What the system cannot give is an error, too.
+    // A failed allocation is an error, too.
     let all = DenseGrid::<f64, 3>::within(lattice(1.0), [i32::MIN; 3], [i32::MAX; 3], u64::MAX);
     assert!(matches!(all, Err(DenseGridError::Memory(_))));
 }
@@ -52,10 +52,10 @@ fn a_filling_beyond_memory_is_refused() {
     let wire = Cuboid::new([0.0; 3], [1.0, 1.0, 1e11]).unwrap();
     let (bytes, _) = limit(fill(&wire, &lattice(1.0), 1, &Filling::new()));
     assert!(bytes > 16e11 && bytes < 1e13, "{bytes:e}");
-    // Columns of which none holds a particle.
+    // Columns without particles.
     let plate = Cuboid::new([0.0; 3], [1e5, 1e5, 0.1]).unwrap();
     limit(fill(&plate, &lattice(1.0), 1, &Filling::new().memory(1 << 20)));
-    // Where the measure is not known, what was found counts; the same for any number of threads.
+    // Without a known measure the particles found count, equally for any number of threads.
     let cut = cube.minus(Sphere::new([1.0; 3], 0.5).unwrap());
     let found = |threads, bytes| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -111,7 +111,7 @@ fn rings_beyond_memory_are_refused() {
     assert!((disc.measure() / (std::f64::consts::PI * 4.0) - 1.0).abs() < 1e-14);
 }
 
-/// Any number that can be written, with all magnitudes alike.
+/// Strategy for any floating-point number, of all orders of magnitude.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         4 => (-1.0..1.0f64, -320..309i32).prop_map(|(m, e)| m * 10f64.powi(e)),
@@ -167,7 +167,7 @@ proptest! {
             2 => Filling::new().jittered(1, 0.5),
             _ => Filling::new(),
         }.memory(SMALL);
-        // Anything, and numbers of one magnitude, of which bodies can be made.
+        // Arbitrary numbers, and numbers of one magnitude from which bodies can be made.
         let scale = 10f64.powf(exponent);
         let [p, q, o, r] = near.map(|x| x.map(|c| c * scale));
         let cases = [(a, b, origin, spacing, radius), (p, q, o, fraction * scale, r[0].abs())];

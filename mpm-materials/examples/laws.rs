@@ -1,7 +1,7 @@
-//! Single-point curves of the laws: what docs/book/src/theory/curves.md shows.
+//! Single-point curves of the laws for docs/book/src/theory/curves.md.
 //!
-//! Run with `cargo run --release -p mpm-materials --example laws`. Each table is one point on one path; the closed
-//! forms these curves are held against are in `tests/`.
+//! Run with `cargo run --release -p mpm-materials --example laws`. Each table is one point on one path; `tests/`
+//! compares the curves with closed forms.
 
 use std::error::Error;
 
@@ -24,7 +24,7 @@ fn column(table: &Table<f64>, name: &str) -> Outcome<Vec<f64>> {
     table.column(name).ok_or_else(|| format!("no column {name}").into())
 }
 
-/// Strain to `end` at `rate` in 1000 steps.
+/// Drive a point to the strain `end` at `rate` in 1000 steps.
 fn drive<M: Constitutive<f64>>(
     law: &M,
     path: fn(f64) -> Path<f64>,

@@ -1,10 +1,9 @@
-//! A law at a single point: how the Johnson-Cook curves of copper come out of the driver.
+//! Single-point test of a law: Johnson-Cook curves of copper from the driver.
 //!
 //! Run with `cargo run --release -p mpm-materials --example single_point`; add `csv` for the whole table.
 //!
-//! Before a law goes into a simulation, look at it here. One point is pulled in x while its sides stay free of
-//! stress, as in a tension test. Three things can be read off: the elastic slope, the hardening, and what rate
-//! and temperature do.
+//! Check a law here before its use in a simulation. One point is pulled in x while its sides stay free of stress, as in
+//! a tension test. The curves show the elastic slope, the hardening, and the effects of rate and temperature.
 
 use mpm_materials::driver::{Path, Step, run};
 use mpm_materials::{JohnsonCook, MieGruneisen, Solid};
@@ -21,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (slow, slow_step) = pull(1.0);
     let (fast, fast_step) = pull(1.0e4);
 
-    // 3. A table comes out: a row an instant.
+    // 3. The result is a table, one row per time.
     let taylor_curve = run(&taylor, &slow, slow_step)?;
     let cold = run(&standard, &slow, slow_step)?;
     let hot = run(&standard, &fast, fast_step)?;
@@ -30,7 +29,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         return Ok(());
     }
 
-    // 4. Numbers of the state are found by name.
+    // 4. State variables are found by name.
     let temperature = hot.column("temperature").ok_or("this law has no temperature")?;
     println!("axial stress of copper, MPa, and temperature at 1e4 /s, K");
     println!("{:>8} {:>12} {:>12} {:>12} {:>8}", "strain", "Taylor fit", "1 /s", "1e4 /s", "K");

@@ -1,4 +1,4 @@
-//! What some laws can tell about themselves beyond [`Constitutive`]. Tests and methods ask for it by bounds.
+//! Capabilities of laws beyond [`Constitutive`], required by trait bounds in tests and methods.
 
 use crate::lane::{Lane, Real};
 use crate::point::{Constitutive, Kinematics};
@@ -7,13 +7,13 @@ use crate::tensor::Mat3;
 /// A law whose stress derives from a stored energy W(F): sigma = (1/J) dW/dF F^T with W =
 /// [`Constitutive::energy`].
 pub trait Hyperelastic<T: Real>: Constitutive<T> {
-    /// The state at deformation gradient F.
+    /// Return the state at deformation gradient F.
     fn deformed<L: Lane<Real = T>>(&self, deformation: &Mat3<L>) -> Self::State<L>;
 }
 
 /// A law with a yield surface.
 pub trait Yields<T: Real>: Constitutive<T> {
-    /// The flow stress, Pa, which sqrt(3/2 s:s) did not exceed at the end of the step from `old` to `new`.
+    /// Flow stress, Pa: bound of sqrt(3/2 s:s) at the end of the step from `old` to `new`.
     fn flow_stress<L: Lane<Real = T>>(
         &self,
         kinematics: &Kinematics<L>,
@@ -24,14 +24,14 @@ pub trait Yields<T: Real>: Constitutive<T> {
     fn plastic_strain<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
 }
 
-/// A law whose points keep their accumulated stretch, which tells when and along which direction to cut a particle in
-/// two: [`Stretching`](crate::Stretching) makes one of any law.
+/// A law that stores the accumulated stretch of a point, which determines when and in which direction to split its
+/// particle: [`Stretching`](crate::Stretching) adds it to any law.
 #[diagnostic::on_unimplemented(
     message = "particles of the law `{Self}` cannot be split: they do not keep their accumulated stretch",
     note = "wrap the law: `Stretching::new(law)`"
 )]
 pub trait Stretches<T: Real>: Constitutive<T> {
-    /// Place among the numbers of the state of the first of seven: the components xx, yy, zz, yz, xz, xy of b = F F^T,
-    /// and how often the point was cut.
+    /// Index in the state of the first of seven numbers: the components xx, yy, zz, yz, xz, xy of b = F F^T, and the
+    /// number of splits.
     const PLACE: usize;
 }

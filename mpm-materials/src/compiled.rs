@@ -1,5 +1,5 @@
-//! The laws whose kernels are compiled here, once, for all programs: those of [`crate::library`], each without and with bulk viscosity,
-//! metals with the failures they are most used with, and linear elasticity in plane stress.
+//! Laws whose kernels are compiled once, here, for all programs: those of [`crate::library`], each without and with
+//! bulk viscosity, metals with their most common failure criteria, and linear elasticity in plane stress.
 
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
-//! The battery of tests every law must pass, exported for laws written elsewhere (feature `conformance`).
+//! Conformance tests of constitutive laws, exported for laws of other crates (feature `conformance`).
 //!
-//! One line in a test file turns a law into a module of `#[test]`s:
+//! One macro call in a test file expands to a module of `#[test]`s for a law:
 //!
 //! ```
 //! use mpm_materials::conformance::Options;
@@ -13,9 +13,8 @@
 //! conformance_suite!(rubber_conforms, rubber(), Options::strain(0.2), hyperelastic);
 //! ```
 //!
-//! After the options follow the capabilities to hold the law to: `hyperelastic`, `yields`, `fails`
-//! ([`crate::capability`]). [`check`] runs the same battery as a function. All random cases are drawn from a
-//! fixed seed.
+//! The capabilities to test follow the options: `hyperelastic`, `yields`, `fails` ([`crate::capability`]). [`check`]
+//! runs the tests without capabilities as a function. All random cases are drawn from a fixed seed.
 //!
 //! Paths are sequences of constant velocity gradients, so that they can be refined: properties that hold in
 //! the limit of small steps are extrapolated from two refinements.
@@ -33,40 +32,40 @@ use crate::point::{
 };
 use crate::tensor::{Mat3, Sym3};
 
-/// What a property found: nothing, or a message that names property and law.
+/// Result of a property test: success, or a message with property and law.
 pub type Verdict = Result<(), String>;
 
-/// How hard to try a law.
+/// Options of the conformance tests.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
     /// Largest component of the displacement gradient of one leg of a path.
     pub strain: f64,
-    /// Legs of a path.
+    /// Number of legs of a path.
     pub legs: usize,
-    /// Steps of a leg; refined properties use twice as many too.
+    /// Number of steps of a leg; refined properties use twice as many too.
     pub steps: usize,
-    /// Duration of a leg, s: with `strain` it gives the rates.
+    /// Duration of a leg, s; with `strain` it sets the strain rates.
     pub duration: f64,
     /// Size of the cell, m.
     pub length: f64,
-    /// Random cases a property.
+    /// Number of random cases per property.
     pub cases: u32,
-    /// Is the virgin state free of stress? A gas is not.
+    /// True if the virgin state is free of stress, unlike that of a gas.
     pub stress_free: bool,
-    /// Do rotations of any size leave the stress as it is, to rounding? Not those of laws with
+    /// True if rotations of any size rotate the stress exactly, to rounding; false for laws with
     /// [`SmallRotation`](crate::SmallRotation).
     pub exact_rotation: bool,
     /// Allowed difference of stress work and internal energy, relative to the work done. Hypoelastic laws
     /// whose energy is computed from the stress need more than the default 2e-3.
     pub work_tolerance: f64,
-    /// Allowed relative excess of the numerical tangent over rho c^2. Shear work heats and so adds gamma s to
-    /// the tangent of a solid, which its wave speed leaves out: a percent or
-    /// two for strong metals in compression, more in strong tension, where rho c^2 is small.
+    /// Allowed relative excess of the numerical tangent over rho c^2. Heating by shear work adds gamma s to the tangent
+    /// of a solid, which its wave speed leaves out: a percent or two for strong metals in compression, more in strong
+    /// tension, where rho c^2 is small.
     pub wave_tolerance: f64,
 }
 
 impl Options {
-    /// Two legs of this strain, each in a microsecond.
+    /// Default options: two legs of this strain, one microsecond each.
     pub fn strain(strain: f64) -> Self {
         Options {
             strain,
@@ -110,16 +109,16 @@ pub mod strategies {
     pub fn stretch(size: f64) -> impl Strategy<Value = Sym3<f64>> {
         symmetric(size).prop_map(|e| e.plus_isotropic(1.0))
     }
-    /// The legs of a path, each a displacement gradient to be done in equal steps.
+    /// Legs of a path, each a displacement gradient applied in equal steps.
     pub fn path(options: &Options) -> impl Strategy<Value = Vec<Mat3<f64>>> + use<> {
         proptest::collection::vec(increment(options.strain), options.legs)
     }
 }
 
-/// Run the battery that needs no capability.
+/// Run the tests that need no capability.
 ///
 /// # Errors
-/// The first property the law violates.
+/// The first property that the law violates.
 pub fn check<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     virgin(law, options)?;
     rest(law, options)?;
@@ -136,8 +135,8 @@ pub fn check<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     not_a_number(law, options)
 }
 
-/// Expands to a module of `#[test]`s that hold a law to the battery and to the capabilities named; see
-/// [`crate::conformance`]. With `single = law32` the law in `f32` is held against the law in `f64`.
+/// Expand to a module of `#[test]`s of a law and its listed capabilities; see [`crate::conformance`]. `single = law32`
+/// also compares the law in `f32` with the law in `f64`.
 #[macro_export]
 macro_rules! conformance_suite {
     ($name:ident, $law:expr, $options:expr $(, $capability:ident)* $(,)? $(; single = $single:expr)?) => {
@@ -164,7 +163,7 @@ macro_rules! conformance_suite {
     )*};
 }
 
-/// A virgin point that does not move stays virgin; it is free of stress where the options say so.
+/// Check the virgin state: a point at rest stays virgin, and is free of stress if the options require it.
 ///
 /// # Errors
 /// The violation.
@@ -180,15 +179,14 @@ pub fn virgin<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     same_stress("virgin", law, &new.stress, &stress, 1e-14 * modulus)
 }
 
-/// A point that came to rest stays as it is while it does not move, and its update returns the stress of its
-/// state.
+/// Check a point at rest: its state stays constant without motion, and its update returns the stress of the state.
 ///
 /// # Errors
 /// The violation.
 pub fn rest<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     for_all("rest", law, options, strategies::path(options), |path| {
         let mut settled = walk(law, &path, options.steps, options)?.state;
-        // Viscous stress, the part of a flow stress that rate carries, and what the last heat softens go first.
+        // Relax viscous stress, rate-dependent flow stress and softening by the last heating first.
         for _ in 0..10 {
             settled = step(law, &settled, &Mat3::zero(), options)?.state;
         }
@@ -200,7 +198,7 @@ pub fn rest<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// Turning the whole motion by a fixed rotation turns the stress and changes nothing else.
+/// Check isotropy: a fixed rotation of the whole motion rotates the stress and changes nothing else.
 ///
 /// # Errors
 /// The violation.
@@ -218,7 +216,7 @@ pub fn isotropy<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// A rotation superposed on the motion turns the stress with it, in the limit of small steps.
+/// Check objectivity: a superposed rotation rotates the stress, in the limit of small steps.
 ///
 /// # Errors
 /// The violation.
@@ -238,7 +236,7 @@ pub fn objectivity<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict 
     })
 }
 
-/// The stress under a superposed rotation, turned back, minus the stress without; and the size of the latter.
+/// Stress under a superposed rotation, rotated back, minus the stress without; and the size of the latter.
 fn turning_error<M: Constitutive<f64>>(
     law: &M,
     path: &[Mat3<f64>],
@@ -265,33 +263,33 @@ fn turning_error<M: Constitutive<f64>>(
     Ok((q.transpose().congruence(&law.stress(&turned)) - stress, largest(&stress)))
 }
 
-/// Angles by which a point turns in a step, rad.
+/// Rotation angles per step, rad.
 const ANGLES: [f64; 4] = [1e-6, 1e-3, 0.05, 0.3];
 
-/// The spin that turns by `angle`, rad, about a direction.
+/// Spin vector of a rotation by `angle`, rad, about a direction.
 fn spin_of(direction: [f64; 3], angle: f64) -> [f64; 3] {
     let [x, y, z] = direction;
     let length = (x * x + y * y + z * z).sqrt();
     direction.map(|d| d / length * 2.0 * (0.5 * angle).tan())
 }
 
-/// The virgin state, and one with stress at rest.
+/// Return the virgin state and a stressed state at rest.
 fn resting<M: Constitutive<f64>>(
     law: &M,
     path: &[Mat3<f64>],
     options: &Options,
 ) -> Result<[M::State<f64>; 2], String> {
     let mut settled = walk(law, path, 50, options)?.state;
-    // Viscous stress, the part of a flow stress that rate carries, and what the last heat softens go first.
+    // Relax viscous stress, rate-dependent flow stress and softening by the last heating first.
     for _ in 0..10 {
         settled = step(law, &settled, &Mat3::zero(), options)?.state;
     }
     Ok([law.virgin(), settled])
 }
 
-/// A point that turns in finite steps, X = R - I, without stress or with, is after them what it would be at rest, its
-/// stress turned: no work, no plastic strain, no damage. To rounding, for steps of 1e-6 to 0.3 rad about any axis. A
-/// half turn in one step, which has no middle, is refused if it is not computed.
+/// Check rotation in finite steps, X = R - I, with and without stress: only the stress rotates, compared with a point
+/// at rest; no work, no plastic strain, no damage. To rounding, for steps of 1e-6 to 0.3 rad about any axis. A half
+/// turn in one step, which has a singular midpoint, must be exact or reported.
 ///
 /// # Errors
 /// The violation.
@@ -316,7 +314,7 @@ pub fn spinning<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
                 }
                 let modulus = modulus(law, &still);
                 let stress = q.congruence(&law.stress(&still));
-                // Increments are rounded to the size of their components, which is a strain; each step adds one.
+                // Rounding of an increment, relative to its components, acts as a strain; each step adds one.
                 let rounding = 8.0 * STEPS as f64 * f64::EPSILON;
                 let size = largest(&stress) + modulus;
                 same_stress("spinning", law, &law.stress(&turned), &stress, rounding * size)?;
@@ -349,8 +347,8 @@ pub fn spinning<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// A step by Q U, a small stretch and then a rotation of up to 0.3 rad, gives the stress of the stretch, turned by Q, but
-/// for the rotation times what the stretch adds; the volume ratio is the same to rounding.
+/// Check a step Q U, a small stretch and then a rotation of up to 0.3 rad: its stress is that of the stretch, rotated
+/// by Q, up to the angle times the stress increment; the volume ratio is equal to rounding.
 ///
 /// # Errors
 /// The violation.
@@ -371,7 +369,7 @@ pub fn superposed<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
                 let modulus = modulus(law, &plain.state);
                 let added = largest(&(plain.stress - law.stress(&start))) + modulus * largest(&stretch);
                 let rounding = 64.0 * f64::EPSILON * (largest(&plain.stress) + modulus);
-                // The middle of the step is half a rotation behind its end, and larger by alpha^2/4.
+                // The midpoint is half a rotation before the end of the step, and larger by alpha^2/4.
                 let tolerance = 2.0 * angle * added + rounding;
                 let stress = q.congruence(&plain.stress);
                 same_stress("superposed rotation", law, &moved.stress, &stress, tolerance)?;
@@ -383,7 +381,7 @@ pub fn superposed<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// The internal energy grows by the stress work, in the limit of small steps.
+/// Check the energy balance: the internal energy grows by the stress work, in the limit of small steps.
 ///
 /// # Errors
 /// The violation.
@@ -405,7 +403,7 @@ pub fn work<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// No closed cycle of strain yields work.
+/// Check closed strain cycles: none yields work.
 ///
 /// # Errors
 /// The violation.
@@ -422,7 +420,7 @@ pub fn cycles<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// The same call gives the same bits.
+/// Check purity: the same call returns the same bits.
 ///
 /// # Errors
 /// The violation.
@@ -438,8 +436,8 @@ pub fn purity<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// Points computed in a pack equal points computed alone, to the rounding of `powf`, and to the bit points computed in other
-/// company: what a law skips where no lane needs it must change none.
+/// Check lanes: points in a pack equal points computed alone, to the rounding of `powf`, and points in another pack bit
+/// by bit. Code that a law skips if no lane needs it must change no lane.
 ///
 /// # Errors
 /// The violation.
@@ -448,11 +446,11 @@ pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     for_all("lanes", law, options, four, |paths| {
         let part = 1.0 / options.steps as f64;
         let mut pack: M::State<Wide<f64, 4>> = spread(&law.virgin());
-        // The first and the last point four times each, beside itself.
+        // Packs of four copies of the first and of the last point.
         let mut among_equals: [M::State<Wide<f64, 4>>; 2] = [spread(&law.virgin()), spread(&law.virgin())];
         let mut alone = [law.virgin(); 4];
         for leg in 0..options.legs {
-            // The last lane rests in the first leg: packs of flowing and idle points must not mix.
+            // The last lane rests in the first leg: yielding and resting lanes must not affect each other.
             let share = [part, part, 0.1 * part, if leg == 0 { 0.0 } else { part }];
             let mut increment: Mat3<Wide<f64, 4>> = Mat3::zero();
             for lane in 0..4 {
@@ -502,7 +500,7 @@ pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// rho c^2 bounds the tangent modulus under a small uniaxial strain in any direction.
+/// Check the wave speed: rho c^2 bounds the tangent modulus under a small uniaxial strain in any direction.
 ///
 /// # Errors
 /// The violation.
@@ -510,10 +508,10 @@ pub fn wave_speed<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     let strategy = (strategies::path(options), strategies::rotation());
     for_all("wave speed", law, options, strategy, |(path, q)| {
         let reached = walk(law, &path, options.steps, options)?.state;
-        // Slow enough that viscosity plays no part.
+        // Slow enough for negligible viscosity.
         let slow = Options { duration: 1e3, steps: 1, ..*options };
         for mut state in [law.virgin(), reached] {
-            // Viscous stress and what softens at rest go first.
+            // Relax viscous stress and softening at rest first.
             for _ in 0..5 {
                 state = step(law, &state, &Mat3::zero(), &slow)?.state;
             }
@@ -538,7 +536,7 @@ pub fn wave_speed<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// A step that turns the point inside out is reported as [`Breakdown::InvertedVolume`].
+/// Check that a step that inverts the point is reported as [`Breakdown::InvertedVolume`].
 ///
 /// # Errors
 /// The violation.
@@ -555,7 +553,7 @@ pub fn inversion<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     Ok(())
 }
 
-/// A value that is not a number, in the motion or in what the law reads of the old state, is reported in its lane and in no
+/// Check NaN handling: a NaN in the motion or in a state variable that the law reads is reported in its lane and in no
 /// other.
 ///
 /// # Errors
@@ -584,7 +582,7 @@ pub fn not_a_number<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict
         let state = unflatten(&list).map_err(|n| format!("{n} numbers do not make a state"))?;
         let motion = still(&(Mat3::identity() * Wide::of(1e-6)), options);
         let update = law.update(&motion, &state);
-        // Of a number that the law does not read, whatever it is, nothing follows.
+        // A number that the law does not read has no effect.
         let healthy = law.update(&motion, &virgin);
         let [is, was] = [&update, &healthy].map(|u| (flatten(&u.state), u.stress.0));
         let same =
@@ -597,7 +595,7 @@ pub fn not_a_number<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict
     Ok(())
 }
 
-/// The law in single precision stays near the law in double precision.
+/// Check single precision: the law stays near the law in double precision.
 ///
 /// # Errors
 /// The violation.
@@ -632,7 +630,7 @@ where
     })
 }
 
-/// The stress is the derivative of the energy: sigma = (1/J) dW/dF F^T by central differences.
+/// Check that the stress is the derivative of the energy: sigma = (1/J) dW/dF F^T by central differences.
 ///
 /// # Errors
 /// The violation.
@@ -657,11 +655,11 @@ pub fn hyperelastic<M: Hyperelastic<f64>>(law: &M, options: &Options) -> Verdict
     })
 }
 
-/// The equivalent stress never exceeds the flow stress after the return, meets it where there was flow, and
-/// the plastic strain never falls.
+/// Check the yield surface: after the return mapping the equivalent stress does not exceed the flow stress and equals
+/// it after plastic flow; the plastic strain never decreases.
 ///
 /// # Errors
-/// The violation; also a path on which nothing ever flowed, which tests nothing.
+/// The violation; also paths without any plastic flow, which test nothing.
 pub fn yields<M: Yields<f64>>(law: &M, options: &Options) -> Verdict {
     let flowed = std::cell::Cell::new(false);
     for_all("yields", law, options, strategies::path(options), |path| {
@@ -695,10 +693,10 @@ pub fn yields<M: Yields<f64>>(law: &M, options: &Options) -> Verdict {
     if flowed.get() { Ok(()) } else { fail("yields", law, "no path flowed; take a larger strain".into()) }
 }
 
-/// A failed point stays failed, carries no shear and no tension, and still carries compression.
+/// Check failure: a failed point stays failed, carries no shear and no tension, and still carries compression.
 ///
 /// # Errors
-/// The violation; also a law that no path broke, which tests nothing.
+/// The violation; also paths without any failure, which test nothing.
 pub fn fails<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     let broken = std::cell::Cell::new(false);
     for_all("fails", law, options, strategies::path(options), |path| {
@@ -738,11 +736,10 @@ pub fn fails<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     if broken.get() { Ok(()) } else { fail("fails", law, "no path failed; take a larger strain".into()) }
 }
 
-/// The battery for an equation of state over volume ratios `range` and energies up to `energy`, J/m^3: the
-/// sound speed is dp/drho at constant entropy; a barotropic law has no thermal term and its stored energy is
-/// the integral of its pressure; the virgin pressure is zero unless there is initial energy; the implicit
-/// balance solves its own equation. For J from 0.01 to 100 pressure and sound speed are finite, and in compression the
-/// pressure grows with the density.
+/// Check an equation of state over volume ratios `range` and energies up to `energy`, J/m^3: the squared sound speed is
+/// dp/drho at constant entropy; a barotropic law has no thermal term and its stored energy is the integral of its
+/// pressure; the virgin pressure is zero unless there is initial energy; the implicit balance solves its own equation.
+/// For J from 0.01 to 100 pressure and sound speed are finite, and in compression the pressure grows with the density.
 ///
 /// # Errors
 /// The violation.
@@ -776,7 +773,7 @@ pub fn eos<E: Eos<f64>>(eos: &E, range: std::ops::Range<f64>, energy: f64) -> Ve
         let slope = (eos.pressure(j + h, e - p * h) - eos.pressure(j - h, e + p * h)) / (2.0 * h);
         let expected = -slope * j * j / eos.density();
         let given = eos.speed_squared(j, e);
-        // Across J = 1 a law may have a kink.
+        // A law may have a kink at J = 1.
         if (j - 1.0).abs() > 2.0 * h && (given - expected).abs() > 1e-6 * (given.abs() + expected.abs()) {
             return report(format!(
                 "c^2 = {given:e}, but dp/drho = {expected:e} m^2/s^2 at J = {j}, e = {e:e}"
@@ -798,17 +795,17 @@ pub fn eos<E: Eos<f64>>(eos: &E, range: std::ops::Range<f64>, energy: f64) -> Ve
     })
 }
 
-/// The end of a walk along a path.
+/// State at the end of a path.
 struct Walked<M: Constitutive<f64>> {
     state: M::State<f64>,
     stress: Sym3<f64>,
     /// Stress work per reference volume, J/m^3, by the trapezoidal rule.
     work: f64,
-    /// The sum of its magnitudes.
+    /// Sum of the magnitudes of the stress work.
     effort: f64,
 }
 
-// Not inlined, or every property of every law would compile the law anew.
+// Not inlined: otherwise each property of each law recompiles the law.
 #[inline(never)]
 fn walk<M: Constitutive<f64>>(
     law: &M,
@@ -879,7 +876,7 @@ fn fail<M: Constitutive<f64>>(property: &str, law: &M, what: String) -> Verdict 
 }
 
 fn within<M: Constitutive<f64>>(property: &str, law: &M, a: f64, b: f64, tolerance: f64) -> Verdict {
-    // Written so that a value that is not a number fails.
+    // NaN fails this comparison.
     if (a - b).abs() <= tolerance { Ok(()) } else { fail(property, law, format!("{a:e} against {b:e}")) }
 }
 
@@ -896,8 +893,8 @@ fn same_stress<M: Constitutive<f64>>(
     Ok(())
 }
 
-/// Are all numbers equal to `tolerance`, relative to the larger of the number itself and a rounding of the
-/// largest number of the state?
+/// Check that all numbers agree within `tolerance`, relative to the number itself plus 1e-6 of the largest number of
+/// the state.
 fn same_state<M: Constitutive<f64>>(
     property: &str,
     law: &M,
@@ -937,7 +934,7 @@ where
         .map_err(|error| format!("{name}: {error}"))
 }
 
-/// The number of numbers a law remembers.
+/// Number of state variables of a law.
 pub fn state_length<M: Constitutive<f64>>(_: &M) -> usize {
     <M::State<f64> as State<f64>>::LEN
 }

@@ -1,21 +1,22 @@
-//! Where and when a charge is lit, and when the wave arrives elsewhere.
+//! Programmed detonation: initiation of a charge and arrival times of the wave.
 
 use crate::parameter::{Check, ParameterError};
 
-/// What is lit first.
+/// Initiation geometry.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
-    /// The segment between two points, all of it at once; a point is a segment without length.
+    /// Segment between two points, initiated at once; a point is a segment of zero length.
     Segment { from: [f64; 3], to: [f64; 3] },
-    /// The plane through a point with this unit normal.
+    /// Plane through a point with this unit normal.
     Plane { through: [f64; 3], normal: [f64; 3] },
 }
 
-/// A programmed detonation wave: it runs from points, lines and planes with constant speed along straight rays.
-/// The lighting time of a place is that of the earliest ray, t_L = min \[t_0 + |x - x_0|/D\] (book, "Detonation and JWL").
+/// Programmed detonation wave: it travels from points, lines and planes at constant speed along straight rays. The
+/// lighting time of a position is that of the earliest ray, t_L = min \[t_0 + |x - x_0|/D\] (book, "Detonation and
+/// JWL").
 ///
-/// Limits: rays go through everything. Where an obstacle or a hole stands between place and start, the wave arrives
-/// later in truth; add a start at the edge it bends round, with the time of that edge.
+/// Limits: rays ignore obstacles and holes, behind which the real wave arrives later; add an initiation point at the
+/// edge that the wave turns around, with the time of that edge.
 ///
 /// ```
 /// use mpm_materials::Detonation;
@@ -35,21 +36,21 @@ pub struct Detonation {
 const CHECK: Check = Check("detonation");
 
 impl Detonation {
-    /// A wave of speed D, m/s, that starts nowhere yet.
+    /// Create a wave of speed D, m/s, without initiation points.
     ///
     /// # Errors
     /// D not positive.
     pub fn new(speed: f64) -> Result<Self, ParameterError> {
         Ok(Detonation { speed: CHECK.positive("detonation speed D", speed)?, starts: Vec::new() })
     }
-    /// The same wave, starting also from a point, m, at `time`, s.
+    /// Add an initiation point, m, at `time`, s.
     ///
     /// # Errors
     /// A number that is not finite.
     pub fn from_point(self, at: [f64; 3], time: f64) -> Result<Self, ParameterError> {
         self.from_line(at, at, time)
     }
-    /// The same wave, starting also from all points of the segment between `from` and `to`, m, at `time`, s.
+    /// Add an initiation line, the segment between `from` and `to`, m, at `time`, s.
     ///
     /// # Errors
     /// A number that is not finite.
@@ -59,7 +60,7 @@ impl Detonation {
         }
         self.with(Start::Segment { from, to }, time)
     }
-    /// The same wave, starting also from the plane through a point, m, with a normal of any length, at `time`, s.
+    /// Add an initiation plane through a point, m, with a normal of any length, at `time`, s.
     ///
     /// # Errors
     /// A number that is not finite, or a normal without length.
@@ -81,7 +82,7 @@ impl Detonation {
         self.speed
     }
 
-    /// Lighting time of a place, s; `None` of a wave that starts nowhere.
+    /// Lighting time of a position, s; `None` for a wave without initiation points.
     pub fn arrival(&self, place: [f64; 3]) -> Option<f64> {
         let of = |(start, time): &(Start, f64)| time + start.distance(place) / self.speed;
         self.starts.iter().map(of).reduce(f64::min)

@@ -1,4 +1,4 @@
-//! A single point driven along a path: what a law does, before any mesh or particle.
+//! Single-point driver: response of a law to a prescribed deformation path, without mesh or particles.
 //!
 //! ```
 //! use mpm_materials::driver::{Path, Step, run};
@@ -17,31 +17,31 @@ use crate::lane::Real;
 use crate::point::{Breakdown, Constitutive, Kinematics, State, first_broken, flatten};
 use crate::tensor::{Mat3, Sym3};
 
-/// How the point moves.
+/// Deformation path of the point.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Path<T> {
-    /// dv_x/dx = rate, 1/s; all else zero.
+    /// Uniaxial strain: dv_x/dx = rate, 1/s; all else zero.
     UniaxialStrain {
         /// Strain rate, 1/s, positive in extension.
         rate: T,
     },
-    /// dv_x/dy = rate, 1/s; all else zero.
+    /// Simple shear: dv_x/dy = rate, 1/s; all else zero.
     SimpleShear {
         /// Shear rate, 1/s.
         rate: T,
     },
-    /// grad v = rate I / 3.
+    /// Isotropic deformation: grad v = rate I / 3.
     Isotropic {
         /// Volumetric rate, 1/s, positive in expansion.
         rate: T,
     },
-    /// dv_x/dx = rate, lateral strain such that the lateral stress is zero: a tension test.
+    /// Uniaxial stress: dv_x/dx = rate, lateral strain for zero lateral stress, as in a tension test.
     UniaxialStress {
         /// Strain rate, 1/s, positive in extension.
         rate: T,
     },
-    /// Velocity gradients, 1/s, each held from its time, s, to the next. Times must rise; before the first and
-    /// after the last entry its neighbour holds.
+    /// Piecewise constant velocity gradients, 1/s, each from its time, s, to the next. Times must increase; the first
+    /// and the last entry extend beyond the table.
     Tabulated(Vec<(T, Mat3<T>)>),
 }
 
@@ -54,7 +54,7 @@ pub struct Step<T> {
     pub steps: usize,
 }
 
-/// The point at one instant.
+/// State of the point at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row<T> {
     /// Time, s.
@@ -65,51 +65,51 @@ pub struct Row<T> {
     pub stress: Sym3<T>,
     /// Internal energy per reference volume, J/m^3.
     pub energy: T,
-    /// The numbers of the state.
+    /// State variables.
     pub state: Vec<T>,
 }
 
-/// All instants of a run, the virgin state first.
+/// Time history of a run, with the virgin state first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table<T> {
-    /// The names of the state's numbers.
+    /// Names of the state variables.
     pub names: Vec<String>,
-    /// One row an instant.
+    /// One row per time.
     pub rows: Vec<Row<T>>,
 }
 
-/// Why a run stopped.
+/// Error of a run.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DriverError {
-    /// The law broke down.
+    /// Breakdown of the law.
     #[error("step {step}: {cause}")]
     Breakdown {
-        /// The step, from 1.
+        /// Step number, from 1.
         step: usize,
-        /// What broke.
+        /// Cause of the breakdown.
         cause: Breakdown,
     },
-    /// No lateral strain makes the lateral stress zero.
+    /// Lateral strain for zero lateral stress not found.
     #[error("step {step}: no lateral strain was found for zero lateral stress (still {residual:e} Pa)")]
     LateralStress {
-        /// The step, from 1.
+        /// Step number, from 1.
         step: usize,
-        /// What was left, Pa.
+        /// Residual lateral stress, Pa.
         residual: f64,
     },
-    /// A table without entries.
+    /// Table without entries.
     #[error("the table of velocity gradients is empty")]
     EmptyTable,
 }
 
 impl<T: Real> Table<T> {
-    /// The column of a state's number.
+    /// Return the column of a state variable.
     pub fn column(&self, name: &str) -> Option<Vec<T>> {
         let at = self.names.iter().position(|n| n == name)?;
         Some(self.rows.iter().filter_map(|row| row.state.get(at).copied()).collect())
     }
 
-    /// Comma-separated text with a header line: time, strain, stress, energy, state.
+    /// Format as comma-separated text with a header line: time, strain, stress, energy, state.
     pub fn to_csv(&self) -> String {
         const COMPONENTS: [&str; 6] = ["xx", "yy", "zz", "yz", "xz", "xy"];
         let mut header = vec!["time".to_string()];
@@ -196,7 +196,7 @@ impl<T: Real, M: Constitutive<T>> Point<'_, T, M> {
         }
     }
 
-    /// Secant iteration for the lateral strain increment, the same in y and z, that leaves sigma_yy = 0.
+    /// Secant iteration for the lateral strain increment, equal in y and z, with sigma_yy = 0.
     fn free_lateral_strain(&self, axial: T, guess: T, step: usize) -> Result<T, DriverError> {
         let lateral_stress = |lateral: T| -> Result<T, DriverError> {
             let state = self.step(&diagonal(axial, lateral), step)?;

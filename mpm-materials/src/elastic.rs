@@ -18,7 +18,7 @@ pub struct Moduli<T> {
 }
 
 impl<T: Real> Moduli<T> {
-    /// From bulk and shear modulus, Pa.
+    /// Create from bulk and shear modulus, Pa.
     ///
     /// # Errors
     /// A modulus that is not positive and finite.
@@ -29,7 +29,7 @@ impl<T: Real> Moduli<T> {
             shear: check.positive("shear modulus", shear)?,
         })
     }
-    /// From Young's modulus, Pa, and Poisson's ratio: K = E / 3(1 - 2 nu), G = E / 2(1 + nu).
+    /// Create from Young's modulus, Pa, and Poisson's ratio: K = E / 3(1 - 2 nu), G = E / 2(1 + nu).
     ///
     /// # Errors
     /// E not positive, or nu outside (-1, 1/2).
@@ -52,7 +52,7 @@ impl<T: Real> Moduli<T> {
 }
 
 state! {
-    /// What a hypoelastic point remembers.
+    /// State variables of a hypoelastic point.
     pub struct HypoelasticState<L> {
         /// Cauchy stress, Pa.
         pub stress: Sym3<L>,
@@ -61,9 +61,10 @@ state! {
     }
 }
 
-/// Linear elasticity in rate form: tau' = lambda tr(d) I + 2 G d with an objective rate tau' of the Kirchhoff stress tau = J sigma
-/// (\[Ma2010\] section 1.2, where tau is sigma). For small strains: what a closed path of strains of size e leaves of the energy it stored is of
-/// the order e^2. (With the rate of sigma it is of the order e: volume would change what shear gives back.)
+/// Linear elasticity in rate form: tau' = lambda tr(d) I + 2 G d with an objective rate tau' of the Kirchhoff stress
+/// tau = J sigma (\[Ma2010\] section 1.2, where tau is sigma). For small strains: a closed path of strains of size e
+/// leaves a residual of order e^2 of its stored energy. (With the rate of sigma it is of order e, since volume changes
+/// alter the energy released by shear.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElastic<T, R = HughesWinget> {
     density: T,
@@ -72,7 +73,7 @@ pub struct LinearElastic<T, R = HughesWinget> {
 }
 
 impl<T: Real> LinearElastic<T> {
-    /// With reference density, kg/m^3, and the [`HughesWinget`] rate.
+    /// Create from reference density, kg/m^3, and moduli, with the [`HughesWinget`] rate.
     ///
     /// # Errors
     /// A density that is not positive.
@@ -84,14 +85,14 @@ impl<T: Real> LinearElastic<T> {
         })
     }
 
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(density: f64, moduli: Moduli<T>) -> Self {
         LinearElastic { density: T::of(density), moduli, rate: HughesWinget }
     }
 }
 
 impl<T: Real, R: ObjectiveRate> LinearElastic<T, R> {
-    /// The same law with another objective rate.
+    /// Set the objective rate.
     pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> LinearElastic<T, Q> {
         LinearElastic { density: self.density, moduli: self.moduli, rate }
     }
@@ -131,7 +132,7 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
         let state = HypoelasticState { stress, volume_ratio };
         let (turned, finite) = (factor.gt(L::zero()), finite_state(&state));
         let mut fault = Fault::none();
-        // Nearly always nothing broke, and one test tells so.
+        // One test covers the usual case without breakdown.
         if !(turned & finite).all() {
             fault = fault.require(turned, Breakdown::InvertedVolume).require(finite, Breakdown::NotFinite);
         }
@@ -145,7 +146,8 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
         now.volume_ratio
     }
-    /// sqrt((K + 4G/3 + J s) / rho0), s a bound of the largest compressive stress: -mean + 2/3 of the equivalent stress.
+    /// P-wave speed sqrt((K + 4G/3 + J s) / rho0), s a bound of the largest compressive stress: -mean + 2/3 of the
+    /// equivalent stress.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
         let squeezed =
@@ -164,7 +166,7 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
 }
 
 state! {
-    /// What a hyperelastic point remembers.
+    /// State variables of a hyperelastic point.
     pub struct HyperelasticState<L> {
         /// Deformation gradient.
         pub deformation: Mat3<L>,
@@ -180,7 +182,7 @@ pub struct NeoHookean<T> {
 }
 
 impl<T: Real> NeoHookean<T> {
-    /// With reference density, kg/m^3.
+    /// Create from reference density, kg/m^3, and moduli.
     ///
     /// # Errors
     /// A density that is not positive, or a negative Lame constant K - 2G/3.
@@ -235,9 +237,8 @@ impl<T: Real> Constitutive<T> for NeoHookean<T> {
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
         now.deformation.determinant()
     }
-    /// A bound: the P-wave modulus along the largest stretch, rho c^2 = \[lambda (1 - ln J) + G (1 + b1)\] / J
-    /// with the largest eigenvalue of b bounded by b1 <= tr b/3 + sqrt(2/3 b':b'); never below the modulus at
-    /// rest.
+    /// Upper bound: the P-wave modulus along the largest stretch, rho c^2 = \[lambda (1 - ln J) + G (1 + b1)\] / J with
+    /// the largest eigenvalue of b bounded by b1 <= tr b/3 + sqrt(2/3 b':b'); never below the modulus at rest.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
         let f = &now.deformation;

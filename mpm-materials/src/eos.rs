@@ -1,13 +1,13 @@
 //! Equations of state: pressure from volume and internal energy.
 //!
-//! Every law here is linear in the internal energy, p = a(J) + b(J) e, with J the volume ratio and e the
-//! internal energy per unit **reference** volume. That is what makes the energy half step of a solid or a
-//! fluid implicit without iteration (book, "Mie-Grueneisen").
+//! Every law here is linear in the internal energy, p = a(J) + b(J) e, with J the volume ratio and e the internal
+//! energy per unit **reference** volume. The energy half step of a solid or a fluid is therefore implicit without
+//! iteration (book, "Mie-Grueneisen").
 //!
-//! Every law is defined for every J > 0. Those that end at a finite compression (Mie-Grueneisen) or turn round there
-//! (JWL) go on in a straight line in mu = 1/J - 1 from a compression they state, [`Eos::smallest_volume_ratio`]: a(J) grows
-//! with the density and keeps its slope, so that the sound speed stays about what it is at that density and the time step does not
-//! vanish. What lies beyond is made up; [`Eos::in_range`] tells.
+//! Every law is defined for every J > 0. Laws that end at a finite compression (Mie-Grueneisen) or have a pressure
+//! maximum there (JWL) are extrapolated linearly in mu = 1/J - 1 beyond a compression of their own,
+//! [`Eos::smallest_volume_ratio`]: a(J) grows with the density at constant slope, so that the sound speed stays about
+//! constant and the time step does not vanish. [`Eos::in_range`] is false for extrapolated states.
 
 pub mod bulk;
 pub mod chapman_jouguet;
@@ -39,16 +39,15 @@ use crate::point::{Nothing, State};
 /// The two terms of a pressure that is linear in the internal energy: p = cold + thermal e.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms<L> {
-    /// a(J), the pressure at zero internal energy, Pa.
+    /// Cold pressure a(J), at zero internal energy, Pa.
     pub cold: L,
-    /// b(J) = dp/de, dimensionless; zero for a barotropic law.
+    /// Thermal coefficient b(J) = dp/de, dimensionless; zero for a barotropic law.
     pub thermal: L,
 }
 
 /// An equation of state p = a(J) + b(J) e, compression positive.
 pub trait Eos<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// The internal energy a fluid of this law must remember: the number itself, or [`Nothing`] when the pressure
-    /// depends on the volume alone.
+    /// Internal energy in the state of a fluid: a number, or [`Nothing`] if the pressure depends on the volume alone.
     type Energy<L: Lane<Real = T>>: EnergyColumn<L>;
 
     /// The law's name, for messages.
@@ -57,7 +56,7 @@ pub trait Eos<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// Reference density rho0, kg/m^3.
     fn density(&self) -> T;
 
-    /// Internal energy of the virgin state, e0, J per m^3 of reference volume. Zero unless the law says so.
+    /// Internal energy of the virgin state, e0, J per m^3 of reference volume. Default: zero.
     fn initial_energy(&self) -> T {
         T::default()
     }
@@ -70,21 +69,21 @@ pub trait Eos<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L;
 
     /// Energy stored by volume change alone, W(J) = -int_1^J p dJ at e = 0, J per m^3 of reference volume.
-    /// Only asked of laws with `Energy = Nothing`; the others have no such potential and keep the default, zero.
+    /// Used only for laws with `Energy = Nothing`; the others have no such potential and keep the default, zero.
     #[inline(always)]
     fn stored_energy<L: Lane<Real = T>>(&self, volume_ratio: L) -> L {
         let _ = volume_ratio;
         L::zero()
     }
 
-    /// The law is what its formula says for volume ratios above this, and continued below: zero unless the formula has no
-    /// pressure at some J > 0, or none that grows.
+    /// Smallest volume ratio of the formula, which is extrapolated below: zero unless the formula has no pressure at
+    /// some J > 0, or none that grows with the density.
     #[inline(always)]
     fn smallest_volume_ratio(&self) -> T {
         T::default()
     }
 
-    /// Is the volume ratio within the range of the formula, J > [`Eos::smallest_volume_ratio`]?
+    /// True if the volume ratio is within the range of the formula, J > [`Eos::smallest_volume_ratio`].
     #[inline(always)]
     fn in_range<L: Lane<Real = T>>(&self, volume_ratio: L) -> L::Mask {
         volume_ratio.gt(L::splat(self.smallest_volume_ratio()))
@@ -107,48 +106,48 @@ pub trait Eos<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
 /// Pressure and energy at the end of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Balance<L: Lane> {
-    /// p, Pa, without viscous pressure.
+    /// Pressure p, Pa, without viscous pressure.
     pub pressure: L,
-    /// e, J per m^3 of reference volume.
+    /// Internal energy e, J per m^3 of reference volume.
     pub energy: L,
 }
 
-/// The smallest 1 + b dJ/2 of an implicit step.
+/// Lower bound of 1 + b dJ/2 in an implicit step.
 const MOST_IMPLICIT: f64 = 0.25;
 
-/// The implicit energy half step: solves p = a + b e with e = `energy` - dJ/2 p, where `energy` already holds
-/// all other work of the step (book, "Mie-Grueneisen"): p = (a + b energy)/(1 + b dJ/2).
+/// Solve the implicit energy half step: p = a + b e with e = `energy` - dJ/2 p, where `energy` already includes all
+/// other work of the step (book, "Mie-Grueneisen"): p = (a + b energy)/(1 + b dJ/2).
 ///
-/// The denominator is held at 1/4, since a step that compresses by more, dJ < -3/(2 b), has no such solution or one far too
-/// large: p then falls short of a + b e, by less than the work of this one step, and is that of the new energy in the next. The
-/// energy takes in the work of the pressure returned in any case, so that the ledger closes.
+/// The denominator is at least 1/4, since a stronger compression, dJ < -3/(2 b), has no such solution or one far too
+/// large: p is then below a + b e, by less than the work of this one step, and is that of the new energy in the next.
+/// The energy always includes the work of the returned pressure, so that the energy balance closes.
 #[inline(always)]
 pub fn balance<L: Lane>(terms: Terms<L>, energy: L, volume_change: L) -> Balance<L> {
     let half = volume_change * L::of(0.5);
     let implicit = terms.thermal.mul_add(half, L::one()).max(L::of(MOST_IMPLICIT));
-    // The inverse does not wait for the energy.
+    // The reciprocal does not depend on the energy.
     let pressure = terms.thermal.mul_add(energy, terms.cold) * implicit.recip();
     Balance { pressure, energy: (-half).mul_add(pressure, energy) }
 }
 
-/// The part of the singular compression up to which a Hugoniot is taken at its word: beyond u_p = 4 c0/s on a straight one, where
-/// the pressure is 20 rho0 c0^2/s and the wave speed six times that at rest.
+/// Fraction of the singular compression up to which a Hugoniot is used: beyond, u_p exceeds 4 c0/s on a straight one,
+/// where the pressure is 20 rho0 c0^2/s and the wave speed six times that at rest.
 pub(crate) const REACH: f64 = 0.8;
 
-/// A cold pressure a(J) that goes on in a straight line in mu from a volume ratio on.
+/// Linear extrapolation of a cold pressure a(J) in mu below a volume ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Continuation<T> {
-    /// J at which it begins, or zero.
+    /// Volume ratio J at which it begins, or zero.
     pub smallest: T,
-    /// 1/J there.
+    /// Reciprocal of `smallest`, 1/J.
     pub inverse: T,
-    /// da/dmu there, Pa.
+    /// Slope da/dmu at `smallest`, Pa.
     pub slope: T,
 }
 
 impl<T: Real> Continuation<T> {
-    /// From the largest eta = 1 - J below `reach` up to which `enough` holds of J and the slope da/dmu, Pa, there; nowhere if
-    /// that is any compression.
+    /// Begin at the largest eta = 1 - J below `reach` up to which `enough` is true of J and the slope da/dmu, Pa; do
+    /// not extrapolate if that is any compression.
     pub fn of(reach: f64, slope: impl Fn(f64) -> f64, enough: impl Fn(f64, f64) -> bool) -> Self {
         const PARTS: usize = 1000;
         let holds = |eta: f64| enough(1.0 - eta, slope(1.0 - eta));
@@ -178,15 +177,15 @@ impl<T: Real> Continuation<T> {
     }
 }
 
-/// A column for the internal energy, or none.
+/// State column of the internal energy, or none.
 pub trait EnergyColumn<L: Lane>: State<L> {
-    /// Is there a column?
+    /// True if there is a column.
     const KEPT: bool;
-    /// The column of a heat `H` beside it: none where the energy, which has that heat in it, is kept.
+    /// Column of a heat `H` in addition to the energy: none if the energy, which includes that heat, is stored.
     type Beside<H: EnergyColumn<L>>: EnergyColumn<L>;
-    /// Remember the energy e, J/m^3.
+    /// Store the energy e, J/m^3.
     fn keep(energy: L) -> Self;
-    /// What is remembered, or zero.
+    /// Return the stored energy, or zero.
     fn recall(&self) -> L;
 }
 
@@ -216,7 +215,7 @@ impl<L: Lane> EnergyColumn<L> for Nothing {
     }
 }
 
-/// The same law with an energy column, for a barotropic fluid whose states shall merge without a loss of energy.
+/// Barotropic law with an energy column, so that the states of its fluid merge without a loss of energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeepEnergy<E>(
     /// The law.

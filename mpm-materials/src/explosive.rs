@@ -1,4 +1,4 @@
-//! A charge that burns behind a programmed detonation wave.
+//! High explosive with programmed burn.
 
 use crate::eos::chapman_jouguet::chapman_jouguet;
 use crate::eos::{Eos, Jwl, Terms, balance};
@@ -9,63 +9,63 @@ use crate::state;
 use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
-/// The state of one point of a charge.
+/// State of one point of a charge.
 pub type Charge<T, V = NoViscosity> =
     ExplosiveState<<T as Real>::Single, <V as ShockViscosity<T>>::Memory<<T as Real>::Single>>;
 
-/// A time no run reaches, s: the virgin point of a charge that nothing lights.
+/// Lighting time of a charge that is never lit, s: beyond the end of any run.
 const NEVER: f64 = 1.0e9;
 
 state! {
-    /// What a point of a charge remembers: four numbers, one more with bulk viscosity.
+    /// State variables of a charge: four numbers, one more with bulk viscosity.
     pub struct ExplosiveState<L, Q> {
         /// Volume over that of the unreacted explosive, V.
         pub volume_ratio: L,
         /// Internal energy e per volume of unreacted explosive, J/m^3, the chemical energy included.
         pub energy: L,
-        /// Time until the programmed wave arrives, s; it falls by dt a step and is negative behind the wave.
+        /// Time until the programmed wave arrives, s; it decreases by dt per step and is negative behind the wave.
         pub time_to_light: L,
-        /// Burnt part F in \[0, 1\]; it never falls.
+        /// Burn fraction F in \[0, 1\]; it never decreases.
         pub burn_fraction: L,
-        /// Viscous pressure of the last step, Pa, where there is bulk viscosity.
+        /// Viscous pressure of the last step, Pa, with bulk viscosity only.
         pub viscous_pressure: Q,
     }
 }
 
 /// High explosive with programmed burn: sigma = -(F p(V, e) + q) I (book, "Detonation and JWL"), with p the equation of
-/// state of the products ([`Jwl`] or any other with initial energy) and F the burnt part,
+/// state of the products ([`Jwl`] or any other with initial energy) and F the burn fraction,
 ///
 /// F = max over the past of max( (t - t_L) D/(w h), (1 - V)/(1 - V_CJ) ), clipped to \[0, 1\].
 ///
-/// t_L is the point's lighting time, D the detonation speed, h the size of the cell, w the width of the burn in
-/// cells. The second term burns what is compressed to the Chapman-Jouguet volume, whoever compressed it;
+/// t_L is the lighting time of the point, D the detonation speed, h the size of the cell, w the burn width in cells.
+/// The second term burns material that is compressed to the Chapman-Jouguet volume by any cause;
 /// [`Explosive::without_compression_burn`] leaves it out.
 ///
-/// **Lighting times are data of the points**, not of the law: the number `time_to_light` of a point's state is
-/// its time until the wave arrives, at t = 0 the lighting time itself. [`Detonation`](crate::Detonation) computes
-/// it from a position, [`Explosive::lit_after`] makes the state. A virgin point is never lit, unless
-/// [`Explosive::all_lit_after`] says when.
+/// **Lighting times are data of the points**, not of the law: the state variable `time_to_light` is the time until the
+/// wave arrives, at t = 0 the lighting time itself. [`Detonation`](crate::Detonation) computes it from a position,
+/// [`Explosive::lit_after`] returns the state. A virgin point is never lit, unless [`Explosive::all_lit_after`] sets a
+/// time.
 ///
-/// The energy is the chemical energy less the work done; nothing is added by burning, only pressure comes up. So
-/// the ledger closes, but a cycle of strain during which a point burns may give work: it is an explosive. Limits:
-/// the unburnt charge carries no stress. The sound speed is at least D while a point burns.
+/// The energy is the chemical energy less the work done; burning adds pressure, not energy. The energy balance closes,
+/// but a strain cycle during the burn may release work, as of an explosive. Limits: the unburnt charge carries no
+/// stress. The sound speed is at least D while a point burns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Explosive<T, E = Jwl<T>, V = NoViscosity> {
     products: E,
     speed: T,
     width: T,
-    /// 1/(1 - V_CJ), or zero.
+    /// Compression burn factor 1/(1 - V_CJ), or zero.
     compression_burn: T,
     delay: T,
     viscosity: V,
 }
 
-/// Width of the burn in cells, w.
+/// Burn width in cells, w.
 const WIDTH: f64 = 1.5;
 
 impl<T: Real, E: Eos<T>> Explosive<T, E> {
-    /// With these products; detonation speed D and volume V_CJ are those of their Chapman-Jouguet state. The wave
-    /// burns over 1.5 cells.
+    /// Create from the products; detonation speed D and volume V_CJ are those of their Chapman-Jouguet state. The burn
+    /// width is 1.5 cells.
     ///
     /// # Errors
     /// Products without a Chapman-Jouguet state: their initial energy is not positive.
@@ -108,34 +108,33 @@ impl<T: Real> Explosive<T> {
 }
 
 impl<T: Real, E: Eos<T>, V: ShockViscosity<T>> Explosive<T, E, V> {
-    /// The same charge with a stated detonation speed D, m/s. It should be within a percent of that of the
-    /// products, or wave and pressure part.
+    /// Set the detonation speed D, m/s. It should be within a percent of that of the products, or burn front and
+    /// pressure wave separate.
     ///
     /// # Errors
     /// D not positive.
     pub fn with_detonation_speed(self, speed: T) -> Result<Self, ParameterError> {
         Ok(Explosive { speed: Check("explosive").positive("detonation speed D", speed)?, ..self })
     }
-    /// The same charge with another width of the burn, in cells.
+    /// Set the burn width, in cells.
     ///
     /// # Errors
     /// A width that is not positive.
     pub fn with_burn_width(self, cells: T) -> Result<Self, ParameterError> {
         Ok(Explosive { width: Check("explosive").positive("burn width", cells)?, ..self })
     }
-    /// The same charge, lit by the programmed wave alone.
+    /// Disable the compression burn: the programmed wave alone lights the charge.
     pub fn without_compression_burn(self) -> Self {
         Explosive { compression_burn: T::default(), ..self }
     }
-    /// The same charge with this time until the wave arrives, s, at every virgin point.
+    /// Set the time until the wave arrives, s, of every virgin point.
     ///
     /// # Errors
     /// A negative time.
     pub fn all_lit_after(self, time: T) -> Result<Self, ParameterError> {
         Ok(Explosive { delay: Check("explosive").not_negative("lighting time", time)?, ..self })
     }
-    /// The same charge with artificial bulk viscosity: linear coefficient b1, quadratic b0, and the detonation
-    /// speed as sound speed.
+    /// Set the artificial bulk viscosity: linear coefficient b1, quadratic b0, and the detonation speed as sound speed.
     ///
     /// # Errors
     /// A negative coefficient.
@@ -148,7 +147,7 @@ impl<T: Real, E: Eos<T>, V: ShockViscosity<T>> Explosive<T, E, V> {
         let viscosity = BulkViscosity::new(linear, quadratic, speed)?;
         Ok(Explosive { products, speed, width, compression_burn, delay, viscosity })
     }
-    /// A virgin point that the wave reaches after `time`, s; negative where it is lit already.
+    /// Return a virgin point that the wave reaches after `time`, s; negative if it is lit already.
     ///
     /// # Errors
     /// A time that is not finite.
@@ -240,7 +239,7 @@ where
             .require(volume_ratio.gt(zero), Breakdown::InvertedVolume)
             .require(finite_state(&state), Breakdown::NotFinite)
             .require(total_pressure.is_finite(), Breakdown::NotFinite)
-            // A NaN may hide behind a maximum.
+            // A maximum may mask NaN.
             .require((old.burn_fraction + programmed).is_finite(), Breakdown::NotFinite);
         Update { state, stress: Sym3::isotropic(-total_pressure), fault }
     }
@@ -256,14 +255,14 @@ where
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
-    /// The sound speed of the products, and at least D until the point is burnt.
+    /// Sound speed of the products, at least D until the point is burnt.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let products = self.products.speed_squared(now.volume_ratio, now.energy).max(L::zero());
         let burning = products.max(L::splat(self.speed * self.speed));
         L::select(now.burn_fraction.lt(L::one()), burning, products).sqrt()
     }
-    /// Without the chemical energy of the virgin state: minus the work the charge has done.
+    /// Energy less the chemical energy of the virgin state: minus the work done by the charge.
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.energy - L::splat(self.products.initial_energy())

@@ -1,11 +1,11 @@
-//! Failure: when a point stops carrying shear and tension.
+//! Failure criteria: loss of shear and tension.
 //!
-//! A failed point has no deviator and no tension; compression is still carried (book, "Failure criteria"). Other choices
-//! are wrappers: [`LosesTension`], [`LosesShear`], [`Removed`]. It never heals. Its volume ratio goes on following
-//! the motion, so that a closing gap carries load again only when the density is back.
+//! A failed point has no deviator and no tension; it still carries compression (book, "Failure criteria"). Wrappers
+//! select other post-failure responses: [`LosesTension`], [`LosesShear`], [`Removed`]. A failed point never heals. Its
+//! volume ratio continues to follow the motion, so that a closing gap carries load again only at the original density.
 //!
-//! Two criteria together are a pair: `(JohnsonCookDamage::aluminium_6061(), TensilePressure::new(1.5e9)?)` fails
-//! where either does.
+//! A pair combines two criteria: `(JohnsonCookDamage::aluminium_6061(), TensilePressure::new(1.5e9)?)` fails where
+//! either does.
 
 pub mod aftermath;
 pub mod cohesive;
@@ -34,7 +34,7 @@ use crate::point::{Nothing, Pair, State};
 use crate::state;
 use crate::tensor::Sym3;
 
-/// What a criterion looks at: the admissible stress at the end of the step.
+/// Input of a failure criterion, with the admissible stress at the end of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Observed<L> {
     /// Stress deviator, Pa.
@@ -43,11 +43,11 @@ pub struct Observed<L> {
     pub pressure: L,
     /// Accumulated plastic strain.
     pub plastic_strain: L,
-    /// Plastic strain of the step.
+    /// Plastic strain increment of the step.
     pub plastic_strain_increment: L,
     /// Homologous temperature T* of the strength, in \[0, 1\]; zero without temperature.
     pub homologous_temperature: L,
-    /// Damage kept by the strength, in \[0, 1\]; zero for a strength without.
+    /// Damage of the strength, in \[0, 1\]; zero for a strength without damage.
     pub damage: L,
     /// Time step, s.
     pub dt: L,
@@ -55,18 +55,18 @@ pub struct Observed<L> {
     pub length: L,
 }
 
-/// How a point with an opening crack is strained.
+/// Loading of a point with an opening crack.
 #[derive(Clone, Copy, Debug)]
 pub struct Strain<L> {
-    /// Pressure of the matter beside the crack, Pa, compression positive, viscous pressure left out.
+    /// Pressure of the material beside the crack, Pa, compression positive, viscous pressure left out.
     pub pressure: L,
-    /// How much it grows as that matter loses volume, -dp/dJ, Pa.
+    /// Stiffness of the material beside the crack, -dp/dJ, Pa.
     pub stiffness: L,
     /// Size of the element or cell, m.
     pub length: L,
 }
 
-/// A failure criterion.
+/// Failure criterion.
 ///
 /// ```
 /// use mpm_materials::failure::{Flag, Observed};
@@ -99,45 +99,45 @@ pub struct Strain<L> {
     note = "a criterion of one's own implements `Failure`, with `type Cracks = NoCrack` unless a crack opens in it"
 )]
 pub trait Failure<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// Can a point fail at all? With `false` nothing of failure is compiled.
+    /// True if a point can fail; with `false` no failure code is compiled.
     const POSSIBLE: bool = true;
 
-    /// What a failed point still carries.
+    /// Post-failure response: stress that a failed point still carries.
     const REMAINS: Remains = Remains::Compression;
 
-    /// Does a crack open before the point fails? Nearly always [`NoCrack`], with which nothing of cracks is compiled and the last three
-    /// functions are left as they are. One that opens a crack says [`OpeningCrack`] and writes these; it goes into a
-    /// [`Solid`](crate::Solid), beside others that open none ([`combine`]).
+    /// Crack model before failure: usually [`NoCrack`], without crack code and with the defaults of the last three
+    /// functions. A criterion that opens a crack has [`OpeningCrack`] and implements these functions; it is for a
+    /// [`Solid`](crate::Solid), combined only with criteria that open none ([`combine`]).
     type Cracks: Cracking;
 
-    /// What a point remembers of its failure.
+    /// State variables of the criterion.
     type History<L: Lane<Real = T>>: State<L>;
 
-    /// The history of an intact point.
+    /// History of an intact point.
     fn intact(&self) -> Self::History<T::Single>;
 
-    /// Has the point failed? `plastic_strain` belongs to the same instant as the history.
+    /// True if the point has failed. `plastic_strain` and history are those of the same time.
     fn failed<L: Lane<Real = T>>(&self, history: &Self::History<L>, plastic_strain: L) -> L::Mask;
 
-    /// The history after a step. A failed point stays failed.
+    /// Update the history at the end of a step. A failed point stays failed.
     fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Self::History<L>) -> Self::History<L>;
 
-    /// Volume of the open crack over reference volume: zero before, zero when the point has failed.
+    /// Volume of the open crack over reference volume: zero before it opens and after failure.
     #[inline(always)]
     fn crack_volume<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
         let _ = history;
         L::zero()
     }
 
-    /// Where a crack opens or closes, the matter beside it under this pressure, Pa.
+    /// True if a crack opens or closes at this pressure of the material beside it, Pa.
     #[inline(always)]
     fn opens<L: Lane<Real = T>>(&self, history: &Self::History<L>, pressure: L) -> L::Mask {
         let _ = (history, pressure);
         L::Mask::splat(false)
     }
 
-    /// The history after the crack has opened or closed from `now` until it bears what the matter beside it does, to first
-    /// order in the volume; a step of Newton's method, which the caller repeats. `old` is the history before the time step.
+    /// Open or close the crack from `now` by one Newton step, so that crack and material beside it carry the same
+    /// tension to first order in the volume; the caller repeats it. `old` is the history before the time step.
     #[inline(always)]
     fn opened<L: Lane<Real = T>>(
         &self,
@@ -150,7 +150,7 @@ pub trait Failure<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     }
 }
 
-/// A point that cannot fail: no memory, no code.
+/// No failure: no memory, no code.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoFailure;
 
@@ -171,7 +171,7 @@ impl<T: Real> Failure<T> for NoFailure {
     }
 }
 
-/// Fails where either criterion does; what remains is what both leave. One of them at most opens a crack.
+/// Failure where either criterion fails; a failed point carries only stress that both leave. At most one opens a crack.
 impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B)
 where
     A::Cracks: OneCrack<B::Cracks>,
@@ -211,7 +211,7 @@ where
 }
 
 state! {
-    /// Memory of a criterion that cannot be told from the rest of the state.
+    /// Failure flag of a criterion that cannot be evaluated from the rest of the state.
     pub struct Flag<L> {
         /// One where the point has failed, else zero.
         pub failed: L,
@@ -219,17 +219,17 @@ state! {
 }
 
 impl<L: Lane> Flag<L> {
-    /// Intact.
+    /// Create the flag of an intact point.
     #[inline(always)]
     pub fn intact() -> Self {
         Flag { failed: L::zero() }
     }
-    /// Where is it set?
+    /// True if the flag is set.
     #[inline(always)]
     pub fn is_set(&self) -> L::Mask {
         self.failed.gt(L::of(0.5))
     }
-    /// Set where it was set or `now` holds.
+    /// Set the flag where `now` is true; a set flag stays set.
     #[inline(always)]
     pub fn or(&self, now: L::Mask) -> Self {
         Flag { failed: L::select(now, L::one(), self.failed) }

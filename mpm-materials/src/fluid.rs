@@ -12,34 +12,34 @@ use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
 state! {
-    /// What a point of a fluid remembers: one number when the pressure depends on the volume alone, two with
-    /// internal energy; six more with Newtonian viscosity, one more with bulk viscosity, and one more with either where the internal
-    /// energy is not kept.
+    /// State variables of a fluid: one number if the pressure depends on the volume alone, two with internal energy;
+    /// six more with shear viscosity, one more with bulk viscosity, and one more with either if the internal energy is
+    /// not stored.
     pub struct FluidState<L, E, N, Q, H> {
         /// Volume over reference volume, J.
         pub volume_ratio: L,
-        /// Internal energy e per reference volume, J/m^3, where the equation of state keeps it.
+        /// Internal energy e per reference volume, J/m^3, if the equation of state stores it.
         pub energy: E,
-        /// Viscous deviator of the last step, Pa, where the fluid is viscous.
+        /// Viscous deviator of the last step, Pa, with shear viscosity only.
         pub viscous_stress: N,
-        /// Viscous pressure of the last step, Pa, where there is bulk viscosity.
+        /// Viscous pressure of the last step, Pa, with bulk viscosity only.
         pub viscous_pressure: Q,
-        /// Heat of viscosity per reference volume, J/m^3, where the fluid is viscous and its equation of state keeps no energy.
+        /// Viscous heat per reference volume, J/m^3, of a viscous fluid whose equation of state stores no energy.
         pub viscous_heat: H,
     }
 }
 
-/// How a fluid resists shear.
+/// Shear viscosity model of a fluid.
 pub trait ShearViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
-    /// The remembered viscous deviator, or nothing.
+    /// Viscous deviator in the state, or nothing.
     type Memory<L: Lane<Real = T>>: State<L>;
-    /// A column for heat of this viscosity and of another one, which has the column `H`.
+    /// Column for the heat of this viscosity and of another one, which has the column `H`.
     type Heat<L: Lane<Real = T>, H: EnergyColumn<L>>: EnergyColumn<L>;
-    /// Viscous deviator of a step.
+    /// Compute the viscous deviator of a step.
     fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Self::Memory<L>;
-    /// The deviator as a tensor, Pa.
+    /// Return the deviator as a tensor, Pa.
     fn stress<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> Sym3<L>;
-    /// The largest dynamic viscosity, Pa s: it bounds the time step.
+    /// Largest dynamic viscosity, Pa s, for the time step limit.
     fn largest(&self) -> T;
 }
 
@@ -63,17 +63,17 @@ impl<T: Real> ShearViscosity<T> for Inviscid {
     }
 }
 
-/// s = 2 eta dev(d), d the rate of deformation (book, "Viscous fluid").
+/// Newtonian fluid: s = 2 eta dev(d), d the rate of deformation (book, "Viscous fluid").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newtonian<T> {
     viscosity: T,
 }
 
 impl<T: Real> Newtonian<T> {
-    /// With dynamic viscosity eta, Pa s.
+    /// Create from the dynamic viscosity eta, Pa s.
     ///
     /// # Errors
-    /// A viscosity that is not positive; [`Inviscid`] is the fluid without.
+    /// A viscosity that is not positive; for zero use [`Inviscid`].
     pub fn new(viscosity: T) -> Result<Self, ParameterError> {
         Ok(Newtonian { viscosity: Check("Newtonian fluid").positive("dynamic viscosity eta", viscosity)? })
     }
@@ -99,7 +99,7 @@ impl<T: Real> ShearViscosity<T> for Newtonian<T> {
 /// exp(-g/g0))/g\] with g = sqrt(2 dev d : dev d) the shear rate. Above a few g0 the shear stress is tau_y + eta g;
 /// below g0 the fluid creeps with viscosity eta + tau_y/g0.
 ///
-/// Limits: that creep viscosity bounds a stable step, dt below 3 rho h^2/(8 eta); time controls respect it.
+/// Limits: the creep viscosity limits the stable time step, dt below 3 rho h^2/(8 eta); time controls respect it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bingham<T> {
     yield_stress: T,
@@ -108,11 +108,10 @@ pub struct Bingham<T> {
 }
 
 impl<T: Real> Bingham<T> {
-    /// From yield stress in shear tau_y, Pa, plastic viscosity eta, Pa s, and the shear rate g0, 1/s, below which it
-    /// creeps.
+    /// Create from yield stress in shear tau_y, Pa, plastic viscosity eta, Pa s, and creep shear rate g0, 1/s.
     ///
     /// # Errors
-    /// A number that is not positive; [`Newtonian`] is the fluid without yield stress.
+    /// A number that is not positive; without yield stress use [`Newtonian`].
     pub fn new(yield_stress: T, viscosity: T, rate: T) -> Result<Self, ParameterError> {
         let check = Check("Bingham fluid");
         Ok(Bingham {
@@ -143,7 +142,7 @@ impl<T: Real> ShearViscosity<T> for Bingham<T> {
     fn stress<L: Lane<Real = T>>(&self, memory: &Sym3<L>) -> Sym3<L> {
         *memory
     }
-    /// That of the creep.
+    /// Creep viscosity.
     fn largest(&self) -> T {
         self.viscosity + self.yield_stress / self.rate
     }
@@ -151,9 +150,9 @@ impl<T: Real> ShearViscosity<T> for Bingham<T> {
 
 /// Compressible fluid, sigma = -(p + q) I + 2 eta dev(d).
 ///
-/// The energy takes in pressure, bulk-viscous and shear-viscous work. The energy of a fluid whose equation of state keeps
-/// none is what is stored in its volume, and the heat of its viscosity, J (s : dev(d) - q tr(d)) integrated over time
-/// per reference volume, which its state keeps then.
+/// The energy includes the work of pressure, bulk viscosity and shear viscosity. If the equation of state stores no
+/// energy, it is the elastic energy of the volume plus the viscous heat, J (s : dev(d) - q tr(d)) integrated over time
+/// per reference volume, which is then a state variable.
 ///
 /// ```
 /// use mpm_materials::{Fluid, IdealGas, Newtonian, Tait};
@@ -171,19 +170,19 @@ pub struct Fluid<E, N = Inviscid, V = NoViscosity> {
 }
 
 impl<E> Fluid<E> {
-    /// Without viscosity.
+    /// Create a fluid without viscosity.
     pub fn new(eos: E) -> Self {
         Fluid { eos, shear: Inviscid, viscosity: NoViscosity }
     }
 }
 
 impl<E, N, V> Fluid<E, N, V> {
-    /// The same fluid with shear viscosity.
+    /// Set the shear viscosity.
     pub fn with_shear_viscosity<M>(self, shear: M) -> Fluid<E, M, V> {
         Fluid { eos: self.eos, shear, viscosity: self.viscosity }
     }
-    /// The same fluid with artificial bulk viscosity: linear coefficient b1, quadratic b0, and the sound speed
-    /// of its equation of state at rest.
+    /// Set the artificial bulk viscosity: linear coefficient b1, quadratic b0, and the sound speed of the equation of
+    /// state at rest.
     ///
     /// # Errors
     /// A negative coefficient, or an equation of state without sound speed at rest.
@@ -204,7 +203,7 @@ impl<E, N, V> Fluid<E, N, V> {
     }
 }
 
-/// The column for viscous heat of a fluid.
+/// State column for viscous heat of a fluid.
 type HeatColumn<T, L, E, N, V> = <<E as Eos<T>>::Energy<L> as EnergyColumn<L>>::Beside<
     <N as ShearViscosity<T>>::Heat<L, <V as ShockViscosity<T>>::Heat<L>>,
 >;
@@ -228,7 +227,7 @@ where
     fn shock_viscosity(&self) -> [T; 2] {
         self.viscosity.coefficients()
     }
-    /// At reference density; a gas has its initial pressure there.
+    /// Virgin state at reference density; a gas has its initial pressure there.
     fn virgin(&self) -> Self::State<T::Single> {
         let still =
             Kinematics { increment: crate::Mat3::zero(), dt: T::Single::one(), length: T::Single::one() };
@@ -253,7 +252,7 @@ where
         let viscous_stress = self.shear.deviator(kinematics);
         let viscous_pressure = self.viscosity.pressure(kinematics, volume_factor, density);
 
-        // Work of the step but for that of the new pressure.
+        // Work of the step without that of the new pressure.
         let old_energy = old.energy.recall();
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = old.volume_ratio + volume_change * half;
@@ -295,14 +294,14 @@ where
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
-    /// sqrt((dp/drho)_s); viscosity left out.
+    /// Sound speed sqrt((dp/drho)_s); viscosity left out.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.eos.speed_squared(now.volume_ratio, now.energy.recall()).max(L::zero()).sqrt()
     }
     #[inline(always)]
     fn step_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>, length: L) -> L {
-        // eta over rho0; the density of now is rho0 / J.
+        // 8/3 eta / rho, with rho = rho0 / J.
         let nu = L::splat(self.shear.largest() * T::of(8.0 / 3.0) / self.eos.density()) * now.volume_ratio;
         self.wave_speed(now) + nu / length
     }
@@ -321,9 +320,9 @@ where
     fn viscous_heat<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.viscous_heat.recall()
     }
-    /// Points whose volume ratios are within [`LIKE_VOLUME`] of their mean, if the fluid keeps its energy
-    /// ([`KeepEnergy`](crate::eos::KeepEnergy)): all numbers are means by mass. One that doesn't would store less in the
-    /// mean volume than it did in all.
+    /// Merge points whose volume ratios are within [`LIKE_VOLUME`] of their mean, if the fluid stores its energy
+    /// ([`KeepEnergy`](crate::eos::KeepEnergy)): all numbers are mass-weighted means. Otherwise the elastic energy of
+    /// the mean volume would be less than that of the points.
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
         if !<E::Energy<T::Single> as EnergyColumn<T::Single>>::KEPT {
             return None;

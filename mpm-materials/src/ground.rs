@@ -10,7 +10,7 @@ use crate::state;
 use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
-/// A step as a [`Geomaterial`] sees it.
+/// Trial state of a step, the input of a [`Geomaterial`].
 #[derive(Clone, Copy, Debug)]
 pub struct Trial<L> {
     /// Elastic trial deviator: the rotated old deviator + 2 G times the strain deviator, Pa.
@@ -34,23 +34,23 @@ impl<L: Lane> Trial<L> {
     }
 }
 
-/// An admissible stress.
+/// Result of the return mapping: an admissible stress.
 #[derive(Clone, Copy, Debug)]
 pub struct Admissible<L, H> {
     /// Stress deviator, Pa.
     pub deviator: Sym3<L>,
     /// Pressure, Pa, compression positive.
     pub pressure: L,
-    /// What is remembered.
+    /// History at the end of the step.
     pub history: H,
-    /// Lanes in which the return failed.
+    /// Lanes in which the return mapping failed.
     pub fault: Fault<L>,
 }
 
 /// A law for the whole stress, pressure and deviator together. Its pressure is a function of volume ratio and
 /// history, without internal energy.
 pub trait Geomaterial<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// What a point remembers beside stress, volume and energy.
+    /// State variables in addition to stress, volume and energy.
     type History<L: Lane<Real = T>>: State<L>;
     /// The law's name, for messages.
     fn name(&self) -> &'static str;
@@ -60,7 +60,7 @@ pub trait Geomaterial<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static 
     fn shear_modulus(&self) -> T;
     /// The history of a virgin point, whose stress is zero.
     fn virgin(&self) -> Self::History<T::Single>;
-    /// From the trial to the stress at the end of the step.
+    /// Map the trial to the stress at the end of the step.
     fn return_map<L: Lane<Real = T>>(
         &self,
         trial: &Trial<L>,
@@ -68,8 +68,8 @@ pub trait Geomaterial<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static 
     ) -> Admissible<L, Self::History<L>>;
     /// Bulk modulus -J dp/dJ, Pa, the larger of loading and unloading.
     fn bulk_modulus<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Self::History<L>) -> L;
-    /// Shear modulus for the wave speed, Pa: zero where a point has no shear strength now and cannot get any within a
-    /// step, as torn debris. By default [`Geomaterial::shear_modulus`].
+    /// Shear modulus for the wave speed, Pa: zero if a point has no shear strength and cannot gain any within a step,
+    /// such as torn debris. Default: [`Geomaterial::shear_modulus`].
     #[inline(always)]
     fn shear_stiffness<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Self::History<L>) -> L {
         let _ = (volume_ratio, history);
@@ -77,7 +77,7 @@ pub trait Geomaterial<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static 
     }
     /// Accumulated equivalent plastic strain.
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
-    /// Damage in \[0, 1\]; zero for a law without.
+    /// Damage in \[0, 1\]; zero for a law without damage.
     #[inline(always)]
     fn damage<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
         let _ = history;
@@ -86,7 +86,7 @@ pub trait Geomaterial<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static 
 }
 
 state! {
-    /// What a point of ground remembers: eight numbers and the history of its law.
+    /// State variables of ground: eight numbers and the history of its law.
     pub struct GroundState<L, H, F> {
         /// Total Cauchy stress, viscous pressure included, Pa.
         pub stress: Sym3<L>,
@@ -105,9 +105,9 @@ state! {
 /// ([`HolmquistJohnsonCook`](crate::strength::HolmquistJohnsonCook)), soil
 /// ([`DruckerPrager`](crate::strength::DruckerPrager), [`MohrCoulomb`](crate::strength::MohrCoulomb)).
 ///
-/// A step: rotate the old stress, make the elastic trial deviator, let the law return pressure and deviator
-/// together, judge ([`Failure`]), add the viscous pressure. The energy takes in the stress work of the step by the
-/// trapezoidal rule.
+/// An update rotates the old stress, computes the elastic trial deviator, returns pressure and deviator together,
+/// evaluates the failure criterion ([`Failure`]) and adds the viscous pressure. The energy includes the stress work of
+/// the step by the trapezoidal rule.
 ///
 /// ```
 /// use mpm_materials::Ground;
@@ -127,15 +127,15 @@ pub struct Ground<M, F = NoFailure, V = NoViscosity, R = HughesWinget> {
 }
 
 impl<M> Ground<M> {
-    /// Without failure and bulk viscosity, with the [`HughesWinget`] rate.
+    /// Create ground without failure and bulk viscosity, with the [`HughesWinget`] rate.
     pub fn new(law: M) -> Self {
         Ground { law, failure: NoFailure, viscosity: NoViscosity, rate: HughesWinget }
     }
 }
 
 impl<M, F, V, R> Ground<M, F, V, R> {
-    /// The same ground with a failure criterion: `N` is `Ground<M, G, V, R>`, of a `G` that is a [`Failure`] and opens no crack, which would
-    /// be solved with an equation of state.
+    /// Set the failure criterion: `N` is `Ground<M, G, V, R>`, of a `G` that is a [`Failure`] and opens no crack, which
+    /// would need an equation of state.
     pub fn with_failure<T, G, W, N>(self, failure: G) -> N
     where
         T: Real,
@@ -145,8 +145,7 @@ impl<M, F, V, R> Ground<M, F, V, R> {
         let Ground { law, viscosity, rate, .. } = self;
         G::made(Ground { law, failure, viscosity, rate })
     }
-    /// The same ground with bulk viscosity: linear coefficient b1 and quadratic b0, and the bulk sound speed at
-    /// rest.
+    /// Set the bulk viscosity: linear coefficient b1 and quadratic b0, and the bulk sound speed at rest.
     ///
     /// # Errors
     /// A negative coefficient.
@@ -163,7 +162,7 @@ impl<M, F, V, R> Ground<M, F, V, R> {
         let speed = (bulk / T::Single::splat(law.density())).sqrt();
         Ok(Ground { viscosity: BulkViscosity::new(linear, quadratic, speed.into())?, law, failure, rate })
     }
-    /// The same ground with another objective rate.
+    /// Set the objective rate.
     pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Ground<M, F, V, Q> {
         let Ground { law, failure, viscosity, .. } = self;
         Ground { law, failure, viscosity, rate }
@@ -211,7 +210,7 @@ where
         let (zero, one, half) = (L::zero(), L::one(), L::of(0.5));
         let stilled;
         let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
-            // A point that is gone does not follow the motion: no work, no breakdown.
+            // A removed point does not follow the motion: no work, no breakdown.
             let gone = self.failure.failed(&old.failure, self.law.plastic_strain(&old.history));
             let increment = kinematics.increment * L::select(gone, zero, one);
             stilled = Kinematics { increment, ..*kinematics };
@@ -237,7 +236,7 @@ where
         let trial = Trial {
             deviator: tried,
             strain_deviator,
-            // Inside out is reported below; the law shall not meet it.
+            // An inverted point is reported below; the law must not receive it.
             volume_ratio: L::select(volume_ratio.gt(zero), volume_ratio, one),
             dt: kinematics.dt,
             length: kinematics.length,
@@ -274,7 +273,7 @@ where
             }
         }
 
-        // The work of the step, of what is left at its end.
+        // Work of the step, with the stress left at its end.
         let total_pressure = pressure + viscous;
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = old.volume_ratio + volume_change * half;
@@ -302,9 +301,9 @@ where
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
-    /// c^2 = (K + 4 G/3)/rho with the larger bulk modulus of loading and unloading. Flow does not lower it; bulk
-    /// viscosity is left out. Debris without strength has no shear in it ([`Geomaterial::shear_stiffness`]): it flies
-    /// apart, and 4 G/(3 rho) of what is left of its density would govern the step of the whole scene.
+    /// Squared wave speed c^2 = (K + 4 G/3)/rho with the larger bulk modulus of loading and unloading. Plastic flow does not lower it;
+    /// bulk viscosity is left out. Debris without strength has no shear term ([`Geomaterial::shear_stiffness`]): it
+    /// expands, and 4 G/(3 rho) at its low density would govern the time step of the whole scene.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let bulk = self.law.bulk_modulus(now.volume_ratio, &now.history);

@@ -1,8 +1,8 @@
 //! Constitutive laws for impact, penetration and granular flow.
 //!
-//! A law lives at one point in three dimensions and knows of no particle, node or element. It maps how the
-//! point moves in a step ([`Kinematics`]) and what it remembers ([`State`]) to the new state and the Cauchy
-//! stress ([`Constitutive::update`]). Units are SI; stress is tension-positive, pressure compression-positive.
+//! A law acts at one material point in three dimensions, independent of particles, nodes and elements. It maps the
+//! kinematics of a step ([`Kinematics`]) and the state variables ([`State`]) to the new state and the Cauchy stress
+//! ([`Constitutive::update`]). Units are SI; stress is tension-positive, pressure compression-positive.
 
 pub mod capability;
 mod compiled;

@@ -1,11 +1,12 @@
-//! Laws behind one call for many points: what every method hands its points to.
+//! Compiled material laws: one call updates many points, for all numerical methods.
 //!
-//! A [`Constitutive`] law is generic text for one point. [`Compiled`] makes a [`Material`] of it: an object whose kernels take
-//! some tens of points at once, compiled once a law and kind of vectors, whatever methods use it. So the compile time of a
-//! program is the sum of that of its laws and of that of its methods, and not their product, and a law can be chosen at run time.
+//! A [`Constitutive`] law is generic code for one point. [`Compiled`] turns it into a [`Material`]: an object whose
+//! kernels process some tens of points per call, compiled once per law and vector instruction set, whatever methods use
+//! it. The compile time of a program is thus that of its laws plus that of its methods, not their product, and a law
+//! can be chosen at run time.
 //!
-//! Points come in **groups** of [`Float::GROUP`], a 32-byte row for each of their numbers, wherever the method keeps them: a
-//! [`States`] says where. A group that has fewer points than lanes holds virgin states in the others, which do not move.
+//! Points are stored in **groups** of [`Float::GROUP`], with a 32-byte row per state variable, in the memory of the
+//! method; a [`States`] describes the layout. Unused lanes of a group store virgin states and do not move.
 //!
 //! ```
 //! use mpm_materials::material::{Deformation, IntoMaterial, Length, Motion, Response, StatesMut};
@@ -43,93 +44,93 @@ use crate::capability::Stretches;
 use crate::point::{Breakdown, CompiledHere, Constitutive, Fault, Kinematics, Sink, Source, State, flatten};
 use crate::tensor::{Mat3, Sym3};
 
-/// A place in a list of groups that none takes.
+/// Empty entry of a list of groups.
 pub const NO_GROUP: u32 = u32::MAX;
 
-/// How the points of two groups deform that come one behind the other in a list: the first one in an even place.
+/// Velocity gradients of two consecutive groups of a list, the first at an even index.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Deformation<R> {
-    /// Nine numbers a point, by rows: a gradient of the velocity.
+    /// Velocity gradient, nine components per point, row by row.
     pub gradient: [RowPair<R>; 9],
-    /// What they are multiplied by to make increments of the displacement gradient, dt grad v; zero without a point.
+    /// Factor from `gradient` to the displacement-gradient increment dt grad v; zero in lanes without a point.
     pub step: RowPair<R>,
 }
 
-/// How points move in a step.
+/// Motion of points in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion<'a, T: Float> {
-    /// How they deform, two groups of the list in each.
+    /// Velocity gradients, two groups of the list per entry.
     pub deformation: &'a [Deformation<T::Row>],
     /// Time step, s.
     pub dt: T,
-    /// Size of the cell or element a point stands in, m.
+    /// Size of the cell or element of each point, m.
     pub length: Length<'a, T>,
 }
 
-/// Sizes of the cells or elements that points stand in, m.
+/// Sizes of the cells or elements of points, m.
 #[derive(Clone, Copy, Debug)]
 pub enum Length<'a, T: Float> {
-    /// One for all.
+    /// One size for all points.
     Same(T),
-    /// Each its own, a row a group of the list.
+    /// One size per point, a row per group of the list.
     Each(&'a [T::Row]),
 }
 
-/// Where the states of groups of points are: number `k` of group `n` is the row `groups[n] * stride + first + k`.
+/// Memory layout of states of groups of points: number `k` of group `n` is the row `groups[n] * stride + first + k`.
 #[derive(Clone, Copy, Debug)]
 pub struct States<'a, T: Float> {
     /// All rows of the store.
     pub all: &'a [T::Row],
-    /// Rows of a group in the store.
+    /// Number of rows per group in the store.
     pub stride: usize,
-    /// First row of the state among them.
+    /// Index of the first state row within a group.
     pub first: usize,
-    /// The groups, by place in the store, or [`NO_GROUP`].
+    /// Indices of the groups in the store, or [`NO_GROUP`].
     pub groups: &'a [u32],
 }
 
-/// [`States`] that change. A group comes once at most.
+/// Mutable [`States`]. Each group occurs at most once.
 #[derive(Debug)]
 pub struct StatesMut<'a, T: Float> {
     /// All rows of the store.
     pub all: &'a mut [T::Row],
-    /// Rows of a group in the store.
+    /// Number of rows per group in the store.
     pub stride: usize,
-    /// First row of the state among them.
+    /// Index of the first state row within a group.
     pub first: usize,
-    /// The groups, by place in the store, or [`NO_GROUP`].
+    /// Indices of the groups in the store, or [`NO_GROUP`].
     pub groups: &'a [u32],
 }
 
-/// What a law says of the points of two groups that come one behind the other in a list.
+/// Response of a law at the points of two consecutive groups of a list.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairOutput<R> {
     /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa, tension positive.
     pub stress: [RowPair<R>; 6],
     /// Volume over reference volume, J.
     pub volume_ratio: RowPair<R>,
-    /// [`Constitutive::step_speed`], m/s, if asked for.
+    /// [`Constitutive::step_speed`], m/s, if requested.
     pub step_speed: RowPair<R>,
 }
 
 /// A point whose law broke down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct BrokenPoint {
-    /// Its group, by place in the list given.
+    /// Index of its group in the list of the call.
     pub group: usize,
-    /// Its lane.
+    /// Lane within the group.
     pub lane: usize,
-    /// Why.
+    /// Cause of the breakdown.
     pub cause: Breakdown,
 }
 
-/// What a law says of groups of points: memory that a thread keeps.
+/// Response of a law at groups of points: buffers that a thread reuses.
 #[derive(Clone, Debug)]
 pub struct Response<T: Float> {
     outputs: Vec<PairOutput<T::Row>>,
     groups: usize,
     faults: Vec<BrokenPoint>,
-    /// Rows of a state, of a group that is not there.
+    /// State rows of a dummy group.
     spare: Vec<T::Row>,
 }
 
@@ -140,28 +141,28 @@ impl<T: Float> Default for Response<T> {
 }
 
 impl<T: Float> Response<T> {
-    /// Of all groups of the list given, two in each.
+    /// Return the responses of all groups of the list, two groups per entry.
     #[inline(always)]
     pub fn outputs(&self) -> &[PairOutput<T::Row>] {
         &self.outputs[..self.groups.div_ceil(2)]
     }
-    /// The same of so many groups, of which none broke down.
+    /// Set the response of `groups` groups to `output`, without breakdowns.
     pub fn fill(&mut self, groups: usize, output: PairOutput<T::Row>) {
         self.have(groups);
         self.outputs.fill(output);
     }
-    /// The points that broke down, in the same order. Lanes without a point may be among them.
+    /// Return the points that broke down, in the order of the list. Lanes without a point may be included.
     #[inline(always)]
     pub fn faults(&self) -> &[BrokenPoint] {
         &self.faults
     }
-    /// Bytes of its memory.
+    /// Return the memory of the buffers, bytes.
     pub fn bytes(&self) -> usize {
         self.outputs.capacity() * size_of::<PairOutput<T::Row>>()
             + self.faults.capacity() * size_of::<BrokenPoint>()
             + self.spare.capacity() * size_of::<T::Row>()
     }
-    /// Have so many groups, of which nothing is known.
+    /// Resize to `groups` groups with unspecified responses and clear the breakdowns.
     #[inline(always)]
     fn have(&mut self, groups: usize) {
         if self.outputs.len() < groups.div_ceil(2) {
@@ -172,7 +173,7 @@ impl<T: Float> Response<T> {
     }
 }
 
-/// What a law says of one state.
+/// Response of a law at one state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Described<T> {
     /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa, tension positive.
@@ -183,31 +184,31 @@ pub struct Described<T> {
     pub wave_speed: T,
     /// Internal energy per reference volume, J/m^3.
     pub energy: T,
-    /// Is the state within the range of the law's data? [`Constitutive::in_range`].
+    /// True if the state is within the data range of the law: [`Constitutive::in_range`].
     pub in_range: bool,
-    /// Has the point failed? [`Constitutive::failed`].
+    /// True if the point has failed: [`Constitutive::failed`].
     pub failed: bool,
 }
 
-/// A law as methods see it, compiled. [`Compiled`] makes one of a [`Constitutive`] law; nothing else needs to.
+/// Compiled material law, the interface to the methods. [`Compiled`] implements it for every [`Constitutive`] law.
 pub trait Material<T: Float>: Send + Sync {
     /// The law's name, for messages.
     fn name(&self) -> &'static str;
     /// Reference density rho0, kg/m^3.
     fn density(&self) -> T;
-    /// The law with all its constants, as its `Debug` shows them.
+    /// Constants of the law, in its `Debug` format.
     fn constants(&self) -> String;
-    /// How many numbers a state has.
+    /// Number of state variables of a point.
     fn numbers(&self) -> usize;
-    /// Their names, in order.
+    /// Names of the state variables, in order.
     fn state_names(&self) -> Vec<String>;
-    /// The state of a stress-free point at reference density.
+    /// Return the state of a virgin point at reference density.
     fn virgin(&self) -> Vec<T>;
-    /// One step of groups of points: new states in place of the old ones, stress and volume ratio, and wave speeds if
-    /// `speeds` asks for them. What comes of points that broke down means nothing.
+    /// Update the states of groups of points in place by one step, and return stress, volume ratio and, if `speeds`,
+    /// step speed in `response`. Results of points that broke down are meaningless.
     ///
     /// # Panics
-    /// A group that is not within the store, or comes twice.
+    /// A group outside the store, or listed twice.
     fn advance(
         &self,
         motion: &Motion<'_, T>,
@@ -215,56 +216,57 @@ pub trait Material<T: Float>: Send + Sync {
         speeds: bool,
         response: &mut Response<T>,
     );
-    /// Stress, volume ratio and the speed that steps are held by in cells of `length`, m, of states as they stand.
+    /// Compute stress, volume ratio and [`Constitutive::step_speed`] of states without a step, in cells of `length`,
+    /// m.
     fn describe(&self, states: States<'_, T>, length: T, response: &mut Response<T>);
-    /// Volume ratios alone, a row a group of the list.
+    /// Compute volume ratios only, a row per group of the list.
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]);
-    /// All that it says of one state; nothing unless it has [`Material::numbers`] numbers.
+    /// Return the response at one state; `None` unless it has [`Material::numbers`] numbers.
     fn describe_point(&self, state: &[T]) -> Option<Described<T>>;
-    /// [`Constitutive::step_speed`] of one state, m/s; nothing unless it has [`Material::numbers`] numbers.
+    /// Return [`Constitutive::step_speed`] of one state, m/s; `None` unless it has [`Material::numbers`] numbers.
     fn step_speed(&self, state: &[T], length: T) -> Option<T>;
-    /// [`Constitutive::volume_ratio`] of one state; nothing unless it has [`Material::numbers`] numbers.
+    /// Return [`Constitutive::volume_ratio`] of one state; `None` unless it has [`Material::numbers`] numbers.
     fn volume_ratio_of(&self, state: &[T]) -> Option<T> {
         self.describe_point(state).map(|said| said.volume_ratio)
     }
-    /// Internal energy per reference volume of one state, J/m^3; nothing unless it has [`Material::numbers`] numbers.
+    /// Internal energy per reference volume of one state, J/m^3; `None` unless it has [`Material::numbers`] numbers.
     fn energy_of(&self, state: &[T]) -> Option<T>;
-    /// Heat of viscosity per reference volume of one state, J/m^3, which is part of its energy; zero unless the law knows it and the state has
-    /// [`Material::numbers`] numbers.
+    /// Viscous heat per reference volume of one state, J/m^3, a part of its energy; zero unless the law tracks it and
+    /// the state has [`Material::numbers`] numbers.
     fn viscous_heat_of(&self, state: &[T]) -> T {
         let _ = state;
         T::default()
     }
-    /// One state for points that become one, each with its mass, kg: [`Constitutive::merged`].
+    /// Merge the states of points, each with its mass, kg, into one: [`Constitutive::merged`].
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>>;
-    /// Where a state keeps the accumulated stretch, if it does: [`Constitutive::stretch_place`].
+    /// Index of the accumulated stretch in a state, if stored: [`Constitutive::stretch_place`].
     fn stretch_place(&self) -> Option<usize>;
-    /// What bulk viscosity stiffens a closing point by: [`Constitutive::shock_viscosity`].
+    /// Bulk viscosity coefficients for the time step limit: [`Constitutive::shock_viscosity`].
     fn shock_viscosity(&self) -> [T; 2] {
         [T::default(); 2]
     }
-    /// Is the stress across the plane zero? [`Constitutive::is_plane_stress`].
+    /// True if the out-of-plane stress is zero: [`Constitutive::is_plane_stress`].
     fn is_plane_stress(&self) -> bool {
         false
     }
 }
 
-/// What a scene takes for the law of a body: a law of this library, whose kernels are compiled here; or what
-/// [`Constitutive::compiled`] makes of any other one; or a material that is there already.
+/// Conversion of a law for a scene into a [`Material`]: of a law of this library, whose kernels are compiled here, of
+/// any other law after [`Constitutive::compiled`], or of an existing material.
 #[diagnostic::on_unimplemented(
     message = "the kernels of the law `{Self}` are not compiled in `mpm-materials`",
     note = "compile them in your crate, once, for some seconds: `law.compiled()`"
 )]
 pub trait IntoMaterial<T: Float> {
-    /// The law, or [`AnyLaw`] where its type is not known.
+    /// Type of the law, or [`AnyLaw`] if it is unknown.
     type Law;
-    /// A copy of the law.
+    /// Return a copy of the law.
     fn law(&self) -> Self::Law;
-    /// The law as an object.
+    /// Convert the law into an object.
     fn into_material(self) -> Arc<dyn Material<T>>;
 }
 
-/// A law of which the type is not known.
+/// Law of unknown type.
 #[derive(Clone, Copy, Debug)]
 pub struct AnyLaw;
 
@@ -288,7 +290,8 @@ impl<T: Float, C: Constitutive<T>> IntoMaterial<T> for CompiledHere<C> {
     }
 }
 
-/// A law whose particles may be split: it keeps their stretch ([`Stretches`]), or nobody knows and the scene asks it.
+/// Law whose particles may be split: it stores their stretch ([`Stretches`]), or its type is unknown and the scene
+/// checks it.
 #[diagnostic::on_unimplemented(
     message = "particles of the law `{Self}` cannot be split: they do not keep their accumulated stretch",
     note = "wrap the law: `Stretching::new(law)`"
@@ -306,7 +309,7 @@ pub struct Compiled<C> {
 }
 
 impl<C> Compiled<C> {
-    /// Of this law.
+    /// Wrap a law.
     pub fn new(law: C) -> Self {
         Compiled { law }
     }
@@ -316,13 +319,14 @@ impl<C> Compiled<C> {
     }
 }
 
-/// A law of plain numbers, as a copy that no write to memory can change: it can stay in vectors. Others stay where they are.
+/// Copy a law of plain numbers, which no write to memory can change, so that it stays in registers; `None` for other
+/// laws.
 #[inline(always)]
 fn local<C: Clone>(law: &C) -> Option<C> {
     if const { std::mem::needs_drop::<C>() } { None } else { Some(law.clone()) }
 }
 
-/// Numbers of states in the rows of the groups that a pack takes.
+/// Reader of state variables from the rows of the groups of a pack.
 pub(crate) struct Reader<'a, T: Float> {
     rows: [&'a [T::Row]; 2],
     lane: usize,
@@ -338,7 +342,7 @@ impl<T: Float, P: Pack<T>> Source<P> for Reader<'_, T> {
     }
 }
 
-/// Where they go.
+/// Writer of state variables to the rows of the groups of a pack.
 pub(crate) struct Writer<'a, T: Float> {
     rows: [&'a mut [T::Row]; 2],
     lane: usize,
@@ -363,7 +367,7 @@ struct Advance<'a, T: Float, C> {
     speeds: bool,
     outputs: &'a mut [PairOutput<T::Row>],
     faults: &'a mut Vec<BrokenPoint>,
-    /// Rows of a state.
+    /// State rows of a dummy group.
     spare: &'a mut [T::Row],
 }
 
@@ -396,7 +400,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
             let mut rows: [&mut [T::Row]; 2] = if beside == NO_GROUP {
                 let rows = &mut all[place(group)];
                 if A::Batch::GROUPS == 2 {
-                    // The second half of the vector holds the same again, which goes to where nobody looks.
+                    // The second half of the vector repeats the group; its results go to the dummy group.
                     spare.copy_from_slice(rows);
                 }
                 [rows, &mut *spare]
@@ -440,7 +444,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
     }
 }
 
-/// Note the points that broke down.
+/// Record the points that broke down.
 #[cold]
 #[inline(never)]
 fn note<T: Float, P: Pack<T>>(faults: &mut Vec<BrokenPoint>, group: usize, first: usize, fault: &Fault<P>) {
@@ -482,7 +486,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
     }
 }
 
-/// Numbers of the state of one lane.
+/// Reader of the state variables of one lane.
 struct Lanes<'a, T: Float> {
     rows: &'a [T::Row],
     lane: usize,
@@ -497,7 +501,7 @@ impl<T: Float> Source<T::Single> for Lanes<'_, T> {
     }
 }
 
-/// The states of a group's lanes.
+/// Iterate over the states of the lanes of a group.
 fn lanes<'a, T: Float, C: Constitutive<T>>(
     states: &States<'a, T>,
     group: u32,
@@ -507,13 +511,13 @@ fn lanes<'a, T: Float, C: Constitutive<T>>(
     (0..T::GROUP).map(move |lane| (lane, State::read(&mut Lanes::<T> { rows, lane, at: 0 })))
 }
 
-/// A state of these numbers.
+/// Build a state from its numbers; `None` for a wrong count.
 fn single<T: Float, C: Constitutive<T>>(numbers: &[T]) -> Option<C::State<T::Single>> {
     let length = <C::State<T::Single> as State<T::Single>>::LEN;
     (numbers.len() == length).then(|| C::State::read(&mut Numbers { left: numbers.iter() }))
 }
 
-/// The numbers of one state.
+/// Reader of the numbers of one state.
 struct Numbers<'a, T> {
     left: std::slice::Iter<'a, T>,
 }

@@ -1,33 +1,33 @@
-//! Bad parameters are refused where they enter.
+//! Checks of material parameters.
 
 use crate::lane::Real;
 
-/// A parameter outside what a law allows.
+/// Parameter outside the range that a law allows.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{law}: {parameter} = {value} is not allowed; it must be {allowed}")]
 pub struct ParameterError {
-    /// The law.
+    /// Name of the law.
     pub law: &'static str,
-    /// The field.
+    /// Name of the parameter.
     pub parameter: &'static str,
-    /// What was given.
+    /// Invalid value.
     pub value: f64,
-    /// What is allowed, in words.
+    /// Allowed range, in words.
     pub allowed: &'static str,
 }
 
-/// Refuses the parameters of one law.
+/// Parameter checks of one law.
 #[derive(Clone, Copy, Debug)]
 pub struct Check(
-    /// The law's name.
+    /// Name of the law.
     pub &'static str,
 );
 
 impl Check {
-    /// `value` if `holds`, else an error that says what is `allowed`. A value that is not finite never passes.
+    /// Return `value` if `holds`, else an error with the `allowed` range. A value that is not finite never passes.
     ///
     /// # Errors
-    /// [`ParameterError`] naming law, parameter, value and what is allowed.
+    /// [`ParameterError`] with law, parameter, value and allowed range.
     pub fn that<T: Real>(
         self,
         holds: bool,
@@ -42,17 +42,17 @@ impl Check {
             Err(ParameterError { law: self.0, parameter, value: given, allowed })
         }
     }
-    /// `value` if it is positive.
+    /// Return `value` if it is positive.
     ///
     /// # Errors
-    /// As [`Check::that`].
+    /// See [`Check::that`].
     pub fn positive<T: Real>(self, parameter: &'static str, value: T) -> Result<T, ParameterError> {
         self.that(value > T::of(0.0), parameter, value, "positive")
     }
-    /// `value` if it is zero or positive.
+    /// Return `value` if it is zero or positive.
     ///
     /// # Errors
-    /// As [`Check::that`].
+    /// See [`Check::that`].
     pub fn not_negative<T: Real>(self, parameter: &'static str, value: T) -> Result<T, ParameterError> {
         self.that(value >= T::of(0.0), parameter, value, "zero or positive")
     }

@@ -1,4 +1,4 @@
-//! Laws of thin plates: no stress across.
+//! Plane stress: laws of thin plates.
 
 use crate::lane::{Lane, Mask, Real};
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update};
@@ -6,27 +6,28 @@ use crate::state;
 use crate::tensor::Sym3;
 
 state! {
-    /// What a point of a plate remembers: two numbers before those of its law.
+    /// State variables of a plate: two numbers before those of its law.
     pub struct PlaneStressState<L, S> {
         /// Thickness over reference thickness.
         pub thickness: L,
-        /// The strain across over the sum of those along the plate, in the last step: the first guess of the next.
+        /// Out-of-plane strain increment over the sum of the in-plane normal ones in the last step: the next initial
+        /// guess.
         pub ratio: L,
         /// State of the law.
         pub law: S,
     }
 }
 
-/// The law `C` in plane stress: the strain increment across, along z, is the one for which sigma_zz is zero, whatever the motion says of it.
-/// For two-dimensional scenes in plane strain, of any method: volume ratios are those with the thickness, so that masses, volumes and
-/// forces stay those of a plate that is one metre thick at the start.
+/// The law `C` in plane stress: the out-of-plane strain increment, along z, follows from sigma_zz = 0, not from the
+/// motion. For two-dimensional scenes in plane strain, of any method: volume ratios include the thickness, so that
+/// masses, volumes and forces are those of a plate with an initial thickness of one metre.
 ///
-/// The increment is found by a secant iteration with the law itself, to a millionth of the stress that the increments of the step
-/// make; after 16 trials a point breaks down ([`Breakdown::NotConverged`]). Of elastic steps the first trial is good enough mostly, as the ratio of the
-/// last step is kept. Waves are as fast as in plates, and the law says how fast those in bulk are: steps are up to some tenth shorter than
-/// need be where a method goes by that alone.
+/// A secant iteration with the law itself computes the increment, to a millionth of the stress of the increments of the
+/// step; after 16 trials a point breaks down ([`Breakdown::NotConverged`]). The first trial usually suffices in elastic
+/// steps, since the ratio of the last step is stored. Waves travel at plate speed, but the law returns the bulk wave
+/// speed: time steps are up to some tenth shorter than necessary where a method uses that speed alone.
 ///
-/// It is a law of the plane, and not of a point in space: the increments along z are not looked at, and it does not turn out of its plane.
+/// The law is two-dimensional: it ignores increments along z and does not support rotation out of the plane.
 ///
 /// ```
 /// use mpm_materials::{Constitutive, LinearElastic, Moduli, PlaneStress};
@@ -41,19 +42,19 @@ pub struct PlaneStress<C> {
     law: C,
 }
 
-/// Trials of the strain across in a step.
+/// Largest number of trials of the out-of-plane strain in a step.
 const TRIALS: usize = 16;
-/// What may be left of sigma_zz, over the stress that the strain increments make in a stiff point.
+/// Tolerance of sigma_zz over the stress of the strain increments at the P-wave modulus.
 const LEFT: f64 = 1e-6;
-/// Only a strain across that follows from strains along the plate, over all of these, is a first guess of the next step.
+/// Smallest sum of the in-plane normal increments, over all in-plane ones, at which the strain ratio is stored.
 const CLEAR: f64 = 0.1;
 
 impl<C> PlaneStress<C> {
-    /// The law, in plates.
+    /// Wrap a law for plane stress.
     pub fn new(law: C) -> Self {
         PlaneStress { law }
     }
-    /// The law itself.
+    /// Wrapped law.
     pub fn law(&self) -> &C {
         &self.law
     }
@@ -112,7 +113,7 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for PlaneStress<C> {
             if found.all() || trial + 1 == TRIALS {
                 break;
             }
-            // The first step by the modulus of waves, then secants. What is found stays.
+            // The first step uses the P-wave modulus, then secants follow. Converged lanes stay constant.
             let (run, rise) = (across - last, left - at_last);
             let flat = rise.le(zero) & rise.ge(zero);
             let secant = run / L::select(flat, one, rise);

@@ -1,33 +1,34 @@
-//! One material point: how it moves in a step, what it remembers, what a law makes of it, and how it breaks.
+//! Material point: kinematics of a step, state variables, result of a law and breakdown.
 
 use std::fmt;
 
 use crate::lane::{Lane, Mask, Real};
 use crate::tensor::{Mat3, Sym3};
 
-/// How a point moves during one step.
+/// Kinematics of a point in one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Kinematics<L> {
     /// Displacement-gradient increment, dt grad v (dimensionless): row `i`, column `j` is dt dv_i/dx_j.
     pub increment: Mat3<L>,
     /// Time step dt > 0, s. (A lane that must not change has `increment` zero.)
     pub dt: L,
-    /// Size of the element or cell the point stands in, m: the length in bulk viscosity and in the
-    /// regularisation of softening.
+    /// Size of the element or cell of the point, m: the length in bulk viscosity and in the regularisation of
+    /// softening.
     pub length: L,
 }
 
 impl<L: Lane> Kinematics<L> {
-    /// Change of volume, strain and spin increment: symmetric and antisymmetric part of A = X (I + X/2)^-1, with X the `increment`. A is
-    /// the displacement gradient with respect to the configuration half way through the step, and exactly
-    /// antisymmetric for a rotation, X = R - I (\[HughesWinget1980\]). At small X it is X - X^2/2.
+    /// Return volume factor, strain increment and spin increment: determinant of I + X, and symmetric and antisymmetric
+    /// part of A = X (I + X/2)^-1, with X the `increment`. A is the displacement gradient with respect to the midpoint
+    /// configuration and exactly antisymmetric for a rotation, X = R - I (\[HughesWinget1980\]). At small X it is
+    /// X - X^2/2.
     ///
-    /// NaN where det(I + X/2) <= 0, the way through the step being inside out half way: laws report
-    /// [`Breakdown::NotFinite`], if not [`Breakdown::InvertedVolume`]. A half turn in one step is such a motion.
+    /// NaN if det(I + X/2) <= 0, an inverted midpoint configuration: laws report [`Breakdown::NotFinite`], if not
+    /// [`Breakdown::InvertedVolume`]. A half turn in one step is such a motion.
     #[inline(always)]
     pub fn increments(&self) -> Increments<L> {
-        // With H = X/2 = S + W: A = 2 [H - adj H + (tr adj H + det H) I] / det(I + H), a sum of terms of the size of
-        // what they make, by the theorem of Cayley and Hamilton; adj H = adj S + w w^T - (S w cross).
+        // With H = X/2 = S + W: A = 2 [H - adj H + (tr adj H + det H) I] / det(I + H), by the Cayley-Hamilton theorem,
+        // a sum without cancellation; adj H = adj S + w w^T - (S w cross).
         let (half, quarter) = (L::of(0.5), L::of(0.25));
         let x = &self.increment.0;
         let (xx, yy, zz) = (x[0][0] * half, x[1][1] * half, x[2][2] * half);
@@ -70,21 +71,21 @@ impl<L: Lane> Kinematics<L> {
             volume_factor: L::one() + change,
         }
     }
-    /// Strain increment of the middle of the step: [`Kinematics::increments`].
+    /// Midpoint strain increment: [`Kinematics::increments`].
     #[inline(always)]
     pub fn strain(&self) -> Sym3<L> {
         self.increments().strain
     }
-    /// Axial vector of the spin increment of the middle of the step: [`Kinematics::increments`].
+    /// Axial vector of the midpoint spin increment: [`Kinematics::increments`].
     #[inline(always)]
     pub fn spin(&self) -> [L; 3] {
         self.increments().spin
     }
-    /// Relative change of volume, exact for the increment: det(I + increment). Positive unless the step turns
-    /// the point inside out.
+    /// Volume factor of the step, exact for the increment: det(I + increment). Positive unless the step inverts the
+    /// point.
     #[inline(always)]
     pub fn volume_factor(&self) -> L {
-        // Off the diagonal there is nothing to add: additions of zero would be made.
+        // Add to the diagonal only: additions of zero are not optimised away.
         let mut gradient = self.increment;
         for i in 0..3 {
             gradient.0[i][i] = gradient.0[i][i] + L::one();
@@ -93,13 +94,13 @@ impl<L: Lane> Kinematics<L> {
     }
 }
 
-/// The increment of a displacement gradient scaled so that det(I + increment) = `ratio`, which it nearly is: for methods that take the
-/// change of volume from elsewhere.
+/// Scale a displacement-gradient increment so that det(I + increment) = `ratio`, which must be close to its
+/// determinant: for methods that compute the volume change separately.
 #[inline(always)]
 pub fn with_volume<L: Lane>(increment: &Mat3<L>, ratio: L) -> Mat3<L> {
     let whole = *increment + Mat3::identity();
     let wanted = ratio / whole.determinant();
-    // Cube root of a number near one: three steps of Newton's method from the first-order value.
+    // Cube root of a number near one: three Newton steps from the first-order value.
     let third = L::of(1.0 / 3.0);
     let mut root = (wanted - L::one()).mul_add(third, L::one());
     for _ in 0..3 {
@@ -113,40 +114,40 @@ pub fn with_volume<L: Lane>(increment: &Mat3<L>, ratio: L) -> Mat3<L> {
     scaled
 }
 
-/// a d - b c.
+/// Determinant a d - b c.
 #[inline(always)]
 fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
     (-b).mul_add(c, a * d)
 }
 
-/// What a point remembers between steps: a fixed list of numbers with names.
+/// State variables of a material point: a fixed list of named numbers.
 ///
-/// Implemented for a single number, [`Sym3`], [`Mat3`], a [`Pair`], and [`Nothing`], which takes no memory at all; the
-/// [`state!`](crate::state) macro makes a named record of these.
+/// Implemented for a single number, [`Sym3`], [`Mat3`], a [`Pair`], and [`Nothing`], which needs no memory; the
+/// [`state!`](crate::state) macro defines a named record of these.
 pub trait State<L: Lane>: Copy + fmt::Debug {
-    /// How many numbers.
+    /// Number of state variables.
     const LEN: usize;
     /// Read all numbers, in order.
     fn read(from: &mut impl Source<L>) -> Self;
     /// Write all numbers, in the same order.
     fn write(&self, to: &mut impl Sink<L>);
-    /// Append the `LEN` names, in the same order, to `list`; `name` is what the owner calls this part.
+    /// Append the `LEN` names, in the same order, to `list`; `name` is the name of this part in its owner.
     fn names(name: &str, list: &mut Vec<String>);
 }
 
-/// Where a [`State`] is read from.
+/// Source from which a [`State`] is read.
 pub trait Source<L> {
-    /// The next number.
+    /// Read the next number.
     fn take(&mut self) -> L;
 }
 
-/// Where a [`State`] is written to.
+/// Sink to which a [`State`] is written.
 pub trait Sink<L> {
     /// Append a number.
     fn put(&mut self, value: L);
 }
 
-/// What a part of a law remembers that remembers nothing: no number, no memory.
+/// Empty state: no number, no memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Nothing;
 
@@ -218,12 +219,12 @@ impl<L: Lane> State<L> for Mat3<L> {
     }
 }
 
-/// Two parts of a state, one behind the other.
+/// Two consecutive parts of a state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Pair<A, B>(
-    /// The first.
+    /// First part.
     pub A,
-    /// The second.
+    /// Second part.
     pub B,
 );
 
@@ -245,7 +246,7 @@ impl<L: Lane, A: State<L>, B: State<L>> State<L> for Pair<A, B> {
     }
 }
 
-/// Declare what a law remembers: a record of parts that are themselves [`State`]s, generic over the lane `L`.
+/// Declare the state variables of a law: a record of parts that implement [`State`], generic over the lane `L`.
 ///
 /// ```
 /// use mpm_materials::{Sym3, state};
@@ -285,23 +286,23 @@ macro_rules! state {
     };
 }
 
-/// Why a point can no longer be computed.
+/// Cause of a breakdown, after which a point can no longer be computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[repr(u8)]
 pub enum Breakdown {
-    /// The step turns the point inside out: det(I + dt grad v) <= 0, or det F <= 0.
+    /// Inverted volume: det(I + dt grad v) <= 0, or det F <= 0.
     #[error("the volume became zero or negative")]
     InvertedVolume = 1,
-    /// A stress, energy or velocity is infinite or not a number.
+    /// Infinite or NaN stress, energy or velocity.
     #[error("a value became infinite or not a number")]
     NotFinite = 2,
-    /// The squared sound speed is negative: the state is unstable.
+    /// Negative squared sound speed: the state is unstable.
     #[error("the squared sound speed became negative")]
     NoSoundSpeed = 3,
-    /// A law's own iteration found no solution.
+    /// Iteration of a law without convergence.
     #[error("the law's iteration did not converge")]
     NotConverged = 4,
-    /// A cause that belongs to one law; its documentation says which.
+    /// Cause specific to one law, given in its documentation.
     #[error("the law reported a breakdown of its own")]
     Law = 5,
 }
@@ -316,7 +317,7 @@ impl Breakdown {
     ];
 }
 
-/// The first [`Breakdown`] of each lane, if any. Costs one selection a check and no branch.
+/// First [`Breakdown`] of each lane, if any. A check costs one selection and no branch.
 #[derive(Clone, Copy, Debug)]
 pub struct Fault<L>(L);
 
@@ -326,52 +327,52 @@ impl<L: Lane> Fault<L> {
     pub fn none() -> Self {
         Fault(L::zero())
     }
-    /// `cause` in the lanes where `holds` is false and nothing broke before. Write the condition so that it is
-    /// false for a value that is not a number.
+    /// Set `cause` in the lanes where `holds` is false and that have no earlier fault. Write the condition so that it
+    /// is false for NaN.
     #[inline(always)]
     pub fn require(self, holds: L::Mask, cause: Breakdown) -> Self {
         let first = L::select(self.0.gt(L::zero()), self.0, L::of(cause as u8 as f64));
         Fault(L::select(holds, self.0, first))
     }
-    /// The earlier fault where there is one, else `later`.
+    /// Keep the earlier fault of each lane, if any, else take `later`.
     #[inline(always)]
     pub fn or(self, later: Self) -> Self {
         Fault(L::select(self.0.gt(L::zero()), self.0, later.0))
     }
-    /// Did some lane break?
+    /// True if any lane broke down.
     #[inline(always)]
     pub fn any(self) -> bool {
         self.0.gt(L::zero()).any()
     }
-    /// What broke in lane `i`.
+    /// Return the breakdown of lane `i`, if any.
     pub fn cause(self, i: usize) -> Option<Breakdown> {
         let code = self.0.lane(i).to_double() as usize;
         Breakdown::ALL.get(code.wrapping_sub(1)).copied()
     }
 }
 
-/// The result of a law at a point: what it now remembers, and the Cauchy stress that goes into the forces.
+/// Result of a law at a point: new state variables and the Cauchy stress for the internal force.
 #[derive(Clone, Copy, Debug)]
 pub struct Update<L, S> {
     /// The new state.
     pub state: S,
     /// Cauchy stress, Pa, tension positive.
     pub stress: Sym3<L>,
-    /// The lanes that broke down; their state and stress mean nothing.
+    /// Lanes that broke down; their state and stress are meaningless.
     pub fault: Fault<L>,
 }
 
-/// A constitutive law: pure, three-dimensional, one point at a time.
+/// Constitutive law: a pure function of one point in three dimensions.
 ///
-/// `update` maps (law, kinematics, old state) to the new state and stress. It keeps nothing and reads nothing
-/// else, so that the same call gives the same bits, and a step can be tried and rejected. What the law needs
-/// to remember is its own typed [`State`]: a hypoelastic law keeps the stress and the volume ratio, a
-/// hyperelastic one the deformation gradient. A number that is not one must be reported ([`Fault`]) in the motion and wherever the
-/// law reads it in the old state; what a state only holds for others to see may be anything.
+/// `update` maps (law, kinematics, old state) to the new state and stress. It has no other input and no side effect:
+/// the same call returns the same bits, and a step can be tried and rejected. The state variables of a law are its own
+/// typed [`State`]: stress and volume ratio of a hypoelastic law, deformation gradient of a hyperelastic one. A law
+/// must report NaN ([`Fault`]) in the motion and in every state variable that it reads; variables for output only may
+/// be anything.
 ///
 /// Its `Debug` shows all its constants: checkpoints compare them.
 pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// What a point remembers.
+    /// State variables of a point.
     type State<L: Lane<Real = T>>: State<L>;
 
     /// The law's name, for messages.
@@ -380,10 +381,10 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
     /// Reference density rho0, kg/m^3; a point of mass `m` has reference volume `m / rho0`.
     fn density(&self) -> T;
 
-    /// The state of a stress-free point at reference density.
+    /// Return the state of a virgin point at reference density.
     fn virgin(&self) -> Self::State<T::Single>;
 
-    /// One step.
+    /// Update the state by one step.
     fn update<L: Lane<Real = T>>(
         &self,
         kinematics: &Kinematics<L>,
@@ -399,9 +400,10 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
     /// Speed of the fastest (longitudinal) wave, m/s.
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
 
-    /// The speed that the time step is held by in a cell or element of `length`, m: dt below about length over it, m/s. That of waves,
-    /// of laws that do not say. A law whose stress follows the rate of strain adds what diffuses, 8 nu / (3 length) for the
-    /// kinematic viscosity nu: explicit steps are stable below 3 length^2 / (8 nu), by its longitudinal part, 4/3 nu.
+    /// Speed for the time step limit in a cell or element of `length`, m: dt below about length over it, m/s. Default:
+    /// [`Constitutive::wave_speed`]. A law with viscous stress adds the diffusion speed 8 nu / (3 length) for the
+    /// kinematic viscosity nu: explicit steps are stable below 3 length^2 / (8 nu), by the longitudinal viscosity,
+    /// 4/3 nu.
     #[inline(always)]
     fn step_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>, length: L) -> L {
         let _ = length;
@@ -411,72 +413,73 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
     /// Internal energy per reference volume, J/m^3: stored and dissipated work since the virgin state.
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
 
-    /// Is the state within the range of the data that the law was made for? False where its equation of state is
-    /// continued, at densities beyond [`Eos::smallest_volume_ratio`](crate::Eos::smallest_volume_ratio), so that a run can
-    /// tell how many points are there. True of laws that do not say.
+    /// True if the state is within the data range of the law. False where the equation of state is extrapolated, at
+    /// densities beyond [`Eos::smallest_volume_ratio`](crate::Eos::smallest_volume_ratio), so that a run can count such
+    /// points. Default: true.
     #[inline(always)]
     fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
         let _ = now;
         L::zero().le(L::zero())
     }
 
-    /// Where has the point failed, so that it no longer carries what it did? Nowhere, of laws that do not say.
+    /// True if the point has failed and lost load capacity. Default: false.
     #[inline(always)]
     fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
         let _ = now;
         L::Mask::splat(false)
     }
 
-    /// One state for points that become one, each with its mass, kg; none where they are too unlike, or where the law
-    /// has no such state. Volume ratio and internal energy of what is returned are the means by mass, to rounding: no
-    /// volume and no energy is lost. A law that does not say so never merges.
+    /// Merge the states of points, each with its mass, kg, into one; `None` if they differ too much, or if the law has
+    /// no merged state. Volume ratio and internal energy of the result are mass-weighted means, to rounding, so that
+    /// volume and energy are conserved. Default: `None`.
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
         let _ = points;
         None
     }
 
-    /// Does the law know the heat of its viscosity apart from the rest of its energy? [`Constitutive::viscous_heat`] is zero otherwise.
+    /// True if the law tracks viscous heat separately; [`Constitutive::viscous_heat`] is zero otherwise.
     fn has_viscous_heat(&self) -> bool {
         false
     }
 
-    /// Heat of viscosity per reference volume, J/m^3, which is part of [`Constitutive::energy`].
+    /// Viscous heat per reference volume, J/m^3, a part of [`Constitutive::energy`].
     #[inline(always)]
     fn viscous_heat<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let _ = now;
         L::zero()
     }
 
-    /// What bulk viscosity stiffens a closing point by, \[b1 c in m/s, b0\]
-    /// ([`ShockViscosity::coefficients`](crate::ShockViscosity::coefficients)); zeros of laws without.
+    /// Bulk viscosity coefficients for the time step limit, \[b1 c in m/s, b0\]
+    /// ([`ShockViscosity::coefficients`](crate::ShockViscosity::coefficients)); zeros without bulk viscosity.
     fn shock_viscosity(&self) -> [T; 2] {
         [T::default(); 2]
     }
 
-    /// Is the stress across the plane zero, as of [`PlaneStress`](crate::PlaneStress)? Methods are named by it.
+    /// True if the out-of-plane stress is zero, as of [`PlaneStress`](crate::PlaneStress); names of methods depend on
+    /// it.
     fn is_plane_stress(&self) -> bool {
         false
     }
 
-    /// Where a state keeps the accumulated stretch, if it does, as [`Stretches`](crate::Stretches) says.
+    /// Index of the accumulated stretch in a state, if stored; see [`Stretches`](crate::Stretches).
     fn stretch_place(&self) -> Option<usize> {
         None
     }
 
-    /// The law with kernels that are compiled where this is written, for some seconds: what scenes take of a law whose kernels
-    /// are not compiled in this crate ([`IntoMaterial`](crate::IntoMaterial)).
+    /// Mark the law for compilation of its kernels in the calling crate, some seconds: required in scenes for a law
+    /// whose kernels are not compiled in this crate ([`IntoMaterial`](crate::IntoMaterial)).
     fn compiled(self) -> CompiledHere<Self> {
         CompiledHere(self)
     }
 }
 
-/// The result of a law written for a single point.
+/// Result of a law written for a single point.
 pub type PointResult<T, S> = Result<(S, Sym3<T>), Breakdown>;
 
-/// Run a law's single-point text on every lane in turn: what `update` calls in a law whose branches or
-/// iterations cannot be written with [`Lane::select`].
+/// Run single-point code on every lane in turn, for the `update` of a law whose branches or iterations cannot be
+/// written with [`Lane::select`].
 ///
-/// `one` gets the kinematics and state of one point and returns the new state and stress, or what broke.
+/// `one` maps the kinematics and state of one point to the new state and stress, or to the breakdown.
 pub fn pointwise<T, L, S1, SL>(
     kinematics: &Kinematics<L>,
     old: &SL,
@@ -519,7 +522,7 @@ where
     Update { state: SL::read(&mut state), stress, fault }
 }
 
-/// The state of lane `i`.
+/// Return the state of lane `i`.
 pub fn lane_of<T, L, S1, SL>(state: &SL, i: usize) -> S1
 where
     T: Real,
@@ -531,7 +534,7 @@ where
     S1::read(&mut Buffer { values, at: 0 })
 }
 
-/// The same single-point state in every lane.
+/// Broadcast a single-point state to every lane.
 pub fn spread<T, L, S1, SL>(state: &S1) -> SL
 where
     T: Real,
@@ -543,17 +546,17 @@ where
     SL::read(&mut Buffer { values, at: 0 })
 }
 
-/// The numbers of a state, in order.
+/// Return the numbers of a state, in order.
 pub fn flatten<L: Lane, S: State<L>>(state: &S) -> Vec<L> {
     let mut list = Buffer { values: Vec::with_capacity(S::LEN), at: 0 };
     state.write(&mut list);
     list.values
 }
 
-/// The state with these numbers; `values` must hold `S::LEN` of them.
+/// Build a state from its `S::LEN` numbers.
 ///
 /// # Errors
-/// The number of values given, if it is not `S::LEN`.
+/// The number of values, if it is not `S::LEN`.
 pub fn unflatten<L: Lane, S: State<L>>(values: &[L]) -> Result<S, usize> {
     if values.len() != S::LEN {
         return Err(values.len());
@@ -561,7 +564,7 @@ pub fn unflatten<L: Lane, S: State<L>>(values: &[L]) -> Result<S, usize> {
     Ok(S::read(&mut Buffer { values: values.to_vec(), at: 0 }))
 }
 
-/// Number by number the mean of states, each with its weight.
+/// Weighted mean of states, number by number.
 pub fn mean<T: Real, S: State<T::Single>>(points: impl Iterator<Item = (f64, S)>) -> S {
     let mut sums = vec![0.0; S::LEN];
     let mut weights = 0.0;
@@ -572,12 +575,12 @@ pub fn mean<T: Real, S: State<T::Single>>(points: impl Iterator<Item = (f64, S)>
             *sum += weight * x.to_double();
         }
     }
-    // Equal numbers stay what they are where weights and sums are exact: flags do.
+    // The mean of equal numbers, such as flags, is exact if weights and sums are exact.
     let values = sums.into_iter().map(|sum| T::of(sum / weights).into()).collect();
     S::read(&mut Buffer { values, at: 0 })
 }
 
-/// Are all of these within `within` of `middle`?
+/// True if all numbers are within `within` of `middle`.
 pub(crate) fn alike(mut numbers: impl Iterator<Item = f64>, middle: f64, within: f64) -> bool {
     numbers.all(|x| (x - middle).abs() <= within)
 }
@@ -601,35 +604,35 @@ impl<L> Sink<L> for Buffer<L> {
 /// A point whose law broke down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Broken {
-    /// Which lane.
+    /// Lane of the point.
     pub lane: usize,
-    /// Why.
+    /// Cause of the breakdown.
     pub cause: Breakdown,
 }
 
-/// The first broken lane of an update, if any.
+/// Return the first broken lane of an update, if any.
 pub fn first_broken<L: Lane, S>(update: &Update<L, S>) -> Option<Broken> {
     (0..L::WIDTH).find_map(|lane| update.fault.cause(lane).map(|cause| Broken { lane, cause }))
 }
 
-/// Is every component of the stress a finite number?
+/// True if every stress component is finite.
 #[inline(always)]
 pub fn finite_stress<L: Lane>(stress: &Sym3<L>) -> L::Mask {
-    // One infinity or NaN spoils the sum.
+    // The sum is not finite if any term is infinite or NaN.
     let s = &stress.0;
     (s[0] + s[1] + s[2] + s[3] + s[4] + s[5]).is_finite()
 }
 
-/// Is every number of the state finite?
+/// True if every number of the state is finite.
 #[inline(always)]
 pub fn finite_state<L: Lane, S: State<L>>(state: &S) -> L::Mask {
-    // One infinity or NaN spoils the sum. Two of them side by side, which wait half as long.
+    // The sum is not finite if any term is infinite or NaN. Two interleaved sums halve the latency.
     let mut sums = Sums { one: L::zero(), other: L::zero() };
     state.write(&mut sums);
     (sums.one + sums.other).is_finite()
 }
 
-/// Sums of every other number.
+/// Two interleaved sums.
 struct Sums<L> {
     one: L,
     other: L,
@@ -642,7 +645,7 @@ impl<L: Lane> Sink<L> for Sums<L> {
     }
 }
 
-/// The number of a state that bears this name, see [`State::names`].
+/// Return the number of a state by name, see [`State::names`].
 pub fn named<L: Lane, S: State<L>>(state: &S, name: &str) -> Option<L> {
     let mut names = Vec::with_capacity(S::LEN);
     S::names("", &mut names);
@@ -650,18 +653,18 @@ pub fn named<L: Lane, S: State<L>>(state: &S, name: &str) -> Option<L> {
     flatten(state).get(at).copied()
 }
 
-/// Strain, spin and change of volume of a step.
+/// Strain increment, spin increment and volume factor of a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Increments<L> {
     /// Strain increment, dimensionless.
     pub strain: Sym3<L>,
     /// Axial vector of the spin increment W, dimensionless: `W x = spin cross x`.
     pub spin: [L; 3],
-    /// Change of volume, det(I + X): [`Kinematics::volume_factor`].
+    /// Volume factor, det(I + X): [`Kinematics::volume_factor`].
     pub volume_factor: L,
 }
 
-/// A law whose kernels are compiled where it is used: [`Constitutive::compiled`].
+/// Law whose kernels are compiled in the calling crate: [`Constitutive::compiled`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompiledHere<C>(pub(crate) C);
 
@@ -674,7 +677,7 @@ mod tests {
         let increment = Mat3([[0.01, -0.05, 0.0], [0.05, -0.02, 0.0], [0.0, 0.0, 0.003]]);
         for ratio in [0.9, 1.0, 1.1] {
             let det = (with_volume(&increment, ratio) + Mat3::identity()).determinant();
-            // The first-order root is off by e^2/9, and each step of Newton's method squares that.
+            // The error of the first-order root is e^2/9, and each Newton step squares it.
             assert!((det - ratio).abs() < 1e-15, "{det} for {ratio}");
         }
     }

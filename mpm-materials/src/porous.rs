@@ -1,4 +1,4 @@
-//! Porous solids that compact: the p-alpha model.
+//! Porous solids with compaction: the p-alpha model.
 
 use crate::eos::{Eos, Terms, balance};
 use crate::lane::{Lane, Mask, Real};
@@ -11,7 +11,7 @@ use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
 state! {
-    /// What a point of a porous solid remembers.
+    /// State variables of a porous solid.
     pub struct PorousState<L, S> {
         /// Total Cauchy stress, viscous pressure included, Pa.
         pub stress: Sym3<L>,
@@ -19,7 +19,7 @@ state! {
         pub volume_ratio: L,
         /// Internal energy e per reference volume of the porous solid, J/m^3.
         pub energy: L,
-        /// Distension alpha: specific volume over that of the solid part, at least one; it never grows.
+        /// Distension alpha: specific volume over that of the solid part, at least one; it never increases.
         pub distension: L,
         /// History of the strength.
         pub strength: S,
@@ -27,17 +27,18 @@ state! {
 }
 
 /// Porous solid of p-alpha type (\[Herrmann1969\], \[CarrollHolt1972\], book, "Porous solids"): a strength, and the
-/// equation of state of the **solid** part, p = p_s(rho alpha, e)/alpha. The distension alpha stays while p is below
+/// equation of state of the **solid** part, p = p_s(rho alpha, e)/alpha. The distension alpha is constant while p is
+/// below
 ///
 /// P(alpha) = p_s - (p_s - p_e) sqrt((alpha - 1)/(alpha_0 - 1)),
 ///
-/// and follows that curve on loading: from alpha_0 at the elastic limit p_e to one at the pressure of full
-/// compaction p_s. Energy is implicit, with alpha, as in [`Solid`](crate::Solid). Strength (shear modulus and flow
-/// stress) is that of the porous solid.
+/// and follows that curve on loading: from alpha_0 at the elastic limit p_e to one at the pressure of full compaction
+/// p_s. Energy and alpha are implicit, as in [`Solid`](crate::Solid). Strength (shear modulus and flow stress) is that
+/// of the porous solid.
 ///
 /// Limits: elastic below p_e with the stiffness of the solid part, so that its sound speed is that of the solid (true
-/// porous solids are slower); pores do not open again. **Slow while it compacts**: alpha is found by 60 bisections, for
-/// all points of a pack in which one compacts.
+/// porous solids are slower); pores do not open again. **Slow during compaction**: 60 bisections compute alpha, for all
+/// points of a pack in which one compacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Porous<T, S, E, V = NoViscosity, R = HughesWinget> {
     strength: S,
@@ -50,7 +51,7 @@ pub struct Porous<T, S, E, V = NoViscosity, R = HughesWinget> {
 }
 
 impl<T: Real, S: Strength<T>, E: Eos<T>> Porous<T, S, E> {
-    /// From a strength, the equation of state of the solid part, the distension alpha_0 = rho_s0/rho_0 > 1, the
+    /// Create from a strength, the equation of state of the solid part, the distension alpha_0 = rho_s0/rho_0 > 1, the
     /// elastic limit p_e and the pressure of full compaction p_s, Pa.
     ///
     /// # Errors
@@ -74,7 +75,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>> Porous<T, S, E> {
 }
 
 impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
-    /// The same solid with bulk viscosity: linear coefficient b1 and quadratic b0.
+    /// Set the bulk viscosity: linear coefficient b1 and quadratic b0.
     ///
     /// # Errors
     /// A negative coefficient.
@@ -87,7 +88,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
         let viscosity = BulkViscosity::new(linear, quadratic, solid.rest_speed())?;
         Ok(Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, rate })
     }
-    /// The same solid with another objective rate.
+    /// Set the objective rate.
     pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Porous<T, S, E, V, Q> {
         let Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, .. } = self;
         Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, rate }
@@ -103,7 +104,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
         volume_ratio * L::splat(self.distension) / distension
     }
 
-    /// The terms of the pressure at a distension.
+    /// Terms of the pressure at a distension.
     #[inline(always)]
     fn terms<L: Lane<Real = T>>(&self, volume_ratio: L, distension: L) -> Terms<L> {
         let Terms { cold, thermal } = self.solid.terms(self.solid_ratio(volume_ratio, distension));
@@ -111,7 +112,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
         Terms { cold: cold * inverse, thermal: thermal * inverse * L::splat(self.distension) }
     }
 
-    /// P(alpha), Pa.
+    /// Crush pressure P(alpha), Pa.
     #[inline(always)]
     fn crush_pressure<L: Lane<Real = T>>(&self, distension: L) -> L {
         let open =
@@ -119,7 +120,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
         L::splat(self.full_compaction) - L::splat(self.full_compaction - self.elastic_limit) * open.sqrt()
     }
 
-    /// Is the pressure at this distension above the curve?
+    /// True if the pressure at this distension exceeds P(alpha).
     #[inline(always)]
     fn crushes<L: Lane<Real = T>>(&self, volume_ratio: L, distension: L, worked: L, change: L) -> L::Mask {
         let found = balance(self.terms(volume_ratio, distension), worked, change);
@@ -141,7 +142,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
             high = L::select(still, middle, high);
             low = L::select(still, low, middle);
         }
-        // Fully compacted: no distension stops it.
+        // Full compaction: the pressure exceeds P(alpha) at every distension.
         let full = self.crushes(volume_ratio, one, worked, change);
         L::select(compacts, L::select(full, one, low), old)
     }
@@ -160,7 +161,7 @@ where
     fn name(&self) -> &'static str {
         "p-alpha"
     }
-    /// Of the porous solid, rho_s0/alpha_0.
+    /// Reference density of the porous solid, rho_s0/alpha_0.
     fn density(&self) -> T {
         self.density()
     }
@@ -231,7 +232,7 @@ where
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
-    /// c^2 = c_s^2 + 4 G/(3 rho), c_s the bulk sound speed of the solid part: that of unloading.
+    /// Squared wave speed c^2 = c_s^2 + 4 G/(3 rho), with c_s the bulk sound speed of the solid part, that of unloading.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let ratio = self.solid_ratio(now.volume_ratio, now.distension);

@@ -1,10 +1,10 @@
-//! Objective rates: what of a step's motion is strain, and how a stress turns with the material.
+//! Objective rates: strain and rotation of a step.
 
 use crate::lane::Lane;
 use crate::point::{Increments, Kinematics};
 use crate::tensor::{Mat3, Sym3};
 
-/// Parts the motion of a step into strain and rotation, and turns a symmetric tensor with the latter.
+/// Objective rate: splits the motion of a step into strain and rotation, and rotates a symmetric tensor.
 ///
 /// ```
 /// use mpm_materials::{HughesWinget, Kinematics, Mat3, ObjectiveRate, Sym3};
@@ -17,20 +17,21 @@ use crate::tensor::{Mat3, Sym3};
 /// assert!((turned.0[1] - 1.0e6).abs() < 1.0e-9 && turned.0[0].abs() < 1.0e-9);
 /// ```
 pub trait ObjectiveRate: std::fmt::Debug + Copy + Send + Sync + 'static {
-    /// Strain and spin of a step.
+    /// Compute strain and spin of a step.
     fn increments<L: Lane>(&self, kinematics: &Kinematics<L>) -> Increments<L>;
-    /// A tensor after the rotation of a step, before any straining.
+    /// Rotate a tensor by the rotation of a step, without strain.
     fn rotate<L: Lane>(&self, step: &Increments<L>, tensor: &Sym3<L>) -> Sym3<L>;
 }
 
-/// Jaumann rate, exact for rotations of any size below half a turn a step (\[HughesWinget1980\]): strain and spin are
-/// those of the middle of the step ([`Kinematics::increments`]), the tensor becomes Q s Q^T with
-/// Q = (I - W/2)^-1 (I + W/2), which is orthogonal, and the strain e + (W e - e W) / 2: the middle of the step sees it half
-/// a rotation before the end.
+/// Jaumann rate, exact for rotations of any size below half a turn per step (\[HughesWinget1980\]): strain e and spin W
+/// are midpoint increments ([`Kinematics::increments`]). The tensor becomes Q s Q^T with the orthogonal
+/// Q = (I - W/2)^-1 (I + W/2), and the strain e + (W e - e W) / 2, since the midpoint is half a rotation before the
+/// end.
 ///
-/// A motion that is a rotation, X = R - I, has no strain and Q = R, to rounding. A motion that turns and strains is of
-/// second order in the step over a path, and of third order in the angle between increments of stress and strain. Without that half
-/// rotation increments of stress lag, so that they do work on a body that oscillates while it spins: its energy grows exponentially.
+/// A pure rotation, X = R - I, has no strain and Q = R, to rounding. For combined rotation and strain the error is of
+/// second order in the step over a path, and of third order in the angle between increments of stress and strain.
+/// Without that half rotation stress increments lag and do work on a body that oscillates while it spins: its energy
+/// grows exponentially.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HughesWinget;
 
@@ -47,12 +48,12 @@ impl ObjectiveRate for HughesWinget {
     }
 }
 
-/// Strain and spin as the symmetric and the antisymmetric part of X = dt grad v, and the Jaumann rate to first order,
-/// s + W s - s W (eqs. 18 and 19 and section 1.2 of \[Ma2010\]). For bodies that hardly turn: some 40
-/// instructions a particle and step fewer with AVX2.
+/// Small-rotation increments: strain and spin are the symmetric and the antisymmetric part of X = dt grad v, with the
+/// Jaumann rate to first order, s + W s - s W (eqs. 18 and 19 and section 1.2 of \[Ma2010\]). For bodies with little
+/// rotation: some 40 instructions per particle and step fewer with AVX2.
 ///
-/// Limits: a rotation by alpha in a step counts as a strain of -alpha^2/2 across the axis and stretches the tensor by
-/// alpha^2, so that a body that spins gathers stress without load. Keep the sum of alpha^2/2 over all steps far
+/// Limits: a rotation by alpha in a step counts as a strain of -alpha^2/2 normal to the axis and stretches the tensor
+/// by alpha^2, so that a spinning body accumulates stress without load. Keep the sum of alpha^2/2 over all steps far
 /// below the strains of interest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SmallRotation;
@@ -72,7 +73,7 @@ impl ObjectiveRate for SmallRotation {
     }
 }
 
-/// A symmetric tensor turned by the small axial vector `w`: t + W t - t W.
+/// Rotate a symmetric tensor by the small axial vector `w`: t + W t - t W.
 #[inline(always)]
 fn swung<L: Lane>(w: [L; 3], tensor: &Sym3<L>) -> Sym3<L> {
     let two = L::of(2.0);
@@ -90,14 +91,14 @@ fn swung<L: Lane>(w: [L; 3], tensor: &Sym3<L>) -> Sym3<L> {
     ])
 }
 
-/// The rotation (I - W/2)^-1 (I + W/2) of axial vector `w`, by 2 atan(|w|/2) about `w`.
+/// Rotation tensor (I - W/2)^-1 (I + W/2) of axial vector `w`, by 2 atan(|w|/2) about `w`.
 #[inline(always)]
 pub fn rotation<L: Lane>(w: [L; 3]) -> Mat3<L> {
     turn(w) + Mat3::identity()
 }
 
-/// The rotation (I - W/2)^-1 (I + W/2) of axial vector `w` minus the identity, (W + W^2/2) / (1 + w.w/4): the
-/// displacement gradient of a step that turns, without the rounding of a difference.
+/// Rotation tensor (I - W/2)^-1 (I + W/2) of axial vector `w` minus the identity, (W + W^2/2) / (1 + w.w/4): the
+/// displacement gradient of a rotation step, without the rounding of a difference.
 #[inline(always)]
 pub fn turn<L: Lane>(w: [L; 3]) -> Mat3<L> {
     let (one, half, quarter) = (L::one(), L::of(0.5), L::of(0.25));

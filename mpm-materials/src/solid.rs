@@ -14,8 +14,8 @@ use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
 state! {
-    /// What a point of a composed solid remembers. Elastic without failure: 8 numbers; Johnson-Cook
-    /// isothermal: 9; adiabatic: 10; a failure flag: one more.
+    /// State variables of a composed solid. Elastic without failure: 8 numbers; Johnson-Cook isothermal: 9; adiabatic:
+    /// 10; a failure flag: one more.
     pub struct SolidState<L, S, F> {
         /// Total Cauchy stress, viscous pressure included, Pa.
         pub stress: Sym3<L>,
@@ -32,13 +32,14 @@ state! {
 
 /// Strength, equation of state and failure as one law: sigma = s - (p + q) I.
 ///
-/// A step: rotate the old stress with the material ([`ObjectiveRate`]), return the trial deviator to the yield
-/// surface ([`Strength`]), compute the viscous pressure ([`ShockViscosity`]), solve pressure and energy
-/// together ([`Eos`], book, "Mie-Grueneisen"), and judge ([`Failure`]). The energy takes in the whole stress work:
-/// J s : d dt with s the mean over the step, -(p + q) dJ likewise. What a failed point still carries is the choice of
-/// the criterion ([`Remains`](crate::failure::Remains)); stress does no work at the end of the step it is lost in.
+/// An update rotates the old stress with the material ([`ObjectiveRate`]), returns the trial deviator to the yield
+/// surface ([`Strength`]), computes the viscous pressure ([`ShockViscosity`]), solves pressure and energy together
+/// ([`Eos`], book, "Mie-Grueneisen"), and evaluates the failure criterion ([`Failure`]). The energy includes the whole
+/// stress work, J s : d dt and -(p + q) dJ, with s and p + q averaged over the step. The criterion selects the stress
+/// that a failed point still carries ([`Remains`](crate::failure::Remains)); stress lost in a step does no work at its
+/// end.
 ///
-/// Ingredients left at their defaults cost neither memory nor instructions.
+/// Components left at their defaults cost neither memory nor instructions.
 ///
 /// ```
 /// use mpm_materials::{JohnsonCook, MieGruneisen, PlasticStrainLimit, Solid};
@@ -59,13 +60,13 @@ pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = HughesWinget> {
     rate: R,
 }
 
-/// How far volume ratios of points that merge may be from their mean, over that.
+/// Largest relative deviation of merging points from their mean volume ratio.
 pub const LIKE_VOLUME: f64 = 0.05;
-/// How far plastic strains of points that merge may be from their mean, beside a quarter of that.
+/// Largest deviation of merging points from their mean plastic strain, in addition to a quarter of that mean.
 pub const LIKE_STRAIN: f64 = 0.05;
 
 impl<S, E> Solid<S, E> {
-    /// Without failure and bulk viscosity, with the [`HughesWinget`] rate.
+    /// Create a solid without failure and bulk viscosity, with the [`HughesWinget`] rate.
     pub fn new<T: Real>(strength: S, eos: E) -> Self
     where
         S: Strength<T>,
@@ -76,7 +77,7 @@ impl<S, E> Solid<S, E> {
 }
 
 impl<S, E, F, V, R> Solid<S, E, F, V, R> {
-    /// The same solid with a failure criterion: `N` is `Solid<S, E, G, V, R>`, of a `G` that is a [`Failure`].
+    /// Set the failure criterion: `N` is `Solid<S, E, G, V, R>`, of a `G` that is a [`Failure`].
     pub fn with_failure<T, G, W, N>(self, failure: G) -> N
     where
         T: Real,
@@ -87,8 +88,8 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
         let Solid { strength, eos, viscosity, rate, .. } = self;
         G::made(Solid { strength, eos, failure, viscosity, rate })
     }
-    /// The same solid with bulk viscosity: linear coefficient b1 and quadratic b0 (0.06 and 1.5 in the public
-    /// decks), and the sound speed of its equation of state at rest.
+    /// Set the bulk viscosity: linear coefficient b1 and quadratic b0 (0.06 and 1.5 in the public decks), and the sound
+    /// speed of the equation of state at rest.
     ///
     /// # Errors
     /// A negative coefficient.
@@ -104,7 +105,7 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
         let viscosity = BulkViscosity::new(linear, quadratic, eos.rest_speed())?;
         Ok(Solid { strength, eos, failure, viscosity, rate })
     }
-    /// The same solid with another objective rate.
+    /// Set the objective rate.
     pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Solid<S, E, F, V, Q> {
         let Solid { strength, eos, failure, viscosity, .. } = self;
         Solid { strength, eos, failure, viscosity, rate }
@@ -123,12 +124,12 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
     }
 }
 
-/// Newton steps of an opening crack. A time step changes tension by little, the matter beside the crack is nearly linear,
-/// and what is left is made up in the next step.
+/// Newton steps of an opening crack. Tension changes little in a time step, the material beside the crack is nearly
+/// linear, and the next step corrects the residual.
 const CRACK_STEPS: usize = 2;
 
 impl<S, E, F, V, R> Solid<S, E, F, V, R> {
-    /// Pressure and energy together, of the matter beside the crack where the failure opens one.
+    /// Solve pressure and energy together, of the material beside the crack if the failure criterion opens one.
     #[inline(always)]
     fn balanced<T, L>(
         &self,
@@ -155,7 +156,7 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
             if !self.failure.opens(failure, balanced.pressure).any() {
                 break;
             }
-            // rho0 c^2 = J^2 (p b - (dp/dJ)_e): a crack opens at the energy that the step leaves.
+            // rho0 c^2 = J^2 (p b - (dp/dJ)_e): the crack opens at constant energy, that of the end of the step.
             let squared = self.eos.speed_squared(beside, balanced.energy) * L::splat(self.eos.density());
             let pressure = balanced.pressure;
             let stiffness = (squared * (beside * beside).recip() - pressure * terms.thermal).max(L::zero());
@@ -167,7 +168,7 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
         }
         balanced
     }
-    /// What broke in a step, if anything. Nearly always nothing did, and one test tells so.
+    /// Check a step for breakdowns. One test covers the usual case of none.
     #[inline(always)]
     fn health<T, L, H, G>(&self, new: &SolidState<L, H, G>, volume_factor: L) -> Fault<L>
     where
@@ -229,7 +230,7 @@ where
         let (zero, half) = (L::zero(), L::of(0.5));
         let stilled;
         let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
-            // A point that is gone does not follow the motion: no work, no breakdown.
+            // A removed point does not follow the motion: no work, no breakdown.
             let gone = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
             let increment = kinematics.increment * L::select(gone, zero, L::one());
             stilled = Kinematics { increment, ..*kinematics };
@@ -268,7 +269,7 @@ where
         let mut failure = old.failure;
         let balanced = self.balanced(kinematics.length, volume_ratio, worked, volume_change, &mut failure);
 
-        // Failure: what the point lost in this step, it did no work with.
+        // Failure: stress lost in this step does no work at its end.
         let mut deviator = returned.deviator;
         let mut pressure = balanced.pressure;
         let mut energy = balanced.energy;
@@ -333,10 +334,10 @@ where
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
-    /// c^2 = (dp/drho)_s + 4 G/(3 rho), the bulk part floored at zero. Plastic flow does not lower it; pressure raises
-    /// it where it stiffens the strength. A point that failed and carries no shear has none in c either: debris flies
-    /// apart, and 4 G/(3 rho) of what is left of its density would govern the step of the whole scene. Bulk viscosity
-    /// is left out; see [`BulkViscosity`] for what it does to the step.
+    /// Squared wave speed c^2 = (dp/drho)_s + 4 G/(3 rho), the bulk part floored at zero. Plastic flow does not lower it; pressure raises
+    /// it where it stiffens the strength. The shear term is zero for a failed point without shear: debris expands, and
+    /// 4 G/(3 rho) at its low density would govern the time step of the whole scene. Bulk viscosity is left out; see
+    /// [`BulkViscosity`] for its effect on the time step.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let beside = now.volume_ratio - self.failure.crack_volume(&now.failure);
@@ -354,13 +355,13 @@ where
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.energy - L::splat(self.eos.initial_energy())
     }
-    /// Points of a solid that failure removes do not merge, since they no longer follow the motion. Others:
-    /// points of the same failure whose volume ratios are within [`LIKE_VOLUME`] of their mean and whose plastic strains
-    /// are within [`LIKE_STRAIN`] and a quarter of theirs; failed ones without stress are like within half of their
-    /// mean volume ratio. Volume ratio, energy and histories are means by mass, the stress one by volume, so that the
-    /// force on the nodes stays. The mean deviator stores less energy than the deviators did: the energy, which is a
-    /// number of the state, keeps that as heat. In the next step the pressure is that of the mean volume and energy,
-    /// which differs from the mean pressure by the square of the differences in volume.
+    /// Merge points, unless failure removes points of the solid, which then no longer follow the motion. All points
+    /// must be failed or all intact, with volume ratios within [`LIKE_VOLUME`] of their mean (half of it for failed
+    /// points without stress) and plastic strains within [`LIKE_STRAIN`] and a quarter of their mean. Volume ratio,
+    /// energy and histories are mass-weighted means, the stress is a volume-weighted one, which preserves the nodal
+    /// forces. The mean deviator stores less elastic energy than the deviators; the energy, a state variable, retains
+    /// the difference as heat. The pressure of the next step follows from mean volume and energy; it differs from the
+    /// mean pressure by the square of the volume differences.
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
         if F::POSSIBLE && !F::REMAINS.compression() {
             return None;

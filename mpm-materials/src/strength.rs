@@ -1,4 +1,4 @@
-//! Strength: what a solid's deviatoric stress may be, and what it remembers of having flowed.
+//! Strength: flow stress, return mapping and plastic history of the stress deviator of a solid.
 
 pub mod borvik;
 pub mod drucker_prager;
@@ -30,7 +30,7 @@ use crate::point::{Fault, Kinematics, State};
 use crate::state;
 use crate::tensor::Sym3;
 
-/// The circumstances of a step in which a deviator is returned to the yield surface.
+/// Loading of a step for the return mapping of a deviator.
 #[derive(Clone, Copy, Debug)]
 pub struct Loading<L> {
     /// Deviator of the strain increment.
@@ -52,7 +52,7 @@ impl<L: Lane> Loading<L> {
         let e = &self.strain_deviator;
         (e.dot(e) * L::of(2.0 / 3.0)).sqrt() * self.dt.recip()
     }
-    /// The loading of a step with this strain increment.
+    /// Build the loading of a step from its strain increment.
     #[inline(always)]
     pub fn of(kinematics: &Kinematics<L>, strain: &Sym3<L>, pressure: L, specific_volume: L) -> Self {
         let strain_deviator = strain.deviator();
@@ -60,22 +60,22 @@ impl<L: Lane> Loading<L> {
     }
 }
 
-/// A deviator on or inside the yield surface.
+/// Result of the return mapping: a deviator on or inside the yield surface.
 #[derive(Clone, Copy, Debug)]
 pub struct Return<L, H> {
     /// Stress deviator at the end of the step, Pa.
     pub deviator: Sym3<L>,
-    /// What is remembered.
+    /// History at the end of the step.
     pub history: H,
     /// Plastic work of the step per current volume, sigma_y d_eps_p, J/m^3.
     pub plastic_work: L,
-    /// Lanes in which the return failed.
+    /// Lanes in which the return mapping failed.
     pub fault: Fault<L>,
 }
 
-/// A law for the stress deviator.
+/// Strength model: a law for the stress deviator.
 pub trait Strength<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
-    /// What a point remembers of its flow.
+    /// State variables of plastic flow.
     type History<L: Lane<Real = T>>: State<L>;
 
     /// The law's name, for messages.
@@ -87,8 +87,8 @@ pub trait Strength<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// The history of a virgin point.
     fn virgin(&self) -> Self::History<T::Single>;
 
-    /// From the elastic trial deviator (rotated old deviator + 2 G times the strain deviator) to the deviator
-    /// at the end of the step.
+    /// Map the elastic trial deviator (rotated old deviator + 2 G times the strain deviator) to the deviator at the end
+    /// of the step.
     fn return_map<L: Lane<Real = T>>(
         &self,
         trial: &Sym3<L>,
@@ -96,18 +96,18 @@ pub trait Strength<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
         old: &Self::History<L>,
     ) -> Return<L, Self::History<L>>;
 
-    /// Accumulated equivalent plastic strain; zero for a law without.
+    /// Accumulated equivalent plastic strain; zero for a law without plasticity.
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
 
-    /// Homologous temperature T* in \[0, 1\], what a failure criterion asks for; zero, room temperature, for a law
-    /// without temperature.
+    /// Homologous temperature T* in \[0, 1\], an input of failure criteria; zero, room temperature, for a law without
+    /// temperature.
     #[inline(always)]
     fn homologous_temperature<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
         let _ = history;
         L::zero()
     }
 
-    /// Damage in \[0, 1\]; zero for a law without.
+    /// Damage in \[0, 1\]; zero for a law without damage.
     #[inline(always)]
     fn damage<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
         let _ = history;
@@ -123,9 +123,9 @@ pub trait Strength<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     }
 }
 
-/// A strength with a flow stress that its deviator never exceeds. Used to test it.
+/// Strength with a flow stress that bounds its deviator, for tests.
 pub trait FlowStress<T: Real>: Strength<T> {
-    /// The flow stress, Pa, that bounded sqrt(3/2 s:s) at the end of the step from `old` to `new`.
+    /// Flow stress, Pa: bound of sqrt(3/2 s:s) at the end of the step from `old` to `new`.
     fn flow_stress<L: Lane<Real = T>>(
         &self,
         loading: &Loading<L>,
@@ -135,11 +135,11 @@ pub trait FlowStress<T: Real>: Strength<T> {
 }
 
 state! {
-    /// What an isotropically hardening law remembers; `H` is the temperature or nothing.
+    /// State variables of an isotropically hardening law; `H` is the temperature or nothing.
     pub struct Hardened<L, H> {
         /// Accumulated equivalent plastic strain, the sum of sqrt(2/3 d_ep:d_ep).
         pub plastic_strain: L,
-        /// Temperature, K, if the law heats.
+        /// Temperature, K, of a law with heating.
         pub temperature: H,
     }
 }

@@ -1,4 +1,4 @@
-//! A law whose points also remember how far they were stretched.
+//! Accumulated stretch of a point, added to a law for particle splitting.
 
 use crate::capability::{Stretches, Yields};
 use crate::lane::{Lane, Real};
@@ -7,24 +7,23 @@ use crate::state;
 use crate::tensor::{Mat3, Sym3};
 
 state! {
-    /// What a point of a [`Stretching`] law remembers: 7 numbers before those of the law itself.
+    /// State variables of a [`Stretching`] law: 7 numbers before those of the law itself.
     pub struct StretchingState<L, S> {
-        /// Left Cauchy-Green tensor b = F F^T of the motion since the start, or of what is left of it after the
-        /// point was cut in two: its principal values are the squares of the stretches, its axes are where the
-        /// stretched directions point now.
+        /// Left Cauchy-Green tensor b = F F^T of the motion since the start, reduced when the point is split: its
+        /// principal values are the squares of the stretches, its axes the present directions of the stretches.
         pub cauchy_green: Sym3<L>,
-        /// How often the point was cut in two.
+        /// Number of splits of the point.
         pub splits: L,
         /// State of the law.
         pub law: S,
     }
 }
 
-/// The law `C`, whose points also keep their accumulated stretch, as splitting of particles asks for it
-/// ([`Stretches`]). Stress, energy and wave speed are those of `C`, bit for bit; a point takes 7 numbers more.
+/// The law `C` with the accumulated stretch as state variables, required for particle splitting ([`Stretches`]).
+/// Stress, energy and wave speed are those of `C`, bit for bit; a point has 7 numbers more.
 ///
-/// A step takes b to (I + dt grad v) b (I + dt grad v)^T, which is that of the motion exactly. b is that of the whole
-/// motion, plastic or elastic, and of volume, too.
+/// A step updates b to (I + dt grad v) b (I + dt grad v)^T, exact for the motion. b includes elastic and plastic
+/// deformation and volume change.
 ///
 /// ```
 /// use mpm_materials::{Constitutive, Stretching, library};
@@ -37,11 +36,11 @@ pub struct Stretching<C> {
 }
 
 impl<C> Stretching<C> {
-    /// The law, with a memory for stretch.
+    /// Wrap a law and add its accumulated stretch.
     pub fn new(law: C) -> Self {
         Stretching { law }
     }
-    /// The law itself.
+    /// Wrapped law.
     pub fn law(&self) -> &C {
         &self.law
     }
@@ -115,7 +114,7 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.law.energy(&now.law)
     }
-    /// Stretch and cuts are means, too: what they are of the new particle, its size tells.
+    /// Merge the law; stretch and splits are means, too, which the caller adapts to the size of the new particle.
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
         let laws: Vec<_> = points.iter().map(|(mass, state)| (*mass, state.law)).collect();
         let law = self.law.merged(&laws)?;

@@ -1,7 +1,7 @@
 //! Second-order tensors in three dimensions over a [`Lane`].
 //!
-//! nalgebra's matrices serve everywhere else; these two exist because a law must be inlined down to the last
-//! multiplication into a vector kernel, and because a symmetric tensor has six components, not nine.
+//! Other code uses nalgebra's matrices; these two types can be inlined completely into a vector kernel, and a symmetric
+//! tensor stores six components, not nine.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
@@ -26,7 +26,7 @@ impl<L: Lane> Sym3<L> {
     pub fn zero() -> Self {
         Sym3([L::zero(); 6])
     }
-    /// `a` times the identity.
+    /// Isotropic tensor, `a` times the identity.
     #[inline(always)]
     pub fn isotropic(a: L) -> Self {
         let o = L::zero();
@@ -79,7 +79,7 @@ impl<L: Lane> Sym3<L> {
         let (x, y, z) = (minor(yy, yz, yz, zz), minor(xy, yz, xz, zz), minor(xy, yy, xz, yz));
         xx.mul_add(x, (-xy).mul_add(y, xz * z))
     }
-    /// The tensor plus `a` times another.
+    /// The tensor plus `a` times another tensor.
     #[inline(always)]
     pub fn plus_times(mut self, o: &Self, a: L) -> Self {
         for i in 0..6 {
@@ -87,13 +87,13 @@ impl<L: Lane> Sym3<L> {
         }
         self
     }
-    /// The general tensor with the same components.
+    /// Convert to a general tensor.
     #[inline(always)]
     pub fn to_mat(&self) -> Mat3<L> {
         let s = &self.0;
         Mat3([[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]])
     }
-    /// Principal values, largest first (closed form by the deviatoric angle; a few ulps of the largest value).
+    /// Principal values, largest first, lane by lane (iterative eigenvalue solver; a few ulps of the largest value).
     pub fn principal(&self) -> [L; 3] {
         let mut r = [L::zero(); 3];
         for lane in 0..L::WIDTH {
@@ -108,7 +108,7 @@ impl<L: Lane> Sym3<L> {
     }
 }
 
-/// a d - b c.
+/// Determinant a d - b c.
 #[inline(always)]
 fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
     (-b).mul_add(c, a * d)
@@ -188,11 +188,10 @@ impl<L: Lane> Mat3<L> {
         let (m, h) = (&self.0, L::of(0.5));
         [(m[2][1] - m[1][2]) * h, (m[0][2] - m[2][0]) * h, (m[1][0] - m[0][1]) * h]
     }
-    /// `self . self^T`.
+    /// Product `self . self^T`.
     #[inline(always)]
     pub fn times_transpose(&self) -> Sym3<L> {
-        // Not a closure: one inside an inlined function would be compiled without the caller's vector
-        // instructions.
+        // Not a closure: inside an inlined function it would be compiled without the caller's vector instructions.
         Sym3([
             self.rows_dot(0, 0),
             self.rows_dot(1, 1),
@@ -206,13 +205,13 @@ impl<L: Lane> Mat3<L> {
     fn rows_dot(&self, i: usize, j: usize) -> L {
         self.row_times(i, self, j)
     }
-    /// Row `i` times row `j` of another.
+    /// Row `i` times row `j` of another tensor.
     #[inline(always)]
     fn row_times(&self, i: usize, o: &Self, j: usize) -> L {
         let (a, b) = (&self.0[i], &o.0[j]);
         a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
     }
-    /// `self . s . self^T`.
+    /// Congruence `self . s . self^T`.
     #[inline(always)]
     pub fn congruence(&self, s: &Sym3<L>) -> Sym3<L> {
         let once = self.times(&s.to_mat());

@@ -1,31 +1,31 @@
-//! Artificial bulk viscosity: spreads a shock over a few cells.
+//! Artificial bulk viscosity: smears a shock over a few cells.
 
 use crate::eos::EnergyColumn;
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Kinematics, Nothing, State};
 
-/// A viscous pressure in compression.
+/// Viscous pressure in compression.
 pub trait ShockViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
-    /// What a law must remember when its stress is not part of its state: the viscous pressure, or nothing.
+    /// Viscous pressure in the state of a law that does not store its stress, or nothing.
     type Memory<L: Lane<Real = T>>: State<L>;
-    /// A column for the heat that it makes in a law without a column for energy, or none.
+    /// Column for viscous heat in a law without an energy column, or none.
     type Heat<L: Lane<Real = T>>: EnergyColumn<L>;
-    /// The memory of a given viscous pressure.
+    /// Return the state variable of a viscous pressure, Pa.
     fn memory<L: Lane<Real = T>>(&self, pressure: L) -> Self::Memory<L>;
-    /// The remembered viscous pressure, Pa.
+    /// Return the stored viscous pressure, Pa.
     fn remembered<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> L;
     /// Viscous pressure q >= 0, Pa, in a step that changes the volume by a factor
     /// ([`Kinematics::volume_factor`]), at density rho, kg/m^3.
     fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, volume_factor: L, density: L) -> L;
-    /// What it stiffens a closing point by, for the time step: \[b1 c in m/s, b0\] of
-    /// q = rho l d (b0 l d + b1 c) at the closing rate d. Zeros of a viscosity that does not say.
+    /// Coefficients for the time step limit: \[b1 c in m/s, b0\] of q = rho l d (b0 l d + b1 c) at the compression rate
+    /// d. Default: zeros.
     fn coefficients(&self) -> [T; 2] {
         [T::default(); 2]
     }
 }
 
-/// None: no memory, no code.
+/// No bulk viscosity: no memory, no code.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoViscosity;
 
@@ -46,12 +46,12 @@ impl<T: Real> ShockViscosity<T> for NoViscosity {
     }
 }
 
-/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d < 0, else 0 (book, "Bulk viscosity"); l is
-/// the size of the cell and c the bulk sound speed **at rest**, which saves a square root a point. d is the change of
-/// volume over the time step: tr grad v of a step that turns by alpha is off by -alpha^2/dt.
+/// Bulk viscosity q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d < 0, else 0 (book, "Bulk viscosity"); l is the
+/// size of the cell and c the bulk sound speed **at rest**, which saves a square root per point. d is the change of
+/// volume over the time step: tr grad v differs from it by -alpha^2/dt in a step that rotates by alpha.
 ///
-/// It stiffens the point: with it a stable step is shorter, about l / \[Q + sqrt(Q^2 + c^2)\],
-/// Q = b1 c + b0 l |d|. `wave_speed` leaves this out.
+/// The stable time step is shorter with it, about l / \[Q + sqrt(Q^2 + c^2)\], Q = b1 c + b0 l |d|. `wave_speed` leaves
+/// this out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BulkViscosity<T> {
     linear: T,
@@ -60,7 +60,7 @@ pub struct BulkViscosity<T> {
 }
 
 impl<T: Real> BulkViscosity<T> {
-    /// From the linear coefficient b1 (0.06 in the public decks), the quadratic b0 (1.5), and the bulk sound
+    /// Create from the linear coefficient b1 (0.06 in the public decks), the quadratic b0 (1.5), and the bulk sound
     /// speed at rest, m/s.
     ///
     /// # Errors
@@ -91,7 +91,7 @@ impl<T: Real> ShockViscosity<T> for BulkViscosity<T> {
     }
     #[inline(always)]
     fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, volume_factor: L, density: L) -> L {
-        // The time step is the same for all points: its inverse is computed once.
+        // The time step is equal for all points: its reciprocal is computed once.
         let per_time = kinematics.dt.recip();
         let rate = ((volume_factor - L::one()) * per_time).min(L::zero());
         let closing = -(rate * kinematics.length);

@@ -1,68 +1,68 @@
-//! What revisions did, and how elements cover particles.
+//! Audit of revisions, and coverage of particles by elements.
 
 use impactite_scene::{Archive, CheckpointError};
 
 use crate::tessellation::Flaw;
 
-/// Elements removed or created by revisions, with what they held.
+/// Totals of the elements removed or created by revisions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lot {
-    /// How many.
+    /// Number of elements.
     pub elements: u64,
-    /// Their volume, m^3 (per metre of depth, or per radian).
+    /// Volume of the elements, m^3 (per metre of depth, or per radian).
     pub volume: f64,
-    /// Their mass (reference density times reference volume), kg. The mass that moves is that of the particles, which
-    /// no revision touches.
+    /// Mass of the elements (reference density times reference volume), kg. The inertial mass is that of the particles, which revisions do
+    /// not change.
     pub mass: f64,
-    /// Their internal energy, J.
+    /// Internal energy of the elements, J.
     pub energy: f64,
 }
 
-/// What revisions did. Masses and velocities of particles stay, and with them momentum and kinetic energy.
+/// Audit of revisions. Masses and velocities of particles do not change, nor do momentum and kinetic energy.
 ///
-/// Matter that loses its element is still there: what a dead element held and left to no newborn, its particles hold
-/// in store, as heat, until newborns take it up again. Only what a newborn has beyond that is added.
+/// Material that loses its element is kept: particles store, as heat, the part of a deleted element that no new element inherited, until
+/// new elements take it up. Only the excess of a new element over this store is added.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Audit {
-    /// Revisions that changed something.
+    /// Number of revisions with changes.
     pub revisions: u64,
-    /// What was deleted.
+    /// Deleted elements.
     pub removed: Lot,
-    /// What was created.
+    /// Created elements.
     pub created: Lot,
-    /// Mass that left elements and is in none, kg.
+    /// Mass stored outside elements, kg.
     pub stored_mass: f64,
-    /// Internal energy of that, J.
+    /// Internal energy stored outside elements, J.
     pub stored_energy: f64,
-    /// Deleted elements by the condition they failed: contact, small angle, large angle, short edge (see [`Flaw`]). Those
-    /// that made room for better ones are not among them.
+    /// Deleted elements by failed condition: contact, small angle, large angle, short edge (see [`Flaw`]). Elements replaced by better ones
+    /// are not counted.
     pub flaws: [u64; Flaw::COUNT],
 }
 
 impl Audit {
-    /// Internal energy that revisions made of nothing, J.
+    /// Internal energy that revisions added without a source, J.
     pub fn energy_added(&self) -> f64 {
         self.created.energy - self.removed.energy + self.stored_energy
     }
-    /// Mass of elements that revisions made of nothing, kg.
+    /// Mass of elements that revisions added without a source, kg.
     pub fn mass_added(&self) -> f64 {
         self.created.mass - self.removed.mass + self.stored_mass
     }
 }
 
-/// How the elements cover the particles: per metre of depth in plane strain, per radian around an axis.
+/// Coverage of the particles by elements: per metre of depth in plane strain, per radian around an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Coverage {
-    /// Mass of the elements, kg: less than that of the particles where matter is uncovered, more where it is covered twice.
+    /// Mass of the elements, kg: less than that of the particles for uncovered material, more for material covered twice.
     pub mass: f64,
     /// Volume of the elements, m^3.
     pub volume: f64,
-    /// Internal energy that particles hold in store ([`Audit`]), J; a part of the body's.
+    /// Internal energy stored at particles ([`Audit`]), J; a part of the body's.
     pub stored: f64,
 }
 
 impl Coverage {
-    /// The sum, of two bodies.
+    /// Return the sum of two bodies.
     #[must_use]
     pub fn plus(self, o: &Coverage) -> Coverage {
         Coverage { mass: self.mass + o.mass, volume: self.volume + o.volume, stored: self.stored + o.stored }
@@ -81,7 +81,7 @@ impl Lot {
 }
 
 impl Audit {
-    /// The sum, of two bodies.
+    /// Return the sum of two bodies.
     #[must_use]
     pub fn plus(mut self, o: &Audit) -> Audit {
         self.revisions += o.revisions;

@@ -1,4 +1,4 @@
-//! A body as contact with others sees it.
+//! Contact interface of a body.
 
 use impactite_scene::boundary::check_at;
 use impactite_scene::{
@@ -14,12 +14,12 @@ use crate::simplex::{measure, slopes};
 use crate::solver::{ADVICE, Pcmm};
 use crate::tessellation::corners;
 
-/// The part of |sum of V grad N| over the sum of |V grad N| that is rounding: the particle is surrounded.
+/// Rounding of |sum of V grad N| over the sum of |V grad N|: below it a particle is surrounded.
 const SURROUNDED: f64 = 1e-9;
-/// A particle this near to a plane of symmetry, in radii, lies on it.
+/// Distance from a plane of symmetry, in radii, below which a particle is on it.
 const ON_PLANE: f64 = 1e-6;
 
-/// What came through its surface meets its inside: any particle may be touched.
+/// Any particle may be in contact: a body that penetrated the surface is in contact with the inside.
 impl<const D: usize, M: Composition<D>> ParticleBody<D> for Pcmm<D, M> {
     fn particle(&self, n: usize) -> ContactParticle<D> {
         let Particle { position, velocity, mass, radius } = self.particles[n];
@@ -65,7 +65,7 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Pcmm<D, M> {
             size += volume * slope.iter().map(|s| s * s).sum::<f64>().sqrt();
         }
         let p = &self.particles[n];
-        // The other half of the body cancels what points across a plane of symmetry.
+        // The mirror half of the body cancels components across a plane of symmetry.
         let mut on_plane = [false; 3];
         on_plane[0] = M::Embedding::HOOP && p.position[0] <= ON_PLANE * p.radius;
         for boundary in &self.boundaries {

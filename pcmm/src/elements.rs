@@ -1,17 +1,17 @@
-//! Elements, and which of them meet at a particle.
+//! Elements, and their incidence at particles.
 
 use std::sync::OnceLock;
 
 use impactite_simd::Float;
 
-/// Elements of a batch: what one task computes. A multiple of the lanes of every vector.
+/// Number of elements of a batch, the work of one task; a multiple of the lanes of every vector.
 pub(crate) const BATCH: usize = 256;
 /// Lanes of a group.
 pub(crate) const GROUP: usize = <f64 as Float>::GROUP;
 
 pub(crate) type Row = <f64 as Float>::Row;
 
-/// For each particle, the corners of elements that are there, in ascending order of elements.
+/// Incidence of elements: for each particle the element corners at it, in ascending order of elements.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Incidence {
     starts: Vec<u32>,
@@ -19,7 +19,7 @@ pub struct Incidence {
 }
 
 impl Incidence {
-    /// Of the elements `nodes` on `particles` particles.
+    /// Create the incidence of the elements `nodes` on `particles` particles.
     pub fn of_elements(nodes: &[u32], particles: usize) -> Self {
         let mut starts = vec![0u32; particles + 1];
         for &n in nodes {
@@ -37,42 +37,42 @@ impl Incidence {
         Incidence { starts, corners }
     }
 
-    /// The corners at particle `i`: element times `D + 1` plus the corner's number in it.
+    /// Return the corners at particle `i`: element times `D + 1` plus the corner's number in it.
     #[inline]
     pub fn of(&self, i: usize) -> &[u32] {
         &self.corners[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 }
 
-/// What one task computes in a sweep, and what it found.
+/// Batch of elements, the work of one task, and the report of a sweep.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch {
-    /// States of the elements: groups of rows, one a number.
+    /// State variables of the elements: groups of rows, one row per number.
     pub rows: Vec<Row>,
     pub report: Report,
 }
 
-/// What a sweep over a batch found.
+/// Results of a sweep over a batch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Report {
     /// Largest wave speed over smallest altitude, 1/s.
     pub rate: f64,
-    /// The first element that cannot go on: its number in the batch.
+    /// First element whose law failed, by number in the batch, and the cause.
     pub trouble: Option<(usize, mpm_materials::Breakdown)>,
 }
 
 /// All elements.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Elements {
-    /// `D + 1` particles an element.
+    /// `D + 1` particles per element.
     pub nodes: Vec<u32>,
-    /// Reference volume of each: mass over reference density.
+    /// Reference volume of each element: mass over reference density.
     pub reference: Vec<f64>,
     pub batches: Vec<Batch>,
     pub incidence: Incidence,
-    /// Which particles are not surrounded, once somebody asked.
+    /// Flags of particles that are not surrounded, computed on demand.
     pub open: OnceLock<Vec<bool>>,
-    /// Numbers of a state.
+    /// Number of state variables.
     pub numbers: usize,
 }
 
@@ -81,7 +81,7 @@ impl Elements {
         self.reference.len()
     }
 
-    /// The state of element `e`, in `out`.
+    /// Load the state of element `e` into `out`.
     pub fn read(&self, e: usize, out: &mut [f64]) {
         let rows = &self.batches[e / BATCH].rows[e % BATCH / GROUP * self.numbers..];
         for (k, x) in out.iter_mut().enumerate() {
@@ -89,8 +89,7 @@ impl Elements {
         }
     }
 
-    /// Elements `nodes` with reference volumes and states (numbers one after the other). Lanes without an element are
-    /// virgin.
+    /// Assemble elements `nodes` with reference volumes and states (numbers in sequence). Lanes without an element are virgin.
     pub fn assemble(
         nodes: Vec<u32>,
         reference: Vec<f64>,

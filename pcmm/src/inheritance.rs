@@ -1,53 +1,53 @@
-//! What an element knows when it is born.
+//! Inheritance of states by new elements.
 
-/// A dead element that lay where the new one is.
+/// Deleted element that overlaps a new one.
 #[derive(Clone, Copy, Debug)]
 pub struct Parent<'a> {
-    /// The volume they share.
+    /// Shared volume.
     pub shared: f64,
-    /// The dead element's volume.
+    /// Volume of the deleted element.
     pub volume: f64,
-    /// Its reference volume: mass over reference density.
+    /// Reference volume of the deleted element: mass over reference density.
     pub reference: f64,
-    /// The numbers of its state.
+    /// State variables of the deleted element.
     pub state: &'a [f64],
 }
 
-/// An element about to be born. Volumes are those of the embedding: m^2 in plane strain, m^3 per radian around an axis.
+/// New element before its creation. Volumes are those of the embedding: m^2 in plane strain, m^3 per radian around an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Newborn<'a> {
-    /// Its volume.
+    /// Volume of the new element.
     pub volume: f64,
-    /// The dead elements it overlaps.
+    /// Deleted elements that it overlaps.
     pub parents: &'a [Parent<'a>],
-    /// The states of its particles: means over the elements each had last, weighted by mass.
+    /// States of its particles: last means over their elements, weighted by mass.
     pub particles: &'a [&'a [f64]],
 }
 
-/// Hands states on.
+/// Inheritance rule.
 ///
-/// States are mixed number by number. Mass, internal energy and volume are linear in the numbers of
-/// [`SolidState`](mpm_materials::SolidState) and are conserved as far as the weights are; stored energies that are
-/// squares of the stress are not. The solver books what each birth and death adds and removes ([`crate::Audit`]).
+/// States are averaged number by number. Mass, internal energy and volume are linear in the numbers of
+/// [`SolidState`](mpm_materials::SolidState) and are conserved as far as the weights are; stored energies that are quadratic in the stress
+/// are not. The solver books the additions and removals of each creation and deletion ([`crate::Audit`]).
 pub trait Inheritance: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// Put the state of the newborn into `state`. Returns the reference volume it takes over, of which the rest
-    /// (volume not covered by that) is new: the solver sets it by the volume ratio of the state.
+    /// Store the state of the new element in `state`. Return the inherited reference volume; the rest (the volume not covered by it) is
+    /// new: the solver sets it by the volume ratio of the state.
     fn inherit(newborn: &Newborn<'_>, state: &mut [f64]) -> Taken;
 }
 
-/// What a newborn takes over.
+/// Inherited part of a new element.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Taken {
-    /// Reference volume taken over from dead elements.
+    /// Reference volume inherited from deleted elements.
     pub reference: f64,
-    /// The part of the newborn's volume that this fills, 0 to 1.
+    /// Part of the new element's volume that it fills, 0 to 1.
     pub part: f64,
 }
 
-/// The mean of its particles' states, as printed: "all field quantities are on particles". Smooths, and keeps
-/// neither mass nor energy.
+/// Mean state of the particles, original formulation: "all field quantities are on particles". It smooths, and conserves neither mass nor
+/// energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ParticleMean;
 
@@ -69,13 +69,13 @@ fn mean(newborn: &Newborn<'_>, state: &mut [f64]) {
     }
 }
 
-/// From each dead element the part of its mass, energy and state that lay where the new one is; where nothing lay, the
-/// mean of the particles. When the new elements cover the dead ones once, as in an exchange of diagonals, mass, internal
-/// energy and volume are those of before to rounding.
+/// Overlap-weighted states: a new element inherits from each deleted element the overlapping part of its mass, energy and state; uncovered
+/// parts have the mean of the particles. If the new elements cover the deleted ones once, as in an exchange of diagonals, mass, internal
+/// energy and volume are conserved to rounding.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OverlapWeighted;
 
-/// Parts of a newborn's volume below this are rounding.
+/// Rounding of a part of a new element's volume.
 const ROUNDING: f64 = 1e-9;
 
 impl Inheritance for OverlapWeighted {
@@ -87,7 +87,7 @@ impl Inheritance for OverlapWeighted {
             mean(newborn, state);
             return Taken::default();
         }
-        // Parents that lay over each other fill no more than there is.
+        // Overlapping parents fill no more than the whole volume.
         let scale = if part > 1.0 + ROUNDING { 1.0 / part } else { 1.0 };
         let mut reference = 0.0;
         let mut sum = vec![0.0; state.len()];
@@ -100,7 +100,7 @@ impl Inheritance for OverlapWeighted {
         }
         let part = if part > 1.0 - ROUNDING { 1.0 } else { part };
         if part < 1.0 {
-            // Mass that is new brings the mean state: weigh it as if at the parents' density.
+            // New mass has the mean state, weighted as if at the parents' density.
             mean(newborn, state);
             let new = reference * (1.0 / part - 1.0);
             for (x, y) in state.iter_mut().zip(&sum) {

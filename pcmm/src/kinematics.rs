@@ -1,10 +1,10 @@
-//! How the motion of a step becomes the increment a law sees.
+//! Increments for laws from the motion of a step.
 
 use mpm_materials::{Increments, Kinematics, Lane, ObjectiveRate, SmallRotation, Sym3};
 
-/// Strain to first order, the symmetric part of dt grad v, and no rotation of the stress, as printed: \[Feng2014\]
-/// lists no objective term. A spinning body then feels its own old stress in directions it has left. Given to a law by
-/// `with_rate(NoRotation)`; every law of `mpm-materials` is exact in rotations otherwise.
+/// First-order strain, the symmetric part of dt grad v, without rotation of the stress, original formulation: \[Feng2014\] lists no
+/// objective term. The stress of a spinning body then keeps its old directions. Set by `with_rate(NoRotation)`; every law of
+/// `mpm-materials` is exact in rotations otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoRotation;
 
@@ -19,17 +19,17 @@ impl ObjectiveRate for NoRotation {
     }
 }
 
-/// At which configuration between the start and the end of a step the velocity gradient is taken.
+/// Configuration of the velocity gradient, between the start and the end of a step.
 pub trait Configuration: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// The part of the step's motion that is taken back: 1 for the start of the step, 0 for its end.
+    /// Part of the step's motion that is subtracted: 1 for the start of the step, 0 for its end.
     const BACK: f64;
 }
 
-/// At the end of the step, as printed: dt grad v at the positions reached. Volumes drift from those of the elements
-/// by the square of the increment, and so does a turning body's strain: w^2/2 for a turn w in a step with the rate as
-/// printed ([`NoRotation`]), and twice that with laws that go back half a step themselves.
+/// End of the step, original formulation: dt grad v at the new positions. Volumes drift from those of the elements by the square of the
+/// increment, and so does the strain of a rotating body: w^2/2 for a rotation w in a step with the original rate ([`NoRotation`]), and
+/// twice that with laws that go back half a step themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EndOfStep;
 impl Configuration for EndOfStep {
@@ -37,9 +37,9 @@ impl Configuration for EndOfStep {
     const BACK: f64 = 0.0;
 }
 
-/// At the start of the step: I + dt grad v is the deformation gradient of the step, and its determinant the change of
-/// the element's volume. What laws expect: hyperelastic ones use it as it is, those in rate form go to the middle of the
-/// step ([`Kinematics::increments`]), where a rigid rotation, however large, has a spin and no strain.
+/// Start of the step: I + dt grad v is the deformation gradient of the step, and its determinant the volume ratio of the element. Laws
+/// expect this: hyperelastic ones use it directly, those in rate form go to the middle of the step ([`Kinematics::increments`]), where a
+/// rigid rotation of any size has a spin and no strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartOfStep;
 impl Configuration for StartOfStep {
@@ -47,16 +47,16 @@ impl Configuration for StartOfStep {
     const BACK: f64 = 1.0;
 }
 
-/// Where the change of volume of an element comes from.
+/// Source of the volume change of an element.
 pub trait Dilatation: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// Is it averaged over the particles?
+    /// True if the volume change is averaged over the particles.
     const AVERAGED: bool;
 }
 
-/// From its own motion, as printed. Triangles of linear velocity lock in plastic flow: too many of them must keep
-/// their volume.
+/// Volume change by the element's own motion, original formulation. Triangles of linear velocity lock in plastic flow: they have too many
+/// volume constraints.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OfElement;
 impl Dilatation for OfElement {
@@ -64,9 +64,9 @@ impl Dilatation for OfElement {
     const AVERAGED: bool = false;
 }
 
-/// From its particles, each of which has the mean over its elements, weighted by mass (averaged nodal pressure,
-/// \[BonetBurton1998\]). Pressures are averaged by the transposed rule, so that the work of the forces is that of the
-/// stresses. Frees plastic flow from locking; costs two more passes over particles and one over elements.
+/// Volume change by the element's particles, each with the mean over its elements, weighted by mass (averaged nodal pressure,
+/// \[BonetBurton1998\]). Pressures are averaged by the transposed rule, so that the work of the forces is that of the stresses. It prevents
+/// volumetric locking; it costs two more passes over particles and one over elements.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OfParticles;
 impl Dilatation for OfParticles {

@@ -1,8 +1,8 @@
-//! Particle-contact meshfree method \[Feng2014\]: particles in contact define triangles (in space, tetrahedra);
-//! continuum mechanics is done in these, and as contacts change, distorted elements are deleted and new ones made.
+//! Particle-contact meshfree method \[Feng2014\]: particles in contact define triangles (tetrahedra in space) for continuum mechanics. As
+//! contacts change, distorted elements are deleted and new ones created.
 //!
-//! Laws are those of [`mpm_materials`]; embeddings, boundary conditions, the run loop, observers and checkpoints those of
-//! [`impactite_scene`]: a [`Pcmm`] and a scene of [`Bodies`] is a [`Solver`](impactite_scene::Solver).
+//! Constitutive laws are from [`mpm_materials`]; embeddings, boundary conditions, the run loop, observers and checkpoints from
+//! [`impactite_scene`]. A [`Pcmm`] and a scene of [`Bodies`] are each a [`Solver`](impactite_scene::Solver).
 //!
 //! ```
 //! use impactite_geometry::{Cuboid, Lattice};
@@ -27,37 +27,36 @@
 //! # }
 //! ```
 //!
-//! | part | as printed | ours |
+//! | part | original \[Feng2014\] | this crate |
 //! |---|---|---|
 //! | [`Tessellation`] | [`AzimuthFan`] (two dimensions) | [`LocalDelaunay`] |
 //! | [`Inheritance`] | [`ParticleMean`] | [`OverlapWeighted`] |
 //! | [`Configuration`] of the velocity gradient | [`EndOfStep`] | [`StartOfStep`] |
 //! | [`Dilatation`] | [`OfElement`] | [`OfParticles`] |
-//! | rotation of stress | [`NoRotation`] | those of the laws |
+//! | rotation of stress | [`NoRotation`] | objective rates of the laws |
 //! | [`Masses`] | from elements | from volumes |
 //! | contact of bodies | not described | [`Bodies`]: pairs of particles |
 //!
 //! # The cycle
-//! Steps of the paper's cycle and where they are:
+//! Steps of the paper's cycle, and their places in this crate:
 //!
-//! | step | | here |
+//! | step | operation | place |
 //! |---|---|---|
 //! | 1 | velocity gradient | sweep over elements |
 //! | 2 - 9 | strain rate, split, deviator, pressure, yield, viscosity, total stress | the law, on vectors of elements |
 //! | 10 | nodal forces, minus (6) of the paper: a stretched triangle pulls its particles together | the same sweep |
 //! | 11 | sum of forces, velocity, position | sweep over particles, boundaries between velocity and position |
-//! | | deletion, search, creation, inheritance | revision, every so many steps |
+//! | | deletion, search, creation, inheritance | revision, at an interval of steps |
 //!
-//! A step begins with 11, so that positions, velocities and stresses of the end of a step belong together; forces at
-//! its start are those of the stresses there. Time integration is explicit (leap-frog: velocities belong to the middle
-//! of a step). Momentum and angular momentum are kept to rounding; the energy to the order of the step, but for what
-//! revisions add and remove, which [`Audit`] books.
+//! A step begins with 11, so that positions, velocities and stresses at the end of a step belong together; forces at its start are those of
+//! the stresses there. Time integration is explicit (leapfrog: velocities belong to the middle of a step). Momentum and angular momentum
+//! are conserved to rounding, the energy to the order of the step, except for additions and removals by revisions, which [`Audit`] books.
 //!
 //! # Several bodies
-//! Bodies of any laws and methods meet in a scene of [`Bodies`], by pairs of particles ([`mpm_contact::particles`]): a [`Pcmm`] is a
-//! [`ParticleBody`](mpm_contact::particles::ParticleBody). Its surface is sums of V grad N over the elements at a particle, so that flat
-//! ones are flat, and lies [`Packing::surface`] radii beyond the centres. A scene gives back a body as the type that it is
-//! ([`Bodies::part`]).
+//! Bodies of any laws and methods are in contact in a scene of [`Bodies`], by pairs of particles ([`mpm_contact::particles`]): a [`Pcmm`]
+//! is a [`ParticleBody`](mpm_contact::particles::ParticleBody). Its surface normals are sums of V grad N over the elements at a particle,
+//! exact for flat surfaces; its surface is [`Packing::surface`] radii beyond the centres. [`Bodies::part`] returns a body with its own
+//! type.
 //!
 //! ```
 //! use impactite_geometry::{Cuboid, Lattice};
@@ -90,8 +89,8 @@
 //! ```
 //!
 //! # Limits
-//! `f64` only. One law a body. Within a body what touches is welded: particles of it that come together make elements, whatever
-//! piece they came from. Masses and radii of particles never change.
+//! `f64` only. One law per body. Contact within a body is welding: particles of it in contact form elements, whatever piece they came from.
+//! Masses and radii of particles never change.
 
 mod audit;
 mod contact;

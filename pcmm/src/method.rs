@@ -1,4 +1,4 @@
-//! A method: the parts of a solver, chosen at compile time.
+//! Method: the ingredients of a solver, chosen at compile time.
 
 use std::marker::PhantomData;
 
@@ -8,9 +8,9 @@ use crate::inheritance::{Inheritance, OverlapWeighted, ParticleMean};
 use crate::kinematics::{Configuration, Dilatation, EndOfStep, OfElement, OfParticles, StartOfStep};
 use crate::tessellation::{AzimuthFan, LocalDelaunay, Tessellation};
 
-/// The ingredients of a particle-contact method.
+/// Ingredients of a particle-contact method.
 ///
-/// [`Method::printed`] is \[Feng2014\] as it stands, [`Method::consistent`] ours.
+/// [`Method::printed`] is the original formulation \[Feng2014\], [`Method::consistent`] that of this crate.
 #[derive(Clone, Copy, Debug)]
 pub struct Method<E, S, I, G, V> {
     tessellation: S,
@@ -18,7 +18,7 @@ pub struct Method<E, S, I, G, V> {
 }
 
 impl<E, S, I, G, V> Method<E, S, I, G, V> {
-    /// A method from its ingredients.
+    /// Create a method from its ingredients.
     pub fn new(_embedding: E, tessellation: S, _inheritance: I, _configuration: G, _dilatation: V) -> Self {
         Method { tessellation, ingredients: PhantomData }
     }
@@ -30,34 +30,34 @@ pub type Printed<E> = Method<E, AzimuthFan, ParticleMean, EndOfStep, OfElement>;
 pub type Consistent<E> = Method<E, LocalDelaunay, OverlapWeighted, StartOfStep, OfParticles>;
 
 impl<E> Printed<E> {
-    /// As printed.
+    /// Original formulation \[Feng2014\].
     pub fn printed(embedding: E, fan: AzimuthFan) -> Self {
         Method::new(embedding, fan, ParticleMean, EndOfStep, OfElement)
     }
 }
 
 impl<E> Consistent<E> {
-    /// Nothing covered twice, states handed on by overlap, no strain in rotation, no locking.
+    /// Consistent formulation: single coverage, inheritance by overlap, no strain in rotations, no volumetric locking.
     pub fn consistent(embedding: E, delaunay: LocalDelaunay) -> Self {
         Method::new(embedding, delaunay, OverlapWeighted, StartOfStep, OfParticles)
     }
 }
 
-/// What a solver asks of a method.
+/// Requirements of a solver on a method.
 pub trait Composition<const D: usize>: Clone + Send + Sync + 'static {
-    /// How the problem lies in space.
+    /// Embedding: plane strain, axisymmetric or full space.
     type Embedding: Embedding<D>;
-    /// How elements are made.
+    /// Tessellation: creation and deletion of elements.
     type Tessellation: Tessellation<D>;
-    /// What new elements inherit.
+    /// Inheritance of states by new elements.
     type Inheritance: Inheritance;
-    /// Where the velocity gradient is taken.
+    /// Configuration of the velocity gradient.
     type Configuration: Configuration;
-    /// Where the change of volume comes from.
+    /// Source of the volume change.
     type Dilatation: Dilatation;
     /// The tessellation.
     fn tessellation(&self) -> &Self::Tessellation;
-    /// A line that names the ingredients.
+    /// Return the names of the ingredients in one line.
     fn describe(&self) -> String {
         format!(
             "{}, {}, {}, {}, {}",

@@ -1,11 +1,10 @@
-//! Particles, and how they are refused.
+//! Particles, and checks of packings.
 
 use impactite_geometry::{Lattice, Seeds, Shape};
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
-/// A particle: a place, a velocity, a mass and a radius of contact. Strain, stress and history live in the elements
-/// between particles.
+/// Particle: position, velocity, mass and contact radius. Strain, stress and history are stored in the elements between particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Particle<const D: usize> {
     /// Position, m.
@@ -14,33 +13,33 @@ pub struct Particle<const D: usize> {
     pub velocity: [f64; D],
     /// Mass, kg: per metre of depth in plane strain, per radian in axisymmetric scenes.
     pub mass: f64,
-    /// Radius of contact R, m.
+    /// Contact radius R, m.
     pub radius: f64,
 }
 
-/// What a solver starts from: positions and radii, and the volume each particle stands for where it is known.
+/// Initial state of a body: positions and radii, and the volume of each particle if known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing<const D: usize> {
     /// Positions, m.
     pub positions: Vec<[f64; D]>,
-    /// Radii, m, one a particle.
+    /// Radii, m, one per particle.
     pub radii: Vec<f64>,
-    /// Volumes, m^3 (m^2 in plane strain, m^3 per radian in axisymmetric scenes), one a particle or none at all.
+    /// Volumes, m^3 (m^2 in plane strain, m^3 per radian in axisymmetric scenes), one per particle or none at all.
     pub volumes: Vec<f64>,
-    /// How far the surface of the body lies beyond the centres of its outermost particles, in their radii: where other
-    /// bodies meet it. 0 for particles on the surface, 1 for such as lie half a spacing within it.
+    /// Distance from the centres of the outermost particles to the surface of the body, in radii. Other bodies are in contact with this
+    /// surface. 0 for particles on the surface, 1 for particles half a spacing within it.
     pub surface: f64,
 }
 
-/// Most particles.
+/// Upper bound of the number of particles (excluded).
 const MOST: f64 = (1u32 << 29) as f64;
-/// A node this near to the surface of a shape, in spacings, lies on it.
+/// Distance of a node from the surface of a shape, in spacings, below which it is on it.
 const ON_SURFACE: f64 = 1e-6;
 
 impl<const D: usize> Packing<D> {
-    /// A particle at every node of the lattice that lies in the shape or on its surface, with a radius of half the
-    /// spacing and no volume of its own. The elements between them then end where the shape does (as far as its surface
-    /// follows the lattice), and give the particles their masses.
+    /// Create a particle at every lattice node in the shape or on its surface, with a radius of half the spacing and no volume of its own.
+    /// The elements between them end at the surface of the shape (as far as it follows the lattice), and determine the masses of the
+    /// particles.
     ///
     /// # Errors
     /// More than 2^29 nodes in the bounds of the shape.
@@ -75,8 +74,8 @@ impl<const D: usize> Packing<D> {
         Ok(Packing { positions, radii, volumes: Vec::new(), surface: 0.0 })
     }
 
-    /// Seeds of a shape, touching: the radius is half the edge of a particle, the volumes are the seeds'. The surface of
-    /// the elements is that of the outermost centres, half a spacing within the shape's.
+    /// Create particles in contact from the seeds of a shape: the radius is half the edge of a particle, the volumes are those of the
+    /// seeds. The surface of the elements is at the outermost centres, half a spacing within that of the shape.
     pub fn of_seeds(seeds: &Seeds<D>) -> Self {
         let radius = seeds.half_size.iter().fold(f64::INFINITY, |m, h| m.min(*h));
         Packing {
@@ -87,12 +86,12 @@ impl<const D: usize> Packing<D> {
         }
     }
 
-    /// Spheres (circles) of known radii.
+    /// Create a packing of spheres (circles) of known radii.
     pub fn of_spheres(positions: Vec<[f64; D]>, radii: Vec<f64>) -> Self {
         Packing { positions, radii, volumes: Vec::new(), surface: 1.0 }
     }
 
-    /// Refuse what cannot be.
+    /// Check the number of particles, the lengths of the lists and the ranges of the values.
     pub(crate) fn check(&self) -> Result<(), SceneError> {
         let particles = self.positions.len();
         if particles == 0 {
@@ -123,14 +122,14 @@ impl<const D: usize> Packing<D> {
     }
 }
 
-/// What a body is called that has no name.
+/// Default name of a body.
 pub(crate) const BODY: &str = "body";
 
 fn too_many(count: usize) -> SceneError {
     SceneError::TooMany { body: BODY.into(), count, most: MOST as usize - 1 }
 }
 
-/// Refuse a number of a particle unless `holds`.
+/// Refuse a particle's number unless `holds`.
 pub(crate) fn number(
     holds: bool,
     field: &'static str,

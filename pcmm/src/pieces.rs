@@ -1,8 +1,8 @@
-//! What of a body hangs together.
+//! Connected pieces of a body.
 
-/// The pieces of a body: elements that share particles, directly or through others. `corners` are the `D + 1` particles
-/// of each element, as [`crate::Pcmm::element_nodes`] has them, numbered below `particles`. Numbers of the elements,
-/// ascending; the largest piece first, of equal ones that with the first particle.
+/// Connected pieces of a body: elements that share particles, directly or through others. `corners` are the `D + 1` particles of each
+/// element, as in [`crate::Pcmm::element_nodes`], numbered below `particles`. Return the numbers of the elements of each piece, ascending;
+/// the largest piece first, of equal ones that with the first particle.
 pub fn pieces<const D: usize>(corners: &[u32], particles: usize) -> Vec<Vec<u32>> {
     let mut root: Vec<u32> = (0..particles as u32).collect();
     for element in corners.chunks_exact(D + 1) {
@@ -34,7 +34,7 @@ mod tests {
 
     #[test]
     fn elements_that_share_a_particle_are_one_piece() {
-        // A triangle alone, two that share a corner, another alone; particle 2 in none.
+        // A lone triangle, two that share a corner, another lone one; particle 2 in none.
         let corners = [7, 3, 8, 0, 1, 4, 4, 5, 6, 9, 10, 11];
         assert_eq!(pieces::<2>(&corners, 12), [vec![1, 2], vec![0], vec![3]]);
         assert!(pieces::<2>(&[], 3).is_empty());

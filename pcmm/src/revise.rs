@@ -1,4 +1,4 @@
-//! Deletion, search, creation: the second half of the flow chart of \[Feng2014\].
+//! Revision of the elements by deletion, search and creation: the second half of the flow chart of \[Feng2014\].
 
 use impactite_scene::{Embedding, SceneError, StepError, Stopped};
 
@@ -10,11 +10,11 @@ use crate::solver::Pcmm;
 use crate::tessellation::{Revision, Tessellation, View, corners};
 
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
-    /// Search, delete, create, inherit, and book what was added and removed. Steps do this by themselves every
-    /// [`Pcmm::set_revision_interval`] steps.
+    /// Search, delete, create, inherit, and book additions and removals. Steps do this by themselves every [`Pcmm::set_revision_interval`]
+    /// steps.
     ///
     /// # Errors
-    /// Particles that no search can use.
+    /// Particles that the neighbour search cannot use.
     pub fn revise(&mut self) -> Result<(), StepError> {
         self.neighbours.update(&self.particles, &self.team);
         if let Some(refused) = self.neighbours.refused() {
@@ -47,12 +47,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         volume(&corners(&self.particles, nodes), M::Embedding::HOOP)
     }
 
-    /// Internal energy per reference volume of a state.
+    /// Return the internal energy per reference volume of a state, J/m^3.
     pub(crate) fn energy_of(&self, state: &[f64]) -> f64 {
         self.material.describe_point(state).map_or(0.0, |said| said.energy)
     }
 
-    /// Average the states of elements to the particles of the dead and the newborn, weighted by mass.
+    /// Average the states of elements to the particles of deleted and new elements, weighted by mass.
     fn remember(&mut self, revision: &Revision) {
         let dead = revision.dead.iter().flat_map(|&e| self.nodes_of(e as usize));
         let mut touched: Vec<u32> = dead.chain(&revision.born).copied().collect();
@@ -63,14 +63,14 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// Keep the mean of the states of the elements at particle `n`.
+    /// Store the mean state of the elements at particle `n`.
     fn remember_at(&mut self, n: usize) {
         let mut mean = vec![0.0; self.virgin.len()];
         self.mean_state(n, &mut mean, &mut Vec::new());
         self.memory[n * mean.len()..(n + 1) * mean.len()].copy_from_slice(&mean);
     }
 
-    /// The mean of the states of the elements at particle `n`, or what it had last where it has none; `scratch` is memory.
+    /// Compute the mean state of the elements at particle `n`, or load its last mean if it has none; `scratch` is memory.
     pub(crate) fn mean_state(&self, n: usize, mean: &mut [f64], scratch: &mut Vec<f64>) {
         let numbers = self.virgin.len();
         scratch.resize(numbers, 0.0);
@@ -91,7 +91,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// Make the new set of elements: survivors in their order, then the newborn.
+    /// Assemble the new set of elements: survivors in their order, then the new ones.
     fn apply(&mut self, revision: &Revision) {
         let numbers = self.virgin.len();
         let mut states: Vec<f64> = Vec::new();
@@ -148,8 +148,8 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
     }
 
-    /// What the dead leave to no newborn goes to their particles; what newborns have beyond what they took from the
-    /// dead comes from theirs, as far as these hold it.
+    /// Transfer the part of deleted elements that is not inherited to the stores of their particles. The excess of new elements over their
+    /// inheritance is taken from the stores of their particles, as far as these suffice.
     fn settle(&mut self, revision: &Revision, left: &[Estate], wants: &[[f64; 2]]) {
         self.stores.resize(self.particles.len(), [0.0; 2]);
         let part = 1.0 / (D + 1) as f64;
@@ -178,12 +178,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         self.audit.stored_energy += after[1] - before[1];
     }
 
-    /// Reference volume and internal energy that particles hold outside elements.
+    /// Return the reference volume and internal energy stored at particles, outside elements.
     pub(crate) fn stored(&self) -> [f64; 2] {
         self.stores.iter().fold([0.0; 2], |sum, s| [sum[0] + s[0], sum[1] + s[1]])
     }
 
-    /// The state of a newborn, its reference volume, and what it took from whom.
+    /// Set the state of a new element; return its reference volume, and the part from each parent.
     fn inherit(&self, newborn: &[u32], volume: f64, is_dead: &[bool], state: &mut [f64]) -> Heir {
         let numbers = self.virgin.len();
         let hoop = M::Embedding::HOOP;
@@ -216,7 +216,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         let taken =
             M::Inheritance::inherit(&Newborn { volume, parents: &parents, particles: &particles }, state);
         let ratio = self.material.describe_point(state).map_or(1.0, |said| said.volume_ratio);
-        // Each parent gives in proportion to how much of it lay there.
+        // Parents contribute in proportion to their part in the new element.
         let lay = |k: usize| shares[k].0 / shares[k].1 * self.elements.reference[near[k]];
         let gave = |k: &usize| shares[*k].0 > 0.0 && shares[*k].1 > 0.0;
         let all: f64 = (0..near.len()).filter(gave).map(lay).sum();
@@ -226,7 +226,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
 }
 
-/// What a dead element has left to give.
+/// Part of a deleted element that is not inherited yet.
 struct Estate {
     /// Reference volume.
     reference: f64,
@@ -234,9 +234,9 @@ struct Estate {
     density: f64,
 }
 
-/// What a newborn has.
+/// Reference volume of a new element, and its parents.
 struct Heir {
     reference: f64,
-    /// Dead elements, and the reference volume it took from each.
+    /// Deleted elements, and the reference volume inherited from each.
     parents: Vec<(usize, f64)>,
 }

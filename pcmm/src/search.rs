@@ -1,18 +1,17 @@
-//! Who touches whom, kept over steps by a skin.
+//! Neighbour search of particles, with a skin for reuse of the lists.
 
 use impactite_geometry::search::{Points, Reach, SearchError, VerletLists};
 use impactite_simd::Team;
 
 use crate::particles::Particle;
 
-/// The particles within contact range of each, plus a skin: distance <= R_i + R_j + tolerance + skin.
+/// Neighbour lists of particles in contact range, plus a skin: distance <= R_i + R_j + tolerance + skin.
 ///
-/// Found by cells, O(N) \[Feng2014\] ([`SortedCells`](impactite_geometry::search::SortedCells)). The lists stay valid until
-/// some particle has moved half the skin. Every list is in ascending order, so that it does not depend on where the cells
-/// lie.
+/// The search uses cells, O(N) \[Feng2014\] ([`SortedCells`](impactite_geometry::search::SortedCells)). The lists are valid until a
+/// particle has moved half the skin. Every list is in ascending order, so that it does not depend on the position of the cells.
 #[derive(Clone, Debug)]
 pub struct Neighbours<const D: usize> {
-    /// Why there are none, if tolerance or skin are no lengths.
+    /// Lists, or the error of an invalid tolerance or skin.
     lists: Result<VerletLists<D>, SearchError>,
     refused: Option<SearchError>,
     positions: Vec<[f64; D]>,
@@ -20,7 +19,7 @@ pub struct Neighbours<const D: usize> {
 }
 
 impl<const D: usize> Neighbours<D> {
-    /// With the tolerance of contact and the skin, m; both zero or more.
+    /// Create lists with the contact tolerance and the skin, m; both zero or more.
     pub fn new(tolerance: f64, skin: f64) -> Self {
         Neighbours {
             lists: VerletLists::new(Reach::sum(tolerance), skin),
@@ -30,25 +29,25 @@ impl<const D: usize> Neighbours<D> {
         }
     }
 
-    /// The neighbours of particle `i`, in ascending order; some may be up to two skins out of range.
+    /// Return the neighbours of particle `i`, in ascending order; some may be up to two skins out of range.
     pub fn of(&self, i: usize) -> &[u32] {
         self.lists.as_ref().map_or(&[], |lists| lists.of(i))
     }
 
-    /// The lists are no longer of these particles.
+    /// Invalidate the lists.
     pub fn forget(&mut self) {
         if let Ok(lists) = &mut self.lists {
             lists.forget();
         }
     }
 
-    /// How many searches were made.
+    /// Number of searches.
     pub fn searches(&self) -> u64 {
         self.lists.as_ref().map_or(0, VerletLists::searches)
     }
 
-    /// Search again if some particle moved more than half the skin since the last search. Particles that no search can
-    /// use have no neighbours, and [`refused`](Neighbours::refused) says why.
+    /// Search again if a particle moved more than half the skin since the last search. Invalid particles have no neighbours;
+    /// [`refused`](Neighbours::refused) returns the reason.
     pub fn update(&mut self, particles: &[Particle<D>], team: &Team) {
         let Ok(lists) = &mut self.lists else { return };
         if lists.hold(particles.iter().map(|p| (p.position, p.radius))) {
@@ -68,8 +67,8 @@ impl<const D: usize> Neighbours<D> {
         };
     }
 
-    /// Why the last update found nothing: a tolerance or a skin that is no length, a position that is not finite, or
-    /// more neighbours than memory should hold.
+    /// Reason why the last update found nothing: an invalid tolerance or skin, a position that is not finite, or too many neighbours for
+    /// memory.
     pub fn refused(&self) -> Option<&SearchError> {
         self.lists.as_ref().err().or(self.refused.as_ref())
     }

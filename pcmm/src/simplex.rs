@@ -2,20 +2,20 @@
 
 use mpm_materials::Lane;
 
-/// Corners of a simplex in `D` dimensions: the first `D + 1` count.
+/// Corners of a simplex in `D` dimensions: only the first `D + 1` are used.
 pub type Corners<const D: usize> = [[f64; D]; 4];
 
-/// Slopes of the linear shape functions at the corners of a simplex, with its size.
+/// Gradients of the linear shape functions of a simplex, and its size.
 #[derive(Clone, Copy, Debug)]
 pub struct Slopes<L> {
-    /// grad N_a, 1/m; three components, of which the first `D` count.
+    /// Gradients grad N_a, 1/m; only the first `D` of three components are used.
     pub of: [[L; 3]; 4],
     /// Signed area, m^2, or volume, m^3.
     pub measure: L,
 }
 
 impl<L: Lane> Slopes<L> {
-    /// Of the simplex with these corners (of which the first `d` components count), `d` = 2 or 3.
+    /// Compute the slopes of the simplex with these corners (only the first `d` components are used), `d` = 2 or 3.
     ///
     /// With x_0 the first corner and e_k = x_k - x_0, grad N_k is dual to e_k and grad N_0 is minus their sum. This is
     /// the finite-volume mean of \[Feng2014\] (4): the sum over the edges of mean velocity, normal and length, over
@@ -56,7 +56,7 @@ impl<L: Lane> Slopes<L> {
         Slopes { of, measure }
     }
 
-    /// The steepest slope, 1/m: one over the smallest altitude.
+    /// Return the steepest slope, 1/m: one over the smallest altitude.
     #[inline(always)]
     pub fn steepest(&self, d: usize) -> L {
         let mut most = L::zero();
@@ -73,7 +73,7 @@ fn cross<L: Lane>(a: &[L; 3], b: &[L; 3]) -> [L; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// The slopes of one simplex.
+/// Return the slopes of one simplex.
 pub fn slopes<const D: usize>(x: &Corners<D>) -> Slopes<f64> {
     let mut wide = [[0.0; 3]; 4];
     for a in 0..=D {
@@ -128,8 +128,7 @@ pub fn distance_squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|i| (a[i] - b[i]).powi(2)).sum()
 }
 
-/// Centre and squared radius of the sphere through the corners: the centre lies sum_k |e_k|^2/2 grad N_k from the
-/// first corner.
+/// Centre and squared radius of the circumsphere: the centre is at sum_k |e_k|^2/2 grad N_k from the first corner.
 pub fn circumsphere<const D: usize>(x: &Corners<D>) -> ([f64; D], f64) {
     let Slopes { of, .. } = slopes(x);
     let mut from_first = [0.0; D];
@@ -147,7 +146,7 @@ pub fn circumsphere<const D: usize>(x: &Corners<D>) -> ([f64; D], f64) {
     (centre, squared)
 }
 
-/// Area or volume (per radian if `hoop`) of what two positively oriented simplices share.
+/// Shared area or volume (per radian if `hoop`) of two positively oriented simplices.
 pub fn overlap<const D: usize>(a: &Corners<D>, b: &Corners<D>, hoop: bool) -> f64 {
     for i in 0..D {
         let range = |x: &Corners<D>| {
@@ -163,7 +162,7 @@ pub fn overlap<const D: usize>(a: &Corners<D>, b: &Corners<D>, hoop: bool) -> f6
     let mut pieces = vec![*a];
     let mut next = Vec::new();
     for facet in 0..=D {
-        // N_facet >= 0 is the inner side; it vanishes on every other corner.
+        // N_facet >= 0 is the inner side; N_facet is zero at every other corner.
         let foot = &b[(facet + 1) % (D + 1)];
         for piece in &pieces {
             clip(piece, &of[facet], foot, &mut next);
@@ -174,7 +173,7 @@ pub fn overlap<const D: usize>(a: &Corners<D>, b: &Corners<D>, hoop: bool) -> f6
     pieces.iter().map(|p| volume(p, hoop).abs()).sum()
 }
 
-/// The part of `x` with slope . (y - foot) >= 0, as simplices.
+/// Append the part of `x` with slope . (y - foot) >= 0, as simplices.
 fn clip<const D: usize>(x: &Corners<D>, slope: &[f64; 3], foot: &[f64; D], out: &mut Vec<Corners<D>>) {
     let height = |c: &[f64; D]| (0..D).map(|i| slope[i] * (c[i] - foot[i])).sum::<f64>();
     let mut kept = [0; 4];
@@ -227,7 +226,7 @@ fn clip<const D: usize>(x: &Corners<D>, slope: &[f64; 3], foot: &[f64; D], out: 
     }
 }
 
-/// A prism between two facets of `D` corners each, as `D` simplices.
+/// Append a prism between two facets of `D` corners each, as `D` simplices.
 fn prism<const D: usize>(low: &Corners<D>, high: &Corners<D>, out: &mut Vec<Corners<D>>) {
     for k in 0..D {
         let mut piece = [[0.0; D]; 4];
@@ -259,7 +258,7 @@ mod tests {
 
     #[test]
     fn the_mean_over_edges_is_the_sum_over_corners() {
-        // [Feng2014] (4), written as printed: velocity means on the edges times outward normals times lengths.
+        // Original form of [Feng2014] (4): velocity means on the edges times outward normals times lengths.
         let x = [[0.1, 0.2], [1.3, 0.4], [0.5, 1.1], [0.0, 0.0]];
         let v = [[0.3, -0.2], [0.7, 0.5], [-0.4, 0.9]];
         let area = measure(&x);
@@ -285,7 +284,7 @@ mod tests {
         assert!((overlap(&UNIT, &half(0.0), false) - 0.5).abs() < 1e-15);
         assert!((overlap(&UNIT, &half(0.5), false) - 0.125).abs() < 1e-15);
         assert_eq!(overlap(&UNIT, &half(1.0), false), 0.0);
-        // The two triangles on either diagonal of a square share half of each.
+        // Triangles on different diagonals of a square share half of each.
         let other = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0; 2]];
         assert!((overlap(&UNIT, &other, false) - 0.25).abs() < 1e-15);
         assert!((overlap(&TET, &TET, false) - 1.0 / 6.0).abs() < 1e-15);
@@ -293,7 +292,7 @@ mod tests {
         for c in &mut moved {
             c[0] += 0.5;
         }
-        // A corner tetrahedron of half the size.
+        // The overlap is a corner tetrahedron of half the size.
         assert!((overlap(&TET, &moved, false) - 1.0 / 48.0).abs() < 1e-15);
         // Point-mirrored about the middle of an edge-to-edge line: two and two corners are cut.
         let mirrored = [[0.5, 0.5, 0.5], [-0.5, 0.5, 0.5], [0.5, 0.5, -0.5], [0.5, -0.5, 0.5]];

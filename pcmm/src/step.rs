@@ -1,4 +1,4 @@
-//! A step: the stages in the order of the flow chart of \[Feng2014\].
+//! Time step: stages in the order of the flow chart of \[Feng2014\].
 
 use impactite_scene::boundary::BodyForce;
 use impactite_scene::{Boundary, Cause, CentreLead, Embedding, Exchange, MovingPoint, PointKind};
@@ -13,16 +13,16 @@ use crate::solver::Pcmm;
 use crate::sweep::{Of, Output, Pass, sweep};
 use crate::tessellation::corners;
 
-/// Particles a task moves.
+/// Number of particles moved by a task.
 const CHUNK: usize = 512;
 
-/// What moving the particles of a chunk found.
+/// Results of moving the particles of a chunk.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moved {
     given: Exchange,
     /// Largest speed over diameter, 1/s.
     rate: f64,
-    /// Mass, kg, and momentum, kg m/s.
+    /// Sums of mass, kg, and momentum, kg m/s.
     moments: [f64; 4],
     trouble: Option<usize>,
 }
@@ -34,14 +34,14 @@ fn add_moments<const D: usize>(sums: &mut [f64; 4], p: &Particle<D>) {
 }
 
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
-    /// One step of size `dt`. Forces are those of the elements as the last step left them, so the paper's cycle is
-    /// entered at its step 11; its steps 1 to 10 follow on the new positions.
+    /// Make one step of size `dt`, s. Forces are those of the elements at the end of the last step: the paper's cycle is entered at its
+    /// step 11, and its steps 1 to 10 follow at the new positions.
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         self.move_particles(dt)?;
         self.finish(dt)
     }
 
-    /// Steps 1 to 10 on the new positions, and the revision when it is due.
+    /// Run steps 1 to 10 at the new positions, and the revision when it is due.
     pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
         self.strain_elements(dt)?;
         if (self.clock.steps + 1).is_multiple_of(self.every) {
@@ -51,7 +51,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// Step 11: forces summed at each particle, F/m, new velocity, boundaries, new position.
+    /// Run step 11: sum of forces at each particle, F/m, velocity update, boundaries, position update.
     fn move_particles(&mut self, dt: f64) -> Result<(), StepError> {
         self.open_lead();
         let chunks = self.each_particle(dt, |motion, n, p, found| {
@@ -62,7 +62,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         self.take(&chunks, dt)
     }
 
-    /// Note mass and momentum before the first step.
+    /// Register mass and momentum before the first step.
     fn open_lead(&mut self) {
         if self.lead.is_closed() {
             let mut moments = [0.0; 4];
@@ -72,13 +72,13 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// The first half of step 11: new velocities.
+    /// Run the first half of step 11: velocity update.
     pub(crate) fn accelerate(&mut self, dt: f64) {
         self.open_lead();
         self.each_particle(dt, |motion, n, p, _| motion.accelerate(n, p));
     }
 
-    /// Its second half: boundaries, new positions, of particles that had the velocities `start` before forces acted.
+    /// Run the second half of step 11: boundaries and position update; the velocities before forces acted are `start`.
     pub(crate) fn advance(&mut self, dt: f64, start: &[[f64; D]]) -> Result<(), StepError> {
         let chunks = self.each_particle(dt, |motion, n, p, found| motion.advance(n, p, &start[n], found));
         self.take(&chunks, dt)
@@ -107,7 +107,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         chunks
     }
 
-    /// What moving the particles found.
+    /// Add the results of moving the particles.
     fn take(&mut self, chunks: &[Moved], dt: f64) -> Result<(), StepError> {
         self.rate = 0.0;
         let mut moments = [0.0; 4];
@@ -126,7 +126,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// Steps 1 to 10: velocity gradient, law, nodal forces.
+    /// Run steps 1 to 10: velocity gradient, law, nodal forces.
     fn strain_elements(&mut self, dt: f64) -> Result<(), StepError> {
         if M::Dilatation::AVERAGED {
             self.sweep(Pass::Stretch, dt);
@@ -143,7 +143,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// Nodal forces (step 10) of states as they are.
+    /// Update nodal forces (step 10) from the present states.
     pub(crate) fn forces_of_states(&mut self) {
         if M::Dilatation::AVERAGED {
             self.sweep(Pass::Pressure, 0.0);
@@ -159,7 +159,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// The first element whose law broke down, if any.
+    /// Return an error for the first element whose law broke down, if any.
     fn sound(&self) -> Result<(), StepError> {
         for (b, batch) in self.elements.batches.iter().enumerate() {
             if let Some((at, cause)) = batch.report.trouble {
@@ -176,13 +176,13 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         Ok(())
     }
 
-    /// What stops the body at one of its points.
+    /// Return the error that stops the body at one of its points.
     fn broken(&self, kind: PointKind, number: usize, position: [f64; 3], cause: Cause) -> StepError {
         let (body, law) = (self.name.clone(), self.material.name());
         self.clock.stopped(Stopped::Point { kind, body, number, position, law, cause })
     }
 
-    /// One pass over all elements.
+    /// Run one pass over all elements.
     fn sweep(&mut self, pass: Pass, dt: f64) {
         let Elements { nodes, reference, batches, numbers, .. } = &mut self.elements;
         let (material, particles, averages) = (&*self.material, &self.particles, &self.averages);
@@ -206,7 +206,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// The mean at each particle over its elements, weighted by mass.
+    /// Average over the elements at each particle, weighted by mass.
     fn average(&mut self) {
         let Elements { incidence, reference, .. } = &self.elements;
         let (scalars, weights) = (&self.scalars, &self.weights);
@@ -220,27 +220,27 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         });
     }
 
-    /// The size of the next step by the time control, s.
+    /// Size of the next step by the time step control, s.
     pub fn next_time_step(&self) -> f64 {
         self.control.next(self.rate, self.clock.last)
     }
 
-    /// Step until `end` (s), which is met exactly.
+    /// Step until the time `end` (s), which is reached exactly.
     ///
     /// # Errors
-    /// As [`Solver::run_until`].
+    /// Errors of [`Solver::run_until`].
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         Solver::run_until(self, end)
     }
 }
 
-/// What moves a particle.
+/// Input of the motion of a particle.
 struct Motion<'a, const D: usize> {
     incidence: &'a Incidence,
     forces: &'a [[f64; D]],
     boundaries: &'a [Boundary<D>],
     acceleration: [f64; D],
-    /// How far the surface lies beyond centres, in radii.
+    /// Distance from the outermost centres to the surface, in radii.
     surface: f64,
     time: f64,
     dt: f64,
@@ -261,7 +261,7 @@ impl<const D: usize> Motion<'_, D> {
         }
     }
 
-    /// A particle that had the velocity `start` before forces acted, as conditions see it.
+    /// Return a particle for boundary conditions; its velocity before forces acted is `start`.
     #[inline]
     fn point(&self, p: &Particle<D>, start: &[f64; D]) -> MovingPoint<D> {
         MovingPoint {

@@ -1,4 +1,4 @@
-//! The sweeps over elements: steps 1 to 10 of \[Feng2014\], on vectors of elements.
+//! Sweeps over elements: steps 1 to 10 of \[Feng2014\], on vectors of elements.
 
 use std::marker::PhantomData;
 
@@ -13,7 +13,7 @@ use crate::method::Composition;
 use crate::particles::Particle;
 use crate::simplex::Slopes;
 
-/// Elements of a batch on their way through their law: memory of a thread.
+/// Scratch memory of a thread for the constitutive update of a batch.
 #[derive(Debug, Default)]
 pub(crate) struct Waiting {
     deformations: Vec<Deformation<Row>>,
@@ -22,7 +22,7 @@ pub(crate) struct Waiting {
     response: Response<f64>,
 }
 
-/// The groups of a batch, by place: they lie behind each other.
+/// Indices of the groups of a batch, which are contiguous.
 const GROUPS: [u32; BATCH / GROUP] = {
     let mut groups = [0; BATCH / GROUP];
     let mut n = 0;
@@ -33,20 +33,20 @@ const GROUPS: [u32; BATCH / GROUP] = {
     groups
 };
 
-/// What a sweep does.
+/// Pass of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pass {
-    /// Changes of volume, to be averaged over particles.
+    /// Volume changes, to be averaged over particles.
     Stretch,
-    /// Velocity gradient, law; then nodal forces or, where pressures are averaged, Kirchhoff mean stresses.
+    /// Velocity gradient, law; then nodal forces or, with averaged pressures, Kirchhoff mean stresses.
     Stress,
-    /// Kirchhoff mean stresses of the states as they are.
+    /// Kirchhoff mean stresses of the present states.
     Pressure,
-    /// Nodal forces of the states as they are.
+    /// Nodal forces of the present states.
     Force,
 }
 
-/// The elements of a batch.
+/// Elements of a batch.
 #[derive(Clone, Copy)]
 pub(crate) struct Of<'a, const D: usize> {
     pub particles: &'a [Particle<D>],
@@ -58,7 +58,7 @@ pub(crate) struct Of<'a, const D: usize> {
     pub dt: f64,
 }
 
-/// A sweep over a batch of elements of a law whose states have so many numbers.
+/// Sweep over a batch of elements of a law with this number of state variables.
 pub(crate) fn sweep<const D: usize, M: Composition<D>>(
     pass: Pass,
     of: &Of<'_, D>,
@@ -88,12 +88,12 @@ pub(crate) fn sweep<const D: usize, M: Composition<D>>(
             let broken = waiting.response.faults().iter().map(|f| (f.group * GROUP + f.lane, f.cause));
             let broken = broken.filter(|(e, _)| here(e)).min_by_key(|(e, _)| *e);
             let inverted = inverted.map(|e| (e, Breakdown::InvertedVolume));
-            // Of an element the law's own cause first.
+            // For the same element the law's own cause precedes inversion.
             report.trouble = broken.into_iter().chain(inverted).min_by_key(|(e, _)| *e);
         }
         Pass::Pressure | Pass::Force => {
             let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
-            // Viscous stresses, which bound a step by the size of elements, come with the first strain.
+            // Viscous stresses, which limit the time step by the size of elements, come with the first strain.
             material.describe(states, f64::INFINITY, &mut waiting.response);
         }
     }
@@ -102,14 +102,14 @@ pub(crate) fn sweep<const D: usize, M: Composition<D>>(
     batch.report = report;
 }
 
-/// Changes of volume, to be averaged over particles.
+/// Volume changes, to be averaged over particles.
 struct Stretch<'a, const D: usize, M> {
     of: &'a Of<'a, D>,
     output: Output<'a, D>,
     method: PhantomData<M>,
 }
 
-/// Step 1: how elements deform, and their sizes. Returns the first one that is inside out.
+/// Step 1: deformations of elements, and their sizes. Returns the first inverted element.
 struct Strain<'a, const D: usize, M> {
     of: &'a Of<'a, D>,
     deformations: &'a mut [Deformation<Row>],
@@ -117,8 +117,8 @@ struct Strain<'a, const D: usize, M> {
     method: PhantomData<M>,
 }
 
-/// Step 10: nodal forces or, where pressures are averaged, Kirchhoff mean stresses. Returns the largest wave speed over smallest
-/// altitude, 1/s, but of [`Pass::Pressure`].
+/// Step 10: nodal forces or, with averaged pressures, Kirchhoff mean stresses. Returns the largest wave speed over smallest altitude, 1/s,
+/// except in [`Pass::Pressure`].
 struct Give<'a, const D: usize, M> {
     pass: Pass,
     of: &'a Of<'a, D>,
@@ -127,11 +127,11 @@ struct Give<'a, const D: usize, M> {
     method: PhantomData<M>,
 }
 
-/// Where the results of a sweep go.
+/// Output of a sweep.
 pub(crate) enum Output<'a, const D: usize> {
-    /// Forces of the corners, N.
+    /// Forces on the corners, N.
     Forces(&'a mut [[f64; D]]),
-    /// One number an element.
+    /// One number per element.
     Scalars(&'a mut [f64]),
 }
 
@@ -143,7 +143,7 @@ struct Corner<P> {
 }
 
 impl<const D: usize> Of<'_, D> {
-    /// The corners of the elements in some lanes of a group. Lanes without an element get a simplex at rest.
+    /// Load the corners of the elements in some lanes of a group. Lanes without an element have a simplex at rest.
     #[inline(always)]
     fn corners<P: Pack<f64>>(&self, group: usize, first: usize) -> [Corner<P>; 4] {
         let zero = P::zero();
@@ -171,7 +171,7 @@ impl<const D: usize> Of<'_, D> {
         corners
     }
 
-    /// The mean over the corners of elements of a number at the particles; `idle` without an element.
+    /// Return the mean over the corners of elements of a number at the particles; `idle` without an element.
     #[inline(always)]
     fn mean_at_corners<P: Pack<f64>>(&self, group: usize, first: usize, idle: f64) -> P {
         let mut sum = Row::default();
@@ -196,20 +196,20 @@ impl<const D: usize> Of<'_, D> {
         of_row(&row, first)
     }
 
-    /// Elements in the lanes of a pack that begins at a lane of a group.
+    /// Return the number of elements in the lanes of a pack that begins at a lane of a group.
     #[inline(always)]
     fn alive<P: Pack<f64>>(&self, group: usize, first: usize) -> usize {
         self.reference.len().saturating_sub(group * GROUP + first).min(P::WIDTH)
     }
 }
 
-/// The numbers of a row.
+/// Load the numbers of a row.
 #[inline(always)]
 fn of_row<P: Pack<f64>>(row: &Row, lane: usize) -> P {
     P::from_rows([row, row], lane)
 }
 
-/// Corners a part of the step back.
+/// Return the positions of corners `back` seconds ago.
 #[inline(always)]
 fn positions<P: Lane>(corners: &[Corner<P>; 4], d: usize, back: P) -> [[P; 3]; 4] {
     let mut x = [[P::zero(); 3]; 4];
@@ -221,7 +221,7 @@ fn positions<P: Lane>(corners: &[Corner<P>; 4], d: usize, back: P) -> [[P; 3]; 4
     x
 }
 
-/// Mean of the first coordinate.
+/// Return the mean of the first coordinate.
 #[inline(always)]
 fn radius<P: Lane>(x: &[[P; 3]; 4], d: usize) -> P {
     let mut sum = x[0][0];
@@ -231,7 +231,7 @@ fn radius<P: Lane>(x: &[[P; 3]; 4], d: usize) -> P {
     sum * P::of(1.0 / (d + 1) as f64)
 }
 
-/// Step 1: the velocity gradient, and the hoop rate around an axis.
+/// Step 1: velocity gradient, and hoop rate around an axis.
 #[inline(always)]
 fn velocity_gradient<P: Lane>(
     corners: &[Corner<P>; 4],
@@ -258,7 +258,7 @@ fn velocity_gradient<P: Lane>(
     gradient
 }
 
-/// Volume over that before the step.
+/// Return the volume over that before the step.
 #[inline(always)]
 fn volume_ratio<P: Lane>(
     corners: &[Corner<P>; 4],
@@ -273,7 +273,7 @@ fn volume_ratio<P: Lane>(
     if hoop { ratio * radius(now, d) / radius(&before, d) } else { ratio }
 }
 
-/// The edge of the square (cube) that the element is half (a sixth) of.
+/// Element size: edge of the square (cube) that the element is half (a sixth) of.
 #[inline(always)]
 fn length<P: Lane>(measure: P, d: usize) -> P {
     let measure = measure.abs();
@@ -284,8 +284,8 @@ fn length<P: Lane>(measure: P, d: usize) -> P {
     }
 }
 
-/// Step 10: minus V sigma grad N at each corner, and the hoop stress's push along the radius. `volume` is that of the
-/// element's mass, V0 J.
+/// Step 10: nodal forces, minus V sigma grad N at each corner, and the radial force of the hoop stress. `volume` is that of the element's
+/// mass, V0 J.
 #[inline(always)]
 fn nodal_forces<P: Lane>(
     stress: &Sym3<P>,
@@ -354,7 +354,7 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Strain<'_, D, M> {
                 if M::Dilatation::AVERAGED {
                     increment = with_volume(&increment, of.mean_at_corners(group, lane, 1.0));
                 }
-                // The increment itself, times one.
+                // The gradient is the increment itself, with a step of one.
                 let to = &mut deformations[group / 2];
                 A::Pack::one().to_pair(&mut to.step, group % 2, lane);
                 for i in 0..3 {
@@ -430,7 +430,7 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Give<'_, D, M> {
     }
 }
 
-/// One number an element, from `element` on.
+/// Store one number per element, from `element` on.
 #[inline(always)]
 fn put<P: Lane<Real = f64>, const D: usize>(output: &mut Output<'_, D>, element: usize, alive: usize, x: P) {
     if let Output::Scalars(list) = output {

@@ -1,12 +1,12 @@
-//! What the compiler says of a method of other dimensions than its packing: one error, at the line of the body, with what to take
-//! instead. The program is checked as `cargo check` does, with the libraries that this test was built with.
+//! Compiler errors for a method of other dimensions than its packing: one error, at the line of the body, with the remedy. The program is
+//! checked as `cargo check` does, with the libraries of this test's build.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 use std::time::SystemTime;
 
-/// A body in line 7, and what is done with it.
+/// Program with a body in line 7, and uses of it.
 const PROGRAM: &str = r#"#![allow(unused)]
 use impactite_scene::{Axisymmetric, FullSpace, PlaneStrain};
 use mpm_materials::NeoHookean;
@@ -21,7 +21,7 @@ fn run(law: NeoHookean<f64>, packing: &Packing<$dimensions>, delaunay: LocalDela
 }
 "#;
 
-/// The libraries of a name in a folder, those built last first.
+/// Return the libraries of a name in a folder, the last built first.
 fn built(folder: &Path, name: &str) -> Vec<PathBuf> {
     let files = std::fs::read_dir(folder).expect("the folder of this test").flatten().map(|e| e.path());
     let when =
@@ -37,7 +37,7 @@ fn built(folder: &Path, name: &str) -> Vec<PathBuf> {
 
 const LIBRARIES: [&str; 3] = ["pcmm", "mpm_materials", "impactite_scene"];
 
-/// Libraries that were built for each other, of those built with one set of features or another: the ones built last of which a sound program
+/// Return libraries that were built for each other: of those built with different sets of features, the last with which a sound program
 /// compiles.
 fn libraries(folder: &Path) -> &'static [PathBuf; 3] {
     static FOUND: OnceLock<[PathBuf; 3]> = OnceLock::new();

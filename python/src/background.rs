@@ -1,4 +1,4 @@
-//! Work in a thread of its own, while Python runs and may be interrupted.
+//! Background thread for long calls, which Python can interrupt.
 
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
@@ -6,14 +6,14 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Time between checks for signals.
+/// Interval between checks for signals.
 const ASKED: Duration = Duration::from_millis(50);
-/// Bytes of stack, as the main thread has.
+/// Stack size, bytes: that of the main thread.
 const STACK: usize = 8 << 20;
 
-/// Result of `work`, which runs in a thread of its own. Between checks for signals `meanwhile` is called. If it or the handler of a signal
-/// raises an exception, `stop` is called: if that returns true, the work ends soon and is waited for; if not, the thread is abandoned and its
-/// result dropped. In both cases the exception is returned. A second signal ends the waiting.
+/// Run `work` in a thread of its own and return its result. `meanwhile` is called between checks for signals. If it or a signal handler
+/// raises an exception, `stop` is called. If `stop` returns true, the work ends soon and is waited for; if not, the thread is abandoned and
+/// its result dropped. In both cases the exception is returned. A second signal ends the wait.
 pub fn run<R: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> R + Send + 'static,
@@ -42,7 +42,7 @@ pub fn run<R: Send + 'static>(
                     interrupted = Some(error);
                 }
             }
-            // A second Ctrl-C ends the waiting.
+            // A second Ctrl-C ends the wait.
             Err(RecvTimeoutError::Timeout) => py.check_signals()?,
         }
     }

@@ -1,4 +1,4 @@
-//! A body of a simulation.
+//! Python class of a body of a simulation.
 
 use std::sync::Arc;
 
@@ -32,7 +32,7 @@ pub struct Body {
 }
 
 impl Body {
-    /// The body at this place of a scene.
+    /// Create the body at this index of a scene.
     pub fn new(
         running: Arc<Running>,
         place: usize,

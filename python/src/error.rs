@@ -1,4 +1,4 @@
-//! Errors as exceptions: what Python has a name for by that name, the rest as `SceneError` and `RunError`.
+//! Python exceptions for errors: built-in classes where they fit, else `SceneError` and `RunError`.
 
 use std::path::Path;
 
@@ -24,7 +24,7 @@ pyo3::create_exception!(
      none did; `warnings` are those of a run in a folder."
 );
 
-/// The exceptions, with attributes that are None where an error has no such part.
+/// Add the exceptions; attributes are None by default.
 pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     let none = module.py().None();
     let (scene, run) = (module.py().get_type::<SceneError>(), module.py().get_type::<RunError>());
@@ -38,22 +38,22 @@ pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("RunError", run)
 }
 
-/// Why a call failed, before Python is told: made where the interpreter is not held.
+/// Error of a call, created without the interpreter lock (GIL) and converted to an exception later.
 #[derive(Debug)]
 pub enum Failed {
-    /// The scene.
+    /// Invalid scene.
     Input(InputError),
-    /// A step.
+    /// Failed step.
     Step(StepError),
-    /// A checkpoint.
+    /// Failed checkpoint.
     Checkpoint(std::path::PathBuf, CheckpointError),
-    /// A job.
+    /// Failed job.
     Job(CliError),
-    /// A measure.
+    /// Failed measure.
     Measure(MeasureError),
-    /// A value that is not allowed.
+    /// Invalid value.
     Value(String),
-    /// A simulation that is not to be used any more.
+    /// Unusable simulation.
     Unusable(String),
 }
 
@@ -94,11 +94,11 @@ impl From<Failed> for PyErr {
     }
 }
 
-/// `FileNotFoundError` and its like, with the name of the file.
+/// Return `FileNotFoundError` or another `OSError`, with the name of the file.
 fn file(path: &Path, error: &std::io::Error) -> PyErr {
     let path = path.display().to_string();
     match error.raw_os_error() {
-        // Of the number Python makes the class, of all three the message.
+        // Python selects the class by the number and makes the message of all three.
         Some(number) => {
             let said = error.to_string();
             let said = said.split(" (os error").next().unwrap_or_default().to_string();
@@ -113,19 +113,19 @@ fn input(error: &InputError) -> PyErr {
         InputError::Read { path, source } => file(path, source),
         InputError::At(fault) => at(fault),
         InputError::Set { assignment, why } => SceneError::new_err(format!("set: {assignment}: {why}")),
-        // The enumeration may grow.
+        // The enumeration is non-exhaustive.
         other => SceneError::new_err(other.to_string()),
     }
 }
 
-/// Exception for a failed run; a `RunError` has the warnings.
+/// Return the exception of a failed run; a `RunError` has the warnings as attribute.
 pub fn with_warnings(failed: Failed, warnings: Vec<String>) -> PyErr {
     let error = PyErr::from(failed);
     let broke = Python::attach(|py| error.is_instance_of::<RunError>(py));
     if broke { with(error, |value| value.setattr("warnings", warnings)) } else { error }
 }
 
-/// `SceneError` for a value of Python at a key.
+/// Return a `SceneError` for a Python value at a key.
 pub fn refused(message: String, key: &str, reason: &str, help: Option<&str>) -> PyErr {
     with(SceneError::new_err(message), |value| {
         value.setattr("key", Some(key).filter(|key| !key.is_empty()))?;
@@ -134,7 +134,7 @@ pub fn refused(message: String, key: &str, reason: &str, help: Option<&str>) -> 
     })
 }
 
-/// A fault with its place, in the message and as attributes.
+/// Return the exception of a fault, with its place in the message and as attributes.
 fn at(fault: &Fault) -> PyErr {
     let error = SceneError::new_err(fault.to_string());
     with(error, |value| {
@@ -162,7 +162,7 @@ fn step(error: &StepError) -> PyErr {
     })
 }
 
-/// The exception with attributes; should one not be set, what Python says of that.
+/// Set attributes of an exception and return it; if that fails, return the exception raised by Python.
 fn with(error: PyErr, set: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<()>) -> PyErr {
     Python::attach(|py| match set(error.value(py)) {
         Ok(()) => error,

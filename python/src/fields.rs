@@ -1,11 +1,11 @@
-//! What the points of a body hold, as arrays.
+//! State of the points of a body as arrays.
 
 use impactite::scene::{Body, PointView};
 use numpy::ndarray::Array2;
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
-/// Numbers of all points of a body, by their numbers in it. In memory that arrays take over as it is.
+/// Columns of all points of a body, sorted by point number, in memory that the arrays take over.
 #[derive(Default)]
 pub struct Columns {
     numbers: Vec<i64>,
@@ -22,7 +22,7 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Of a body in a scene of so many dimensions, in one pass over its points.
+    /// Gather the columns of a body in one pass over its points, in a scene of so many dimensions.
     pub fn of(body: &dyn Body, dimensions: usize, axisymmetric: bool) -> Self {
         let mut all = Columns { state: vec![Vec::new(); body.state_names().len()], ..Columns::default() };
         all.reserve(body.len());
@@ -45,7 +45,7 @@ impl Columns {
     }
 
     fn push(&mut self, p: &PointView, width: f64) {
-        // Numbers of points fit: they are places in memory.
+        // Point numbers fit, since they are indices in memory.
         self.numbers.push(p.number as i64);
         self.positions.extend(p.position);
         self.velocities.extend(p.velocity);
@@ -59,7 +59,7 @@ impl Columns {
         self.state.iter_mut().zip(&p.state).for_each(|(column, value)| column.push(*value));
     }
 
-    /// By number: a solver keeps points by where they are.
+    /// Sort by point number, since a solver sorts points by position.
     fn sort(&mut self) {
         let mut order: Vec<usize> = (0..self.numbers.len()).collect();
         order.sort_unstable_by_key(|&place| self.numbers[place]);
@@ -74,14 +74,14 @@ impl Columns {
     }
 }
 
-/// The rows of a table of so many columns in another order.
+/// Reorder the rows of a table of `width` columns.
 fn arrange<X: Copy>(table: &mut Vec<X>, order: &[usize], width: usize) {
     let mut rows = Vec::with_capacity(table.len());
     order.iter().for_each(|&row| rows.extend_from_slice(&table[width * row..width * (row + 1)]));
     *table = rows;
 }
 
-/// The same as arrays that cannot be written to: each of them is the memory that was filled, and whoever asks again gets the same.
+/// Read-only arrays of the columns, without a copy. Repeated requests return the same arrays.
 pub struct Fields {
     pub numbers: Py<PyArray1<i64>>,
     pub positions: Py<PyArray2<f64>>,
@@ -97,7 +97,7 @@ pub struct Fields {
 }
 
 impl Fields {
-    /// Hand the memory over to Python.
+    /// Move the columns to Python arrays.
     pub fn new(py: Python<'_>, columns: Columns) -> PyResult<Self> {
         Ok(Fields {
             numbers: list(py, columns.numbers),

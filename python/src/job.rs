@@ -1,4 +1,4 @@
-//! Whole runs in folders, as the program `impactite` makes them.
+//! Runs in folders, as made by the program `impactite`.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,14 +22,14 @@ pub struct How {
     threads: Option<usize>,
     #[pyo3(item)]
     checkpoint: f64,
-    /// Value of the checkpoint if not given.
+    /// None: value of the checkpoint.
     #[pyo3(item)]
     pictures: Option<bool>,
     #[pyo3(item)]
     report: Option<bool>,
 }
 
-/// Outcome of a job as JSON, and its warnings.
+/// Outcome of a job as JSON, and warnings of the job.
 type Told = (String, Vec<String>);
 
 /// Run a job. `shown` is called with time, end, steps, rate and energy error at every check for signals and at the end.
@@ -67,7 +67,7 @@ fn perform(py: Python<'_>, job: Job, how: &How, shown: Option<&Bound<'_, PyAny>>
         },
     )?;
     let outcome = outcome.map_err(|error| with_warnings(error.into(), advance.warnings()))?;
-    // The end of the run.
+    // Progress at the end of the run.
     show()?;
     let told = serde_json::to_string(&outcome).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     Ok((told, advance.warnings()))

@@ -1,6 +1,6 @@
-//! Impactite for Python: the extension module `impactite._impactite`, on which the package `impactite` stands.
+//! Extension module `impactite._impactite` of the Python package `impactite`.
 //!
-//! Its classes and functions are documented for those who call them, in Python: here as the docstrings, and as types in `_impactite.pyi`.
+//! Classes and functions are documented for Python users: here by docstrings, and by types in `_impactite.pyi`.
 
 mod background;
 mod body;

@@ -1,4 +1,4 @@
-//! A scene that goes on by steps, as a simulation and its bodies share it.
+//! State of a simulation, shared with its bodies.
 
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
@@ -15,48 +15,48 @@ use pyo3::prelude::*;
 use crate::error::Failed;
 use crate::fields::{Columns, Fields};
 
-/// How long Python waits at most to be asked whether Ctrl-C was pressed, unless one step takes longer.
+/// Longest interval between checks for Ctrl-C, unless one step takes longer.
 const PIECE: Duration = Duration::from_millis(50);
 
-/// A scene that is set up, on threads.
+/// Scene that is set up, with its threads.
 pub struct Running {
-    /// What it was made from.
+    /// Parsed scene file.
     pub scene: Arc<SceneFile>,
-    /// How many threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Taken by whoever does not hold the interpreter, which a thread that steps may wait for.
+    /// Locked only without the interpreter lock (GIL), for which a stepping thread may wait.
     state: Mutex<State>,
-    /// Process of the thread that has locked `state`; 0 if none has.
+    /// Process of the thread that has locked `state`; 0 if unlocked.
     holder: AtomicU32,
-    /// The arrays of each body.
+    /// Arrays of each body.
     gathered: Mutex<Vec<Option<Gathered>>>,
 }
 
-/// The arrays of a body.
+/// Arrays of a body.
 struct Gathered {
-    /// [`State::changes`] when they were.
+    /// Value of [`State::changes`] when the arrays were gathered.
     changes: u64,
     fields: Arc<Fields>,
 }
 
 struct State {
     solver: Box<dyn Solver>,
-    /// Its measures, by where points are at the start.
+    /// Measures of the scene, by the initial positions of points.
     measures: Measures,
-    /// Counts what changed the scene.
+    /// Number of changes of the scene.
     changes: u64,
-    /// Why it is not to be used any more.
+    /// Reason for which the simulation is unusable, if it is.
     unusable: Option<String>,
 }
 
 impl State {
-    /// Does a measure end the scene?
+    /// True if a measure ends the scene.
     fn by_measure(&self) -> Result<bool, Failed> {
         Ok(self.measures.ended(&*self.solver)?.is_some())
     }
 }
 
-/// The state, while a thread uses it.
+/// Locked state.
 struct Held<'a> {
     state: MutexGuard<'a, State>,
     holder: &'a AtomicU32,
@@ -74,14 +74,14 @@ impl DerefMut for Held<'_> {
     }
 }
 impl Drop for Held<'_> {
-    // Before the state itself is given back.
+    // Reset before the lock of the state is released.
     fn drop(&mut self) {
         self.holder.store(0, Ordering::SeqCst);
     }
 }
 
 impl Running {
-    /// The scene, set up.
+    /// Set up the scene.
     pub fn new(source: &Source, scene: Arc<SceneFile>, threads: Option<usize>) -> Result<Self, Failed> {
         let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
         let team = Team::new(threads.unwrap_or_else(all)).map_err(|e| Failed::Value(e.to_string()))?;
@@ -109,13 +109,13 @@ impl Running {
                 Ok(state) => break state,
                 Err(TryLockError::Poisoned(_)) => return Err(broken()),
                 Err(TryLockError::WouldBlock) => match self.holder.load(Ordering::SeqCst) {
-                    // Between locking and storing the holder. It lasts only in a child that was forked at that moment.
+                    // Time between locking and storing the holder: permanent only in a child that was forked at that moment.
                     0 if waited < 1000 => {
                         waited += 1;
                         std::thread::sleep(Duration::from_millis(1));
                     }
                     holder if holder == process => break self.state.lock().map_err(|_| broken())?,
-                    // Locked by a thread of the parent, which the child does not have.
+                    // Locked by a thread of the parent process, which does not exist in the child.
                     _ => {
                         return Err(Failed::Unusable(
                             "the process was forked while another thread used the simulation, which cannot go on in the child; \
@@ -134,7 +134,7 @@ impl Running {
         }
     }
 
-    /// What `look` finds, between two steps.
+    /// Return the result of `look` on the solver between two steps.
     pub fn look<R: Send>(
         &self,
         py: Python<'_>,
@@ -143,7 +143,7 @@ impl Running {
         Ok(py.detach(|| Ok::<R, Failed>(look(&mut *self.lock()?.solver)))?)
     }
 
-    /// The measures as the scene stands, in SI units.
+    /// Return the measures of the current state, in SI units.
     pub fn measured(&self, py: Python<'_>) -> PyResult<Vec<f64>> {
         let taken = py.detach(|| {
             let state = self.lock()?;
@@ -152,7 +152,7 @@ impl Running {
         Ok(taken?)
     }
 
-    /// The arrays of the body at this place: gathered once a state.
+    /// Return the arrays of a body by its index, gathered once per state.
     pub fn fields(&self, py: Python<'_>, place: usize) -> PyResult<Arc<Fields>> {
         let kept = |changes: u64| {
             let gathered = self.gathered.lock().ok()?;
@@ -174,7 +174,7 @@ impl Running {
             Ok(fields) => return Ok(fields),
             Err(gathered) => gathered,
         };
-        // Another thread may have been faster, and all are to have the same arrays.
+        // Another thread may have been faster: all threads return its arrays.
         let fields = Arc::new(Fields::new(py, columns)?);
         if let Some(fields) = kept(changes) {
             return Ok(fields);
@@ -185,14 +185,14 @@ impl Running {
         Ok(fields)
     }
 
-    /// Give back the memory of arrays that nobody else holds.
+    /// Release the arrays; memory that Python still references stays.
     fn forget(&self) {
         if let Ok(mut gathered) = self.gathered.lock() {
             gathered.fill_with(|| None);
         }
     }
 
-    /// Has the scene come to its end: to the time, or to what a measure says?
+    /// True if the scene has reached its end time or the end condition of a measure.
     pub fn ended(&self, py: Python<'_>) -> PyResult<bool> {
         let ended = py.detach(|| {
             let state = self.lock()?;
@@ -201,7 +201,8 @@ impl Running {
         Ok(ended?)
     }
 
-    /// At most so many steps towards the end of the scene, or towards `time`, s; Python is asked every now and then. Returns how many were made.
+    /// Make at most `most` steps towards the end of the scene or towards `time`, s, with regular checks for signals. Returns the number of
+    /// steps made.
     pub fn advance(&self, py: Python<'_>, time: Option<f64>, most: u64) -> PyResult<u64> {
         let end = time.unwrap_or(self.scene.end.value);
         self.forget();
@@ -238,7 +239,7 @@ impl Running {
         }
     }
 
-    /// Go on from a checkpoint; where that fails it is not used any more.
+    /// Resume from a checkpoint; after an error of the checkpoint the simulation is unusable.
     pub fn resume(&self, path: &Path) -> Result<(), Failed> {
         self.forget();
         let mut state = self.lock()?;

@@ -1,4 +1,4 @@
-//! Scenes: texts that were read and found to be one.
+//! Python class of a scene: a text that was parsed and validated.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -26,7 +26,7 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// The text, changed where `set` says so, and read.
+    /// Parse a text with the changes of `set`.
     fn read(py: Python<'_>, source: Source, set: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let source = value::changed(source, set)?;
         py.detach(|| {
@@ -36,7 +36,7 @@ impl Scene {
         .map_err(|error: Failed| error.into())
     }
 
-    /// Its text.
+    /// Text of the scene.
     pub fn source(&self) -> &Source {
         &self.source
     }
@@ -89,7 +89,7 @@ impl Scene {
     fn simulation(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<Simulation> {
         let (source, file) = (self.source.clone(), self.file.clone());
         let set_up = move || Running::new(&source, file, threads);
-        // Set-up that is interrupted is abandoned.
+        // An interrupted set-up is abandoned.
         Ok(Simulation::new(background::run(py, set_up, |_| Ok(()), || false)??))
     }
 
@@ -170,7 +170,7 @@ impl Scene {
     }
 }
 
-/// What errors call a scene that is no file; its folder is where files that it names are.
+/// Return the name of a scene without a file, for errors; its folder is the base of the files that the scene names.
 fn named(folder: Option<PathBuf>, name: &str) -> String {
     folder.as_deref().unwrap_or(Path::new("")).join(name).display().to_string()
 }

@@ -1,4 +1,4 @@
-//! Simulations as Python sees them.
+//! Python class of a simulation.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -19,7 +19,7 @@ use crate::running::Running;
 pub struct Simulation(Arc<Running>);
 
 impl Simulation {
-    /// Of a scene that is set up.
+    /// Create a simulation of a scene that is set up.
     pub fn new(running: Running) -> Self {
         Simulation(Arc::new(running))
     }
@@ -30,7 +30,7 @@ impl Simulation {
     /// Make `n` steps, or fewer where the scene ends. Returns how many were made: 0 at the end.
     #[pyo3(signature = (n=1))]
     fn step(&self, py: Python<'_>, n: u64) -> PyResult<u64> {
-        // A scene that was run beyond its end makes no more steps towards it.
+        // After the end of the scene no step is made towards it.
         if self.0.ended(py)? { Ok(0) } else { self.0.advance(py, None, n) }
     }
 

@@ -1,4 +1,4 @@
-//! Values of Python as values of a scene.
+//! Conversion of Python values to values of a scene.
 
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
@@ -8,16 +8,16 @@ use serde_json::{Map, Number, Value};
 
 use crate::error::refused;
 
-/// Largest number of levels of dicts and lists, below the recursion limits of the readers of JSON and TOML.
+/// Largest nesting depth of dicts and lists, below the recursion limits of the JSON and TOML parsers.
 const LEVELS: usize = 64;
 /// Largest number of characters of a key in a message.
 const SHOWN: usize = 60;
 
-/// A value with its key, for messages.
+/// Location of a value, for messages.
 struct Place<'a> {
-    /// The key of the whole value: empty for a scene.
+    /// Key of the whole value; empty for a scene.
     root: &'a str,
-    /// Start of messages.
+    /// Prefix of messages.
     from: &'static str,
     way: Vec<Step>,
 }
@@ -43,7 +43,7 @@ impl Place<'_> {
         key
     }
 
-    /// The key between backquotes; the scene itself has none.
+    /// Return the key between backquotes, or "the scene" without a key.
     fn named(&self) -> String {
         match self.key() {
             key if key.is_empty() => "the scene".into(),
@@ -66,7 +66,7 @@ impl Place<'_> {
     }
 }
 
-/// A scene as JSON: a dict, or another mapping.
+/// Convert a scene, a dict or another mapping, to JSON.
 pub fn scene(tree: &Bound<'_, PyAny>) -> PyResult<String> {
     if tree.cast::<PyMapping>().is_err() {
         let help = match tree.is_instance_of::<PyString>() {
@@ -79,7 +79,7 @@ pub fn scene(tree: &Bound<'_, PyAny>) -> PyResult<String> {
     Ok(value(tree, &mut place)?.to_string())
 }
 
-/// The value of a key of `set`, in TOML.
+/// Convert the value of a key of `set` to TOML.
 pub fn toml(key: &str, new: &Bound<'_, PyAny>) -> PyResult<String> {
     let mut place = Place { root: key, from: "set: ", way: Vec::new() };
     let new = value(new, &mut place)?;
@@ -89,7 +89,7 @@ pub fn toml(key: &str, new: &Bound<'_, PyAny>) -> PyResult<String> {
     Ok(new.to_string())
 }
 
-/// The type of an object, with an article.
+/// Return the type of an object, with an article.
 fn kind(object: &Bound<'_, PyAny>) -> PyResult<String> {
     if object.is_none() {
         return Ok("None".into());
@@ -99,7 +99,7 @@ fn kind(object: &Bound<'_, PyAny>) -> PyResult<String> {
     Ok(format!("{article} {name}"))
 }
 
-/// JSON value of a Python object: mappings, sequences, arrays, texts, paths, truth values, and real numbers of any type.
+/// Convert a Python object to a JSON value: mappings, sequences, arrays, texts, paths, truth values, and real numbers of any type.
 fn value(object: &Bound<'_, PyAny>, place: &mut Place<'_>) -> PyResult<Value> {
     if object.is_none() {
         let help = match place.way.last() {
@@ -158,7 +158,7 @@ fn value(object: &Bound<'_, PyAny>, place: &mut Place<'_>) -> PyResult<Value> {
     if object.hasattr("__float__")? {
         match object.call_method0("__float__") {
             Ok(number) => return real(number.extract()?, place),
-            // Complex numbers of Python 3.9, whose `__float__` always fails.
+            // Python 3.9: `__float__` of complex numbers always fails.
             Err(error) if error.is_instance_of::<PyTypeError>(object.py()) => {}
             Err(error) => return Err(error),
         }
@@ -181,7 +181,7 @@ fn real(number: f64, place: &Place<'_>) -> PyResult<Value> {
 
 fn mapping(table: &Bound<'_, PyMapping>, place: &mut Place<'_>) -> PyResult<Value> {
     let mut all = Map::new();
-    // A copy of the items: conversion of a value may change the mapping.
+    // Copy of the items, since the conversion of a value may change the mapping.
     for item in table.items()?.iter() {
         let (key, inner): (Bound<'_, PyAny>, Bound<'_, PyAny>) = item.extract()?;
         let Ok(key) = key.cast::<PyString>() else {
@@ -206,7 +206,7 @@ fn sequence(list: &Bound<'_, PySequence>, place: &mut Place<'_>) -> PyResult<Val
     Ok(Value::Array(all))
 }
 
-/// The text of a scene, changed where `set` says so.
+/// Return the text of a scene with the changes of `set`.
 pub fn changed(
     mut source: impactite_input::Source,
     set: Option<&Bound<'_, PyDict>>,

@@ -1,4 +1,4 @@
-//! A body as contact with others sees it. Particles have the numbers of the layout here.
+//! Contact interface of a body. Particles have the numbers of the layout here.
 
 use impactite_scene::{Archive, CheckpointError, Exchange, SceneError, Solver, StepError};
 use impactite_simd::Team;
@@ -11,8 +11,8 @@ use crate::solver::{ADVICE, PRESCRIBED, Sph, TOUCHED};
 use crate::sums::BATCH;
 use crate::tensors::PLACES;
 
-/// The sum of V W over a particle and its neighbours below which it is at the surface \[Randles1996\]: it is one within a body, about
-/// three quarters at a face.
+/// Threshold of the colour function, the sum of V W over a particle and its neighbours: below it a particle is on the surface
+/// \[Randles1996\]. The colour is 1 within a body, about 0.75 at a face.
 const COLOUR: f64 = 0.9;
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
@@ -20,7 +20,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.places[n] as usize
     }
 
-    /// The colour of a place: the sum of V W over it and its neighbours.
+    /// Return the colour of the particle at place `i`: the sum of V W over it and its neighbours.
     fn colour(&self, i: usize) -> f64 {
         let (records, kernel) = (&self.records, self.method.kernel());
         let norm = kernel.norm(D);
@@ -68,7 +68,7 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Sph<D, M> {
                 sum[d] -= other[3] * s * (other[d] - own[d]);
             }
         }
-        // From the reference to the present configuration, by Nanson's formula.
+        // Push forward from the reference to the present configuration, by Nanson's formula.
         if let Some(f) = batch.deformation.get(i % BATCH) {
             let inverse = inverse(f, D);
             let of_reference = sum;

@@ -1,20 +1,20 @@
-//! What is found of the surface of a body.
+//! Surface detection: boundary particles and their normals.
 
-/// The normals of a boundary particle.
+/// Surface normals of a boundary particle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Faces<const D: usize> {
     pub count: usize,
     pub normals: [[f64; 3]; 3],
 }
 
-/// What was found of a particle, in the round in which that holds.
+/// Cached result of a particle, valid in the round in which it was computed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Found<X> {
     pub round: u32,
     pub what: X,
 }
 
-/// What was found of the surface.
+/// Cached results of the surface detection.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Surface<const D: usize> {
     pub round: u32,
@@ -24,7 +24,7 @@ pub(crate) struct Surface<const D: usize> {
 }
 
 impl<const D: usize> Surface<D> {
-    /// Particles are others' neighbours now.
+    /// Invalidate the results after a change of neighbours.
     pub fn forget(&mut self) {
         self.round += 1;
     }

@@ -1,32 +1,32 @@
-//! Which configuration kernels are taken in, and how gradients are made of sums.
+//! Configuration of the kernels, and correction of the gradients.
 
 use std::fmt::Debug;
 
-/// The configuration that kernels are taken in.
+/// Configuration of the kernels: reference or present.
 pub trait Form: Copy + Debug + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// Is it that of the reference, with the neighbours that particles have there?
+    /// True if kernels and neighbours are those of the reference configuration.
     const TOTAL: bool;
-    /// The stretch beyond which the present configuration becomes the reference, if any.
+    /// Stretch above which the present configuration becomes the reference, if any.
     fn renewed_at(&self) -> Option<f64> {
         None
     }
 }
 
-/// Kernels and neighbours of the reference configuration: no tensile instability, no search, and no separation. Nothing tears, so that it
-/// is for bodies that stay whole.
+/// Kernels and neighbours of the reference configuration: no tensile instability and no neighbour search. Particles do not separate: use
+/// this form for bodies without fracture.
 ///
-/// With [`TotalLagrangian::renewed`] the present configuration becomes the reference, neighbours and all, as soon as a particle is stretched
-/// by more than a factor since: the switch to an updated form for what flows.
+/// With [`TotalLagrangian::renewed`] the present configuration becomes the reference, with new neighbours, as soon as a particle is
+/// stretched by more than a factor since the last update. This is a switch to an updated form for large flow.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TotalLagrangian(Option<f64>);
 
 impl TotalLagrangian {
-    /// Renew the reference where the root mean square of the principal stretches of a particle, or that of their inverses, exceeds this.
+    /// Update the reference where the root mean square of the principal stretches of a particle, or of their inverses, exceeds `stretch`.
     ///
     /// # Errors
-    /// Not above 1, or not finite.
+    /// A stretch not above 1, or not finite.
     pub fn renewed(stretch: f64) -> Result<Self, StretchError> {
         if stretch > 1.0 && stretch.is_finite() {
             Ok(TotalLagrangian(Some(stretch)))
@@ -36,7 +36,7 @@ impl TotalLagrangian {
     }
 }
 
-/// A stretch that renews nothing, or everything always.
+/// Invalid stretch for updates of the reference configuration.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StretchError(f64);
 
@@ -59,8 +59,8 @@ impl Form for TotalLagrangian {
     }
 }
 
-/// Kernels and neighbours of the present configuration. The force of a pair is -V_i V_j (sigma_i B_i + sigma_j B_j) grad W, the one that
-/// does the work that the velocity gradients of laws see: energy is kept.
+/// Kernels and neighbours of the present configuration. The force of a pair, -V_i V_j (sigma_i B_i + sigma_j B_j) grad W, is conjugate to
+/// the velocity gradients of the laws, so that energy is conserved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Updated;
 impl Form for Updated {
@@ -68,15 +68,15 @@ impl Form for Updated {
     const TOTAL: bool = false;
 }
 
-/// What is done about kernels that are cut off by surfaces, and about disorder.
+/// Correction of gradients for kernels truncated by surfaces, and for particle disorder.
 pub trait Correction<F>: Copy + Debug + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// Are gradients multiplied by B = (sum V grad W (x) (x_j - x_i))^-1?
+    /// True if gradients are multiplied by B = (sum V grad W (x) (x_j - x_i))^-1.
     const CORRECTED: bool;
 }
 
-/// Gradients that are exact of linear fields \[Randles1996, BonetLok1999\]: what turns as a rigid body is not strained.
+/// Gradients that are exact for linear fields \[Randles1996, BonetLok1999\]: a rigid rotation causes no strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct GradientCorrection;
 impl<F: Form> Correction<F> for GradientCorrection {
@@ -84,7 +84,7 @@ impl<F: Form> Correction<F> for GradientCorrection {
     const CORRECTED: bool = true;
 }
 
-/// Gradients as they are, as printed: near surfaces about half of what they should be.
+/// Uncorrected gradients of the original formulation: about half of the exact value near surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoCorrection;
 impl Correction<Updated> for NoCorrection {

@@ -1,50 +1,50 @@
-//! Mirror images of particles at planes: the other half of a symmetric body, the other side of an axis, and what a rigid wall answers with.
+//! Mirror images of particles at planes of symmetry, at an axis of revolution and at rigid walls.
 
 use impactite_scene::{Boundary, Side};
 
 use crate::records::Records;
 
-/// A plane that mirrors.
+/// Mirror plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Mirror {
     pub axis: usize,
     pub at: f64,
-    /// Where the material is: 1 above, -1 below.
+    /// Side of the material: 1 above, -1 below.
     pub sign: f64,
     pub kind: MirrorKind,
 }
 
 impl Mirror {
-    /// A wall as a condition on particles.
+    /// Return the wall as a boundary condition on particles.
     pub fn wall<const D: usize>(&self) -> Boundary<D> {
         let side = if self.sign > 0.0 { Side::Above } else { Side::Below };
         Boundary::Wall { axis: self.axis, at: self.at, side, velocity: 0.0 }
     }
 }
 
-/// What it stands for.
+/// Kind of a mirror plane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MirrorKind {
     /// A plane of symmetry.
     Symmetry,
-    /// The axis of a body of revolution: the radius has a sign there.
+    /// The axis of a body of revolution: images have a negative radius.
     Axis,
-    /// A rigid wall, which only pushes.
+    /// A rigid wall in compression only.
     Wall,
 }
 
-/// The mirror image of a particle at one plane or several.
+/// Mirror image of a particle at one or several planes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Image<const D: usize> {
     pub source: u32,
-    /// For each coordinate twice the position of the plane that it is mirrored at, or zero.
+    /// Twice the position of the mirror plane across each coordinate, m, or zero.
     twice: [f64; D],
-    /// Its factor, 1 or -1.
+    /// Sign of each coordinate, 1 or -1.
     pub flips: [f64; D],
-    /// -1 beyond an axis: the factor of radius times stress in forces along the radius, so that it goes through zero there and a uniform
-    /// stress does not accelerate. Forces along the axis take its amount, so that a pair and its image keep the momentum.
+    /// Factor of radius times stress in radial forces, -1 beyond an axis: the product is zero at the axis, and a uniform stress does not
+    /// accelerate. Axial forces use its magnitude, so that a pair and its image conserve momentum.
     pub radial: f64,
-    /// The axis across the wall that it is mirrored at, if it is.
+    /// Axis normal to the mirror wall, if any.
     pub wall: Option<usize>,
 }
 
@@ -57,7 +57,7 @@ impl<const D: usize> Image<D> {
         (0..D).for_each(|d| turned[d] *= self.flips[d]);
         turned
     }
-    /// A column of a tensor; of two side by side in the plane.
+    /// Mirror a tensor, given by columns; in the plane each column stores two tensors side by side.
     pub fn tensor(&self, of: &[[f64; 4]; D]) -> [[f64; 4]; D] {
         let mut turned = *of;
         for (c, column) in turned.iter_mut().enumerate() {
@@ -72,15 +72,15 @@ impl<const D: usize> Image<D> {
     }
 }
 
-/// All images.
+/// Mirror images of all particles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Images<const D: usize> {
     pub all: Vec<Image<D>>,
 }
 
 impl<const D: usize> Images<D> {
-    /// The images of particles at these places that a particle could have within its reach, now or after it or they moved through half a
-    /// `skin` each. `smoothing` is half of what each reaches.
+    /// Find the images of the particles at `places` that may be within reach of a particle, now or after displacements of up to half a
+    /// `skin` each. `smoothing` is half the reach of each particle.
     pub fn find(mirrors: &[Mirror], places: &[[f64; D]], smoothing: &[f64], skin: f64) -> Self {
         let largest = smoothing.iter().fold(0.0f64, |m, h| m.max(*h));
         let mut all: Vec<Image<D>> = Vec::new();
@@ -97,7 +97,7 @@ impl<const D: usize> Images<D> {
                 (flips[axis], twice[axis]) = (-1.0, 2.0 * mirror.at);
                 all.push(Image { source: n as u32, twice, flips, radial, wall });
             }
-            // Images of images, at planes across other axes.
+            // Mirror the images once more at planes normal to other axes.
             for n in 0..images {
                 let mut image = all[n];
                 if image.flips[axis] == 1.0 && near(image.source as usize) {
@@ -115,7 +115,7 @@ impl<const D: usize> Images<D> {
         self.all.capacity() * size_of::<Image<D>>()
     }
 
-    /// Fill the records of images from those of their particles.
+    /// Fill the places and smoothing lengths of images from those of their particles.
     pub fn fill_places(&self, records: &mut Records<D>) {
         let particles = records.particles;
         for (n, image) in self.all.iter().enumerate() {
@@ -127,21 +127,21 @@ impl<const D: usize> Images<D> {
             records.smoothing[to] = records.smoothing[from];
         }
     }
-    /// The same of velocities.
+    /// Fill the velocities of images.
     pub fn fill_velocities(&self, records: &mut Records<D>) {
         let particles = records.particles;
         for (n, image) in self.all.iter().enumerate() {
             records.velocity[particles + n] = image.turn(&records.velocity[image.source as usize]);
         }
     }
-    /// The same of densities and their gradients.
+    /// Fill the densities of images and the density gradients.
     pub fn fill_densities(&self, records: &mut Records<D>) {
         let particles = records.particles;
         for (n, image) in self.all.iter().enumerate() {
             records.density[particles + n] = image.turn(&records.density[image.source as usize]);
         }
     }
-    /// The same of stresses, and of what stabilises.
+    /// Fill the stresses of images and the records of stabilisations.
     pub fn fill_tensors(&self, records: &mut Records<D>) {
         let particles = records.particles;
         for (n, image) in self.all.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Kernels: what a particle is smeared with.
+//! Smoothing kernels.
 
 use impactite_simd::Lane;
 
-/// A kernel W(r, h) with support 2 h, isotropic: sigma / h^D times a profile of q = r / h.
+/// Isotropic smoothing kernel W(r, h) with support 2 h: sigma / h^D times a profile of q = r / h.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no kernel",
     note = "take `CubicSpline`, `WendlandC2`, or a type of your own that implements `Kernel`"
@@ -10,29 +10,29 @@ use impactite_simd::Lane;
 pub trait Kernel: Copy + std::fmt::Debug + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// What makes the integral one in `dimensions` (2 or 3): sigma.
+    /// Normalisation sigma in `dimensions` (2 or 3): the integral of W is one.
     fn norm(&self, dimensions: usize) -> f64;
-    /// The profile W h^D / sigma at 0 <= q.
+    /// Kernel profile W h^D / sigma at q >= 0.
     fn value<L: Lane<Real = f64>>(&self, q: L) -> L;
-    /// Its slope over its argument, (dW/dq) / q at 0 <= q: finite at zero, zero from q = 2 on.
+    /// Slope of the profile over its argument, (dW/dq) / q at q >= 0: finite at zero, zero from q = 2 on.
     fn slope<L: Lane<Real = f64>>(&self, q: L) -> L;
-    /// Smoothing length h over the spacing of particles.
+    /// Smoothing length h over the particle spacing.
     fn ratio(&self) -> f64;
 }
 
-/// The cubic spline \[Monaghan1985\]: 1 - 3/2 q^2 + 3/4 q^3 below 1, (2 - q)^3 / 4 below 2. By default h is 1.3 spacings.
+/// Cubic spline kernel \[Monaghan1985\]: 1 - 3/2 q^2 + 3/4 q^3 below 1, (2 - q)^3 / 4 below 2. By default h is 1.3 spacings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicSpline(f64);
 
-/// The C2 kernel of Wendland \[Wendland1995\]: (1 - q/2)^4 (1 + 2 q). Particles do not pair under it, which they do under the spline where
-/// they are pressed together. By default h is 1.3 spacings.
+/// C2 kernel of Wendland \[Wendland1995\]: (1 - q/2)^4 (1 + 2 q). It has no pairing instability, unlike the cubic spline under compression.
+/// By default h is 1.3 spacings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WendlandC2(f64);
 
-/// Smoothing lengths that leave enough neighbours and not too many, in spacings.
+/// Allowed smoothing lengths, in spacings: neither too few neighbours nor too many.
 const RATIOS: std::ops::RangeInclusive<f64> = 0.8..=3.0;
 
-/// A smoothing length that no kernel takes.
+/// Smoothing length out of range.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothingError(f64);
 
@@ -52,10 +52,10 @@ macro_rules! kernel_of_ratio {
             }
         }
         impl $kernel {
-            /// With this smoothing length over the spacing.
+            /// Create a kernel of smoothing length h over the spacing, `ratio`.
             ///
             /// # Errors
-            /// Below 0.8, where too few neighbours are left, or above 3.
+            /// A ratio below 0.8 (too few neighbours) or above 3.
             pub fn new(ratio: f64) -> Result<Self, SmoothingError> {
                 if RATIOS.contains(&ratio) { Ok($kernel(ratio)) } else { Err(SmoothingError(ratio)) }
             }
@@ -66,7 +66,7 @@ kernel_of_ratio!(CubicSpline);
 kernel_of_ratio!(WendlandC2);
 
 impl WendlandC2 {
-    /// With h of 1.1 spacings, for corrected gradients.
+    /// Kernel with h of 1.1 spacings, for corrected gradients.
     pub const NARROW: WendlandC2 = WendlandC2(1.1);
 }
 

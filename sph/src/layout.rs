@@ -1,34 +1,35 @@
-//! Where particles are at the start, and how they are refused.
+//! Initial particle layout, and its checks.
 
 use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
 use impactite_scene::error::parameter;
 use impactite_scene::{Embedding, SceneError};
 
-/// Most particles.
+/// Upper bound of the number of particles (excluded).
 const MOST: f64 = (1u32 << 29) as f64;
 
-/// Points an axis by which the part of a cell within a shape is found; less of a cell than the next is given to a neighbour. The part in a
-/// corner of three faces is an eighth.
+/// Sampling points per axis for the part of a cell within a shape; a part below `SLIVER` is merged into a neighbour. The part in a corner
+/// of three faces is an eighth.
 const SUBSAMPLES: usize = 8;
 const SLIVER: f64 = 0.1;
 
-/// What a body starts from: positions, volumes and spacings of its particles.
+/// Initial state of a body: positions, volumes and spacings of its particles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout<const D: usize> {
     /// Positions, m.
     pub positions: Vec<[f64; D]>,
-    /// Volumes, one a particle: m^3 (m^2 in plane strain, m^3 per radian around an axis).
+    /// Particle volumes: m^3 (m^2 in plane strain, m^3 per radian around an axis).
     pub volumes: Vec<f64>,
-    /// Spacings, m, one a particle: the smoothing length is the kernel's ratio times this, the surface half of it beyond the particle.
-    /// They may differ within a body; what is next to each other should be alike (by some per cent).
+    /// Particle spacings, m: the smoothing length is the kernel's ratio times the spacing, and the surface is half a spacing beyond the
+    /// particle. They may vary within a body; those of neighbours should be similar (within some per cent).
     pub spacings: Vec<f64>,
-    /// How far the surface of the body lies beyond its outermost particles, in half spacings: where walls and other bodies meet it. 1 for
-    /// particles that fill their cells, 0 for such as lie on the surface.
+    /// Distance from the outermost particles to the surface of the body, in half spacings. Walls and other bodies are in contact with this
+    /// surface. 1 for particles that fill their cells, 0 for particles on the surface.
     pub surface: f64,
 }
 
 impl<const D: usize> Layout<D> {
-    /// Seeds of a shape, one spacing, the edge of a particle: the surface lies half of it beyond the outermost ones.
+    /// Create a layout from the seeds of a shape. The spacing is the edge of a particle; the surface is half of it beyond the outermost
+    /// ones.
     pub fn of_seeds(seeds: &Seeds<D>) -> Self {
         let volume: f64 = seeds.half_size.iter().map(|h| 2.0 * h).product();
         let spacing = volume.powf(1.0 / D as f64);
@@ -40,15 +41,15 @@ impl<const D: usize> Layout<D> {
         }
     }
 
-    /// Particles of a shape with rows of them on its faces: across the axes that are `on`, at the nodes of the lattice, where the faces should
-    /// lie; along the others in the middle of cells. A particle stands for a cell around it and has the volume of the part of that within the
-    /// shape: half a cell on a face, a quarter on an edge of two. The surface lies at the particles.
+    /// Fill a shape with rows of particles on its faces. Along the axes that are `on`, particles are at lattice nodes, and so should the
+    /// faces be; along the others they are in the middle of cells. A particle represents the cell around it and has the volume of the part
+    /// of the cell within the shape: half a cell on a face, a quarter on an edge of two. The surface is at the particles.
     ///
-    /// What is measured at such a face, or meets it, does so at particles. With particles within their cells it is half a spacing beyond
-    /// them: an error of first order in the spacing. Planes of symmetry do not go through particles: leave out the axes across them. Other
-    /// bodies that meet a face along an axis that is not `on` come half a spacing closer than they should.
+    /// Measurements at such a face, and contact with it, are at particles. For particles within their cells the face is half a spacing
+    /// beyond them: a first-order error in the spacing. Planes of symmetry must not go through particles: leave out the axes across them.
+    /// Other bodies in contact with a face along an axis that is not `on` come half a spacing too close.
     ///
-    /// `filling` says what volumes are (per radian or not), and whether they are corrected to the measure of the shape.
+    /// `filling` selects whether volumes are per radian, and whether they are corrected to the measure of the shape.
     ///
     /// ```
     /// use impactite_geometry::{Cuboid, Filling, Lattice};
@@ -61,7 +62,7 @@ impl<const D: usize> Layout<D> {
     /// ```
     ///
     /// # Errors
-    /// Those of [`fill`].
+    /// Errors of [`fill`].
     pub fn on_faces(
         shape: &(impl Shape<D> + ?Sized),
         lattice: &Lattice<D>,
@@ -77,7 +78,7 @@ impl<const D: usize> Layout<D> {
         Ok(Layout { surface: 0.0, ..Self::of_seeds(&seeds) })
     }
 
-    /// Another layout beside this one, in one body.
+    /// Append another layout, for the same body.
     #[must_use]
     pub fn and(mut self, other: Layout<D>) -> Self {
         self.positions.extend(other.positions);
@@ -86,16 +87,16 @@ impl<const D: usize> Layout<D> {
         self
     }
 
-    /// How many particles.
+    /// Number of particles.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
-    /// Are there none?
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
 
-    /// Refuse what cannot be.
+    /// Check the number of particles, the lengths of the lists and the ranges of the values.
     pub(crate) fn check(&self, hoop: bool) -> Result<(), SceneError> {
         let particles = self.len();
         if particles == 0 {
@@ -133,8 +134,8 @@ impl<const D: usize> Layout<D> {
         Ok(())
     }
 
-    /// Particles sorted along a curve that fills space (Morton's), in cells of a few spacings: neighbours in space are so in memory. For each
-    /// place the number it had.
+    /// Sort particles along a space-filling curve (Morton order) in cells of a few spacings, for memory locality. Return the layout number
+    /// of each place.
     pub(crate) fn order(&self) -> Vec<u32> {
         let (mut low, mut cell) = ([f64::INFINITY; D], 0.0);
         for (x, spacing) in self.positions.iter().zip(&self.spacings) {
@@ -146,7 +147,7 @@ impl<const D: usize> Layout<D> {
         let key = |n: &u32| {
             let mut key = 0u64;
             for d in 0..D {
-                // What is beyond the range of an integer saturates.
+                // Values beyond the range of an integer saturate.
                 let along = ((self.positions[*n as usize][d] - low[d]) / cell) as u64;
                 for bit in 0..20 {
                     key |= (along >> bit & 1) << (bit * D + d);
@@ -161,11 +162,11 @@ impl<const D: usize> Layout<D> {
 }
 
 impl Layout<2> {
-    /// A rectangle of columns between these `edges` along the first axis (rising), each of as many cells from `low` to `high` along the
-    /// second as make it nearly square, a particle in the middle of each: spacings may grow along a body. Volumes are exact.
+    /// Create a rectangle of columns between the rising `edges` along the first axis. Each column has nearly square cells from `low` to
+    /// `high` along the second axis, with a particle in the middle of each, so that spacings may grow along a body. Volumes are exact.
     ///
     /// # Errors
-    /// Less than two edges; edges or ends that do not rise, or are not finite; around an axis, an edge that is negative.
+    /// Fewer than two edges; edges or ends that do not rise or are not finite; around an axis, a negative edge.
     pub fn of_columns<E: Embedding<2>>(
         _embedding: E,
         edges: &[f64],
@@ -200,10 +201,10 @@ impl Layout<2> {
     }
 }
 
-/// What a body is called that has no name.
+/// Default name of a body.
 pub(crate) const BODY: &str = "body";
 
-/// Refuse a number of a particle unless `holds`.
+/// Refuse a particle's number unless `holds`.
 pub(crate) fn number(
     holds: bool,
     field: &'static str,
@@ -253,7 +254,7 @@ mod tests {
         }
     }
 
-    /// What is curved has no rows on it, but all of its volume.
+    /// Curved faces have no rows of particles, but the volume is exact.
     #[test]
     fn the_volume_of_a_curved_shape_is_its_own() {
         let rod = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], 8.0 * H, 4.0 * H).unwrap();
@@ -275,7 +276,7 @@ mod tests {
     fn columns_fill_a_rectangle_exactly() {
         let edges = [0.0, 0.1, 0.2, 0.35, 0.7];
         let disc = Layout::of_columns(Axisymmetric, &edges, [1.0, 1.8]).expect("a layout");
-        // 8, 8, 5 and 2 cells.
+        // Columns of 8, 8, 5 and 2 cells.
         assert_eq!(disc.len(), 23);
         let volume: f64 = disc.volumes.iter().sum();
         assert!((volume - 0.8 * 0.7 * 0.7 / 2.0).abs() < 1e-15, "{volume}");

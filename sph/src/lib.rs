@@ -1,7 +1,7 @@
 //! Smoothed particle hydrodynamics of solids: bodies of particles whose gradients are sums over neighbours.
 //!
-//! Laws are those of [`mpm_materials`]; embeddings, conditions, the run loop, observers and checkpoints those of [`impactite_scene`]: an
-//! [`Sph`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
+//! Constitutive laws are from [`mpm_materials`]; embeddings, conditions, the run loop, observers and checkpoints from [`impactite_scene`].
+//! An [`Sph`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
 
 mod contact;
 mod faces;

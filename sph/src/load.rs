@@ -1,26 +1,26 @@
-//! Tractions on particles of the surface.
+//! Surface tractions.
 
 use std::sync::Arc;
 
-/// A traction over time: Pa at a time in s.
+/// Traction history: Pa at a time in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
-/// A dead load: a traction over time on areas as they are at the start.
+/// Dead load: a traction history on the initial areas.
 #[derive(Clone)]
 pub(crate) struct SurfaceLoad<const D: usize> {
-    /// Loaded area of each particle by its number, m^2 (per metre of depth or per radian).
+    /// Loaded area of each particle by layout number, m^2 (per metre of depth or per radian).
     pub areas: Vec<f64>,
     pub history: TractionHistory<D>,
 }
 
 impl<const D: usize> SurfaceLoad<D> {
-    /// All of the area, m^2.
+    /// Return the total loaded area, m^2.
     pub fn area(&self) -> f64 {
         self.areas.iter().sum()
     }
 }
 
-/// Accelerations from outside at a time: the body force, and loads.
+/// External accelerations at a time: body force and surface loads.
 pub(crate) struct Outer<'a, const D: usize> {
     /// Acceleration of the body force, m/s^2.
     pub force: [f64; D],
@@ -35,7 +35,7 @@ impl<'a, const D: usize> Outer<'a, D> {
         Outer { force, loads, tractions: loads.iter().map(|load| (load.history)(time)).collect(), numbers }
     }
 
-    /// Acceleration of a particle of this mass, kg, in m/s^2.
+    /// Return the external acceleration of a particle of this mass, kg, in m/s^2.
     #[inline(always)]
     pub fn at(&self, particle: usize, mass: f64) -> [f64; D] {
         let mut acceleration = self.force;

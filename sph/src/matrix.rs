@@ -1,10 +1,10 @@
-//! Small matrices, of which the first `D` rows and columns count.
+//! Small matrices: only the first `D` rows and columns are used.
 
-/// By rows.
+/// Matrix by rows.
 pub(crate) type Matrix = [[f64; 3]; 3];
 
-/// The largest sum of a row of the inverse of moments of a neighbourhood beyond which it has too few neighbours, or such in a line or plane,
-/// for a corrected gradient; it is one within a body, two at a face and some six at a corner in space.
+/// Largest row sum of the inverse moments of a neighbourhood for a corrected gradient. Above it there are too few neighbours, or all of
+/// them are in a line or plane. It is 1 within a body, 2 at a face and about 6 at a corner in space.
 const MOST: f64 = 10.0;
 
 /// Identity in `d` dimensions.
@@ -47,8 +47,8 @@ fn over(m: &Matrix, det: f64, d: usize) -> Matrix {
     inverse
 }
 
-/// The inverse of moments of a neighbourhood; of one that has none, what makes gradients the right size on average, or nothing: a lone
-/// particle is not strained.
+/// Return the inverse of the moments of a neighbourhood. For singular moments return a multiple of the identity that scales gradients
+/// correctly on average, or zero: a lone particle is not strained.
 #[inline]
 pub(crate) fn inverse_of_moments(m: &Matrix, d: usize) -> Matrix {
     let det = determinant(m, d);
@@ -65,7 +65,7 @@ pub(crate) fn inverse_of_moments(m: &Matrix, d: usize) -> Matrix {
     inverse
 }
 
-/// The inverse, or nothing where there is none.
+/// Return the inverse, or zero for a singular matrix.
 #[inline]
 pub(crate) fn inverse(m: &Matrix, d: usize) -> Matrix {
     let det = determinant(m, d);
@@ -85,13 +85,13 @@ pub(crate) fn times(a: &Matrix, b: &Matrix, d: usize) -> Matrix {
     product
 }
 
-/// The largest sum of the amounts of a row: no vector becomes longer by more.
+/// Return the largest sum of the magnitudes of a row, a bound of the stretch of any vector.
 #[inline]
 pub(crate) fn largest_row(m: &Matrix, d: usize) -> f64 {
     m[..d].iter().map(|row| row[..d].iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
 }
 
-/// The root of the mean square of its principal values.
+/// Return the root mean square of the principal values.
 #[inline]
 pub(crate) fn mean_size(m: &Matrix, d: usize) -> f64 {
     let squares: f64 = m[..d].iter().flat_map(|row| &row[..d]).map(|x| x * x).sum();
@@ -114,7 +114,7 @@ mod tests {
             }
             assert_eq!(inverse(&m, d), inverse_of_moments(&m, d));
         }
-        // Particles in a line, and one alone.
+        // Particles in a line, and a lone particle.
         let line = [[1.5, 0.0, 0.0], [0.0; 3], [0.0; 3]];
         assert_eq!(inverse_of_moments(&line, 3)[1][1], 2.0);
         assert_eq!(inverse_of_moments(&[[0.0; 3]; 3], 2), [[0.0; 3]; 3]);

@@ -1,4 +1,4 @@
-//! A method: the parts of a solver, chosen at compile time.
+//! Method: the ingredients of a solver, chosen at compile time.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -9,9 +9,9 @@ use crate::form::{Correction, Form, GradientCorrection, NoCorrection, TotalLagra
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
 use crate::stabilisation::{ArtificialStress, PrintedArtificialStress, Stabilisation, ZeroEnergyPenalty};
 
-/// The ingredients of a method of smoothed particles.
+/// Ingredients of a method of smoothed particles.
 ///
-/// Those that do not go together are refused by the compiler, with the reason:
+/// Invalid combinations do not compile; the error names the reason:
 /// ```compile_fail
 /// use impactite_scene::PlaneStrain;
 /// use sph::{GradientCorrection, Method, TotalLagrangian, WendlandC2, ArtificialStress};
@@ -42,14 +42,15 @@ pub struct Method<E, K, F, C, S> {
 }
 
 impl<E, K, F, C, S> Method<E, K, F, C, S> {
-    /// A method from its ingredients.
+    /// Create a method from its ingredients.
     pub fn new(_embedding: E, kernel: K, form: F, _correction: C, stabilisation: S) -> Self {
         Method { kernel, form, stabilisation, ingredients: PhantomData }
     }
 }
 
 impl<E> Method<E, CubicSpline, Updated, NoCorrection, PrintedArtificialStress> {
-    /// As printed \[Xiao2015\]: direct discretisation, cubic spline, artificial stress. The artificial viscosity is that of the law.
+    /// Original formulation \[Xiao2015\]: direct discretisation, cubic spline, artificial stress. The artificial viscosity is that of the
+    /// law.
     pub fn printed(embedding: E) -> Self {
         let stress = PrintedArtificialStress::default();
         Method::new(embedding, CubicSpline::default(), Updated, NoCorrection, stress)
@@ -57,8 +58,8 @@ impl<E> Method<E, CubicSpline, Updated, NoCorrection, PrintedArtificialStress> {
 }
 
 impl<E> Method<E, WendlandC2, TotalLagrangian, GradientCorrection, ZeroEnergyPenalty> {
-    /// For bodies that stay whole: total Lagrangian, corrected gradients, a penalty on what these do not see. Smoothing lengths are 1.1
-    /// spacings: what is exact of linear fields needs no more neighbours, 12 in the plane and 32 in space.
+    /// Method for bodies without fracture: total Lagrangian, corrected gradients, zero-energy penalty. Smoothing lengths are 1.1 spacings:
+    /// gradients that are exact for linear fields need no more than 12 neighbours in the plane and 32 in space.
     pub fn total_lagrangian(embedding: E) -> Self {
         Method::new(
             embedding,
@@ -71,7 +72,7 @@ impl<E> Method<E, WendlandC2, TotalLagrangian, GradientCorrection, ZeroEnergyPen
 }
 
 impl<E> Method<E, WendlandC2, Updated, GradientCorrection, ArtificialStress> {
-    /// For what flows and tears: updated Lagrangian, corrected gradients, balanced artificial stress.
+    /// Method for flow and fracture: updated Lagrangian, corrected gradients, balanced artificial stress.
     pub fn updated(embedding: E) -> Self {
         Method::new(
             embedding,
@@ -83,22 +84,22 @@ impl<E> Method<E, WendlandC2, Updated, GradientCorrection, ArtificialStress> {
     }
 }
 
-/// What a solver asks of a method; implemented by every legal [`Method`].
+/// Requirements of a solver on a method; implemented by every valid [`Method`].
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is no method of smoothed particles in {D} dimensions",
     note = "in two dimensions take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`",
     note = "the total Lagrangian form needs `GradientCorrection` and takes `ZeroEnergyPenalty`; artificial stress is for the updated ones"
 )]
 pub trait Composition<const D: usize>: Copy + Debug + Send + Sync + 'static {
-    /// How the problem lies in space.
+    /// Embedding: plane strain, axisymmetric or full space.
     type Embedding: Embedding<D>;
     /// The kernel.
     type Kernel: Kernel;
-    /// The configuration of kernels.
+    /// Configuration of the kernels.
     type Form: Form;
     /// Correction of gradients.
     type Correction: Correction<Self::Form>;
-    /// What is done against modes that the sums do not see.
+    /// Stabilisation of zero-energy modes and of the tensile instability.
     type Stabilisation: Stabilisation<Self::Form>;
     /// The kernel.
     fn kernel(&self) -> &Self::Kernel;
@@ -106,7 +107,7 @@ pub trait Composition<const D: usize>: Copy + Debug + Send + Sync + 'static {
     fn form(&self) -> &Self::Form;
     /// The stabilisation.
     fn stabilisation(&self) -> &Self::Stabilisation;
-    /// A line that names the ingredients.
+    /// Return the names of the ingredients in one line.
     fn describe(&self) -> String {
         format!(
             "{}, {}, {}, {}, {}",

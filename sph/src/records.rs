@@ -1,31 +1,32 @@
-//! What neighbours read of each other: a record a particle, then one an image.
+//! Particle records for the sums over neighbours: one per particle, then one per image.
 
-/// Records of four numbers, so that one vector holds one.
+/// Records of four numbers: one vector register each.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Records<const D: usize> {
     pub particles: usize,
-    /// Where kernels are taken, m; last, the area or volume A that a neighbour has in sums.
+    /// Position of the kernel, m; last: area or volume A, the weight of the particle in sums.
     pub place: Vec<[f64; 4]>,
-    /// m/s; last the mass, kg.
+    /// Velocity, m/s; last: mass, kg.
     pub velocity: Vec<[f64; 4]>,
-    /// The smoothing length h, m.
+    /// Smoothing length h, m.
     pub smoothing: Vec<f64>,
-    /// Columns of the stress that acts on pairs, less those of the penalty; in the plane those of the penalty are the last two of each.
+    /// Columns of the pair stress minus that of the penalty; in the plane the last two numbers of each column are those of the penalty.
     pub tensor: Vec<[[f64; 4]; D]>,
-    /// With a penalty: where particles are, m (in the plane the last two numbers), and its stiffness q, Pa (times radius around an axis).
+    /// With a penalty: present position, m (in the plane the last two numbers), and stiffness q of the penalty, Pa (times radius around an
+    /// axis).
     pub now: Vec<[f64; 4]>,
     pub bias: Vec<f64>,
-    /// With artificial stress: its columns.
+    /// With artificial stress: columns of it.
     pub artificial: Vec<[[f64; 4]; D]>,
-    /// And, where that is balanced, columns of what is taken off of every pair.
+    /// With balanced artificial stress: columns of the balance, which is subtracted from every pair.
     pub balance: Vec<[[f64; 4]; D]>,
-    /// With a viscosity of pairs or a diffusion of density: density, kg/m^3 (times radius around an axis), and speed of sound, m/s.
+    /// With pair viscosity or density diffusion: density, kg/m^3 (times radius around an axis), and speed of sound, m/s.
     pub fluid: Vec<[f64; 2]>,
-    /// With a diffusion of density: its gradient, kg/m^4; last the density, kg/m^3.
+    /// With density diffusion: density gradient, kg/m^4; last: density, kg/m^3.
     pub density: Vec<[f64; 4]>,
 }
 
-/// Which of them a method has.
+/// Records that a method requires.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Has {
     pub penalty: bool,
@@ -36,7 +37,7 @@ pub(crate) struct Has {
 }
 
 impl<const D: usize> Records<D> {
-    /// Have room for so many images.
+    /// Resize the records for `images` images.
     pub fn resize(&mut self, images: usize, has: Has) {
         let count = self.particles + images;
         self.place.resize(count, [0.0; 4]);

@@ -1,10 +1,10 @@
-//! What is done against motions that sums over neighbours do not see, and against particles that clump in tension.
+//! Stabilisation of zero-energy modes and of the tensile instability.
 
 use std::fmt::Debug;
 
 use crate::form::{TotalLagrangian, Updated};
 
-/// A stabilisation that goes with a form `F`.
+/// Stabilisation for a form `F`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not go with the form `{F}`",
     note = "`ZeroEnergyPenalty` is by the deformation gradient of the reference configuration: it is for `TotalLagrangian`",
@@ -13,35 +13,35 @@ use crate::form::{TotalLagrangian, Updated};
 pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// Is there a zero-energy penalty?
+    /// True with a zero-energy penalty.
     const PENALTY: bool = false;
-    /// Is there an artificial stress?
+    /// True with artificial stress.
     const STRESS: bool = false;
-    /// Is what the artificial stress does to linear velocity fields taken off again?
+    /// True if the effect of the artificial stress on linear velocity fields is subtracted.
     const BALANCE: bool = false;
-    /// Is there a viscosity of pairs?
+    /// True with pair viscosity.
     const VISCOSITY: bool = false;
-    /// Is there a diffusion of density?
+    /// True with density diffusion.
     const DIFFUSION: bool = false;
-    /// Stiffness of the penalty over the modulus of longitudinal waves.
+    /// Stiffness of the penalty over the longitudinal modulus.
     fn penalty(&self) -> f64 {
         0.0
     }
-    /// Part of a tensile stress that pushes particles apart, and the power of the kernel over its value at the spacing.
+    /// Factor of the artificial stress over the tensile stress, and exponent of the kernel over its value at the spacing.
     fn artificial(&self) -> (f64, i32) {
         (0.0, 4)
     }
-    /// Linear and quadratic coefficient of the viscosity of pairs.
+    /// Linear and quadratic coefficient of the pair viscosity.
     fn viscosity(&self) -> [f64; 2] {
         [0.0; 2]
     }
-    /// Coefficient of the diffusion of density.
+    /// Coefficient of the density diffusion.
     fn diffusion(&self) -> f64 {
         0.0
     }
 }
 
-/// A number of a stabilisation that cannot be.
+/// Invalid number of a stabilisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StabilisationError {
     what: &'static str,
@@ -59,7 +59,7 @@ fn not_negative(what: &'static str, value: f64) -> Result<f64, StabilisationErro
     if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(StabilisationError { what, value }) }
 }
 
-/// None.
+/// No stabilisation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Unstabilised;
 macro_rules! nothing {
@@ -71,14 +71,14 @@ macro_rules! nothing {
 }
 nothing!(TotalLagrangian, Updated);
 
-/// Springs against what the deformation gradient of a particle leaves of the places of its neighbours: the energy is
+/// Springs against deviations of the positions of neighbours from the deformation gradient of a particle, with the energy
 ///
 /// U = 1/2 sum_i sum_j alpha rho0 c^2 V_i V_j (-W'/R) |x_ij - F_i X_ij|^2,
 ///
-/// with c the speed of longitudinal waves at rest. F_i is the very tensor for which the sum over j is least, so that the force of a pair,
-/// which \[Ganzenmueller2015\] chose along its line, is here the whole derivative of an energy: that is in the books, momentum and angular
-/// momentum are kept to rounding, and what deforms linearly feels nothing. By default alpha is
-/// 0.02: the springs do not yield, and in metal that flows far stiffer ones hold back what should spread (book, "Taylor bars of 4340 steel").
+/// with c the speed of longitudinal waves at rest. F_i minimises the sum over j, so that the force of a pair is the whole derivative of the
+/// energy; \[Ganzenmueller2015\] chose it along the line of the pair. The energy is booked, momentum and angular momentum are conserved to
+/// rounding, and linear deformation causes no force. By default alpha is 0.02: the springs do not yield, and far stiffer ones restrain the
+/// spreading of plastic metal (book, "Taylor bars of 4340 steel").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ZeroEnergyPenalty(f64);
 impl Default for ZeroEnergyPenalty {
@@ -87,10 +87,10 @@ impl Default for ZeroEnergyPenalty {
     }
 }
 impl ZeroEnergyPenalty {
-    /// With this alpha.
+    /// Create a penalty with this alpha.
     ///
     /// # Errors
-    /// Negative or not finite.
+    /// A negative or non-finite alpha.
     pub fn new(alpha: f64) -> Result<Self, StabilisationError> {
         Ok(ZeroEnergyPenalty(not_negative("alpha of the zero-energy penalty", alpha)?))
     }
@@ -103,21 +103,20 @@ impl Stabilisation<TotalLagrangian> for ZeroEnergyPenalty {
     }
 }
 
-/// A pressure that keeps particles in tension from clumping \[Gray2001\]: the tensile principal stresses s of a pair act once more as
-/// R = -eps s times (W(r) / W(d))^4, d the spacing, with a quotient of at most one: where one principal stress is tensile and particles are
-/// pressed together along another one, more of it would feed the motion. By default eps is 0.3. It follows the stress with a delay of twenty
-/// times that a wave takes through the smoothing length: a force that depended on the stress at once would be a stiffness that is not
-/// symmetric, under which particles flutter, and makes energy wherever there is tension. It is no part of the law: what it does is booked
-/// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)).
+/// Artificial stress against the clumping of particles in tension \[Gray2001\]: the tensile principal stresses s of a pair add R = -eps s
+/// times (W(r) / W(d))^4, d the spacing, with a quotient of at most one: a larger quotient would feed motion where one principal stress is
+/// tensile and particles are compressed along another one. By default eps is 0.3. R follows the stress with a delay of twenty wave passages
+/// through the smoothing length: without delay it would be a non-symmetric stiffness, under which particles flutter and gain energy in
+/// tension. It is not a part of the law; its energy is booked ([`Exchange::viscosity`](impactite_scene::Exchange::viscosity)).
 ///
-/// It is balanced: with T = sum_j V_j (-W'/r) (W(r) / W(d))^4 d (x) d and M the same sum without the quotient, a pair gets
-/// R_i ((W(r) / W(d))^4 - T_i M_i^-1), which pushes apart those that are near and draws those that are far. In a linear velocity field that
-/// does no work, and it keeps the angular momentum. [`PrintedArtificialStress`] is not.
+/// It is balanced: with T = sum_j V_j (-W'/r) (W(r) / W(d))^4 d (x) d and M the same sum without the quotient, a pair receives
+/// R_i ((W(r) / W(d))^4 - T_i M_i^-1), repulsive at short distance and attractive at long distance. This does no work in a linear velocity
+/// field and conserves the angular momentum. [`PrintedArtificialStress`] is not balanced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArtificialStress(f64);
 
-/// [`ArtificialStress`] without its balance, as printed: a part of every tensile stress. A beam that swings is softened by it by some 20 %,
-/// whatever the spacing.
+/// [`ArtificialStress`] without balance, the original formulation: a part of every tensile stress. It softens a vibrating beam by some 20 %
+/// at any spacing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrintedArtificialStress(f64);
 
@@ -129,10 +128,10 @@ macro_rules! artificial {
             }
         }
         impl $stress {
-            /// With this eps.
+            /// Create an artificial stress with this eps.
             ///
             /// # Errors
-            /// Negative or not finite.
+            /// A negative or non-finite eps.
             pub fn new(eps: f64) -> Result<Self, StabilisationError> {
                 Ok($stress(not_negative("eps of the artificial stress", eps)?))
             }
@@ -152,9 +151,9 @@ artificial! {
     PrintedArtificialStress: "artificial stress as printed", false;
 }
 
-/// A viscosity between particles that approach each other \[Monaghan1992\]: Pi = (-alpha c mu + beta mu^2) / rho, mu = h v.r / (r^2 + 0.01
-/// h^2). It takes energy from velocities that alternate from particle to particle, which no velocity gradient sees; what it takes is booked
-/// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)) and does not heat.
+/// Pair viscosity between approaching particles \[Monaghan1992\]: Pi = (-alpha c mu + beta mu^2) / rho, mu = h v.r / (r^2 + 0.01 h^2). It
+/// damps velocities that alternate from particle to particle and cause no velocity gradient. The dissipated energy is booked
+/// ([`Exchange::viscosity`](impactite_scene::Exchange::viscosity)) and does not heat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PairViscosity([f64; 2]);
 impl Default for PairViscosity {
@@ -163,10 +162,10 @@ impl Default for PairViscosity {
     }
 }
 impl PairViscosity {
-    /// With these alpha and beta.
+    /// Create a pair viscosity with these alpha and beta.
     ///
     /// # Errors
-    /// Negative or not finite.
+    /// A negative or non-finite coefficient.
     pub fn new(alpha: f64, beta: f64) -> Result<Self, StabilisationError> {
         let alpha = not_negative("alpha of the viscosity of pairs", alpha)?;
         Ok(PairViscosity([alpha, not_negative("beta of the viscosity of pairs", beta)?]))
@@ -181,14 +180,14 @@ impl Stabilisation<Updated> for PairViscosity {
     }
 }
 
-/// A diffusion of density \[Antuono2010\]: densities change by
+/// Density diffusion \[Antuono2010\]: densities change by
 ///
 /// d rho_i / dt = 2 delta sum_j V_j h_ij c_ij (-W'/r) (rho_j - rho_i - (grad rho_i + grad rho_j) . x_ij / 2)
 ///
-/// besides by the divergence of velocity, h and c the means of a pair, the gradients those of the correction. It takes away pressures that
-/// alternate from particle to particle, which no pressure gradient sees, and leaves a density that is linear in space as it is, at surfaces
-/// too. Laws see it as a change of volume without shear; the energy that this gives them is booked
-/// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)). By default delta is 0.1.
+/// besides by the divergence of velocity, with h and c the means of a pair and corrected gradients. It damps pressures that alternate from
+/// particle to particle and cause no pressure gradient, and preserves a density that is linear in space, at surfaces too. Laws receive it
+/// as a change of volume without shear; the energy of this change is booked
+/// ([`Exchange::viscosity`](impactite_scene::Exchange::viscosity)). By default delta is 0.1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensityDiffusion(f64);
 impl Default for DensityDiffusion {
@@ -197,10 +196,10 @@ impl Default for DensityDiffusion {
     }
 }
 impl DensityDiffusion {
-    /// With this delta.
+    /// Create a density diffusion with this delta.
     ///
     /// # Errors
-    /// Negative or not finite.
+    /// A negative or non-finite delta.
     pub fn new(delta: f64) -> Result<Self, StabilisationError> {
         Ok(DensityDiffusion(not_negative("delta of the diffusion of density", delta)?))
     }
@@ -213,7 +212,7 @@ impl Stabilisation<Updated> for DensityDiffusion {
     }
 }
 
-/// Several at once: each number is that of the one that has it, and zero of the others.
+/// Combine several stabilisations: each number is that of the one that has it; the others contribute zero.
 macro_rules! together {
     ($($name:literal: $($part:ident $n:tt),+;)*) => {$(
         impl Stabilisation<Updated> for ($($part),+) {

@@ -1,9 +1,9 @@
-//! The surface of a body: boundary particles, their normals, and points half a spacing beyond them.
+//! Surface of a body: boundary particles, their normals, and surface points half a spacing beyond them.
 //!
-//! A particle is on the boundary where no neighbour lies within a cone about the direction away from its neighbours (the umbrella of
-//! \[Marrone2010\]). Its normal is that of the plane through the boundary particles beside it. Where these lie on several planes it is on
-//! an edge: it has a point on each of the planes and one on the edge. In the total Lagrangian form all this is of the reference
-//! configuration, and a point is at x + F N h/2 with the normal F^-T N: it moves linearly with the particles.
+//! A particle is on the boundary if no neighbour is within a cone about the direction away from its neighbours (the umbrella of
+//! \[Marrone2010\]). Its normal is that of the plane through the adjacent boundary particles. If these are on several planes the particle
+//! is on an edge: it has a point on each plane and one on the edge. In the total Lagrangian form this detection is in the reference
+//! configuration; a surface point is at x + F N h/2 with the normal F^-T N, and moves linearly with the particles.
 
 use mpm_contact::particles::SurfacePoint;
 use mpm_contact::vector::wide;
@@ -15,21 +15,21 @@ use crate::method::Composition;
 use crate::solver::Sph;
 use crate::sums::BATCH;
 
-/// Radius of the neighbourhood that tells boundary particles, in spacings: the first ring of a lattice, corners of cubes included.
+/// Radius of the neighbourhood for boundary detection, in spacings: the first ring of a lattice, corners of cubes included.
 const RING: f64 = 1.78;
-/// The same for what shades a particle: layers may be one and a half spacings apart behind a surface between lattice sites.
+/// Radius of the neighbourhood for the umbrella test, in spacings: layers may be 1.5 spacings apart behind a surface between lattice sites.
 const SHADE: f64 = 1.9;
 /// Cosine of the half angle of the umbrella.
 const UMBRELLA: f64 = 0.65;
-/// Length of the mean direction away from neighbours below which there is none.
+/// Smallest length of the mean direction away from the neighbours of a boundary particle.
 const SURROUNDED: f64 = 0.05;
-/// Sine of the angle to the tangent plane up to which a boundary particle lies beside another.
+/// Largest sine of the angle to the tangent plane between adjacent boundary particles.
 const BESIDE: f64 = 0.5;
-/// Cosine of the angle between directions up to which two boundary particles are of one face.
+/// Smallest cosine of the angle between the directions of two boundary particles of one face.
 const ALIKE: f64 = 0.65;
 /// Largest distance from the plane of a face, in spacings.
 const ROUGH: f64 = 0.25;
-/// Cosine of the angle between normals above which two faces are one: those of a ball of five spacings are.
+/// Smallest cosine of the angle between the normals of one face: the normals on a ball of five spacings are such.
 const SAME: f64 = 0.5;
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
@@ -42,7 +42,7 @@ fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// The particle that a neighbour is or is the image of, and the signs of that.
+    /// Return the particle of a neighbour, or the source of an image, and the signs of the image.
     fn source(&self, j: usize) -> (usize, [f64; 3]) {
         let particles = self.positions.len();
         if j < particles {
@@ -54,7 +54,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         (image.source as usize, flips)
     }
 
-    /// Neighbours of a particle within so many spacings: place, and the way there. Around an axis with their images beyond it.
+    /// Visit the neighbours of a particle within `range` spacings: place, distance vector and distance; around an axis also their images.
     fn ring(&self, i: usize, range: f64, mut visit: impl FnMut(usize, [f64; 3], f64)) {
         let own = &self.records.place[i];
         let reach = range * self.local_spacing(i);
@@ -80,7 +80,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// The spacing of particles where kernels are taken, m.
+    /// Particle spacing in the configuration of the kernels, m.
     fn local_spacing(&self, i: usize) -> f64 {
         let batch = &self.batches[i / BATCH];
         if M::Form::TOTAL {
@@ -91,7 +91,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.spacing[i] * if D == 2 && !Self::HOOP { ratio.sqrt() } else { ratio.cbrt() }
     }
 
-    /// The direction away from the neighbours of a boundary particle.
+    /// Return the direction away from the neighbours of a boundary particle, `None` for an inner particle.
     fn find_open(&self, i: usize) -> Option<[f64; 3]> {
         let mut away = [0.0; 3];
         let mut count = 0;
@@ -119,7 +119,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.skin.open[i].what
     }
 
-    /// The normal of a boundary particle in the middle of a face.
+    /// Return the normal of a boundary particle within a face.
     fn flat(&mut self, i: usize) -> Option<[f64; 3]> {
         let round = self.skin.round;
         if self.skin.flat[i].round != round {
@@ -140,7 +140,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let (source, flips) = self.source(j);
             let Some(theirs) = self.open(source) else { continue };
             let mut theirs: [f64; 3] = std::array::from_fn(|d| theirs[d] * flips[d]);
-            // Beyond an axis.
+            // Neighbour beyond the axis.
             if Self::HOOP && apart[0] < -self.records.place[i][0] {
                 theirs[0] = -theirs[0];
             }
@@ -152,7 +152,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             return None;
         }
         beside.push([0.0; 3]);
-        // Heights over the tangent plane are linear: least squares.
+        // Least-squares fit of linear heights over the tangent plane.
         let spacing = self.local_spacing(i);
         let count = beside.len() as f64;
         let mean: [f64; 3] = std::array::from_fn(|d| beside.iter().map(|x| x[d]).sum::<f64>() / count);
@@ -173,7 +173,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         for a in 0..D {
             (0..D).for_each(|c| m[a][c] += trace * open[a] * open[c]);
         }
-        // In space the places are to be on both axes of the plane.
+        // In space the neighbours must span both axes of the plane.
         if determinant(&m, D) < 0.05 * trace.powi(D as i32) {
             return None;
         }
@@ -189,7 +189,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         unit(std::array::from_fn(|d| open[d] - slope[d]))
     }
 
-    /// The faces that a particle is on.
+    /// Find the faces of a particle.
     fn find_faces(&mut self, i: usize) -> Faces<D> {
         let Some(open) = self.open(i) else { return Faces::default() };
         let mut faces = Faces { count: 1, normals: [[0.0; 3]; 3] };
@@ -208,7 +208,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             if Self::HOOP && apart[0] < -self.records.place[i][0] {
                 normal[0] = -normal[0];
             }
-            // Of a face that the particle is on.
+            // Only normals of faces through the particle.
             if dot(&normal, &open) < 0.2 || dot(&normal, &apart).abs() > 2.0 * ROUGH * self.local_spacing(i) {
                 continue;
             }
@@ -249,7 +249,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// The surface points of a particle whose faces were found.
+    /// Append the surface points of a particle whose faces were found.
     pub(crate) fn surface_points(&self, i: usize, out: &mut Vec<SurfacePoint>) {
         let Some(faces) = self.skin.faces.get(i).filter(|f| f.round == self.skin.round) else { return };
         let faces = &faces.what;
@@ -280,7 +280,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let normals = &faces.normals[..faces.count];
         normals.iter().for_each(|n| add(*n, *n, false));
         if faces.count > 1 && self.surface > 0.0 {
-            // Where all planes meet: o . n = 1 of each, the shortest such vector; for normals at right angles their sum.
+            // Intersection of all planes: the shortest vector o with o . n = 1 for each; for normals at right angles their sum.
             let sum: [f64; 3] = std::array::from_fn(|d| normals.iter().map(|n| n[d]).sum());
             let least = normals.iter().map(|n| dot(n, &sum)).fold(f64::INFINITY, f64::min);
             if let (Some(normal), true) = (unit(sum), least > 0.5) {
@@ -290,7 +290,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
-    /// The particles that move a point at an offset from the position of a particle: v_i + L_i . offset.
+    /// Visit the particles that move a point at an offset from a particle, v_i + L_i . offset, with their weights.
     pub(crate) fn carriers_of(&self, i: usize, point: &SurfacePoint, visit: &mut dyn FnMut(usize, [f64; 3])) {
         let own = self.numbers[i] as usize;
         let x = wide(&self.positions[i]);

@@ -1,33 +1,33 @@
-//! What acts on a pair of particles, by particle.
+//! Pair stresses by particle.
 
 use nalgebra::Matrix3;
 
 use crate::matrix::Matrix;
 
-/// Places of xx, yy, zz, yz, xz, xy.
+/// Index of a tensor component in the order xx, yy, zz, yz, xz, xy.
 pub(crate) const PLACES: [[usize; 3]; 3] = [[0, 5, 4], [5, 1, 3], [4, 3, 2]];
 
-/// Moduli and what they do to the time step.
+/// Penalty stiffness, and data of the time step limit.
 pub(crate) struct Scale {
     /// alpha rho0 c^2 of the zero-energy penalty, Pa.
     pub penalty: f64,
-    /// alpha.
+    /// Coefficient alpha of the zero-energy penalty.
     pub stiffer: f64,
-    /// The plane, around an axis, or space; and are gradients corrected?
+    /// Row of `HIGHEST`: 0 in the plane, 1 around an axis, 2 in space; `corrected` is true with corrected gradients.
     pub space: usize,
     pub corrected: bool,
 }
 
-/// Squares of the highest frequency of sums over neighbours, over that of waves as long as the smoothing length (c/h), and halved as a step
-/// is bounded by it: measured, as the smallest step that makes noise grow in blocks, discs and balls, and in a slice of a cylinder. In the
+/// Squares of half the highest frequency of sums over neighbours, which limits the time step, over that of waves as long as the smoothing
+/// length (c/h). Measured as the smallest step that makes noise grow in blocks, discs and balls, and in a slice of a cylinder. In the
 /// plane, around an axis and in space, each without and with corrected gradients.
 const HIGHEST: [[f64; 2]; 3] = [[0.29, 0.12], [1.9, 0.25], [0.34, 0.17]];
-/// What a zero-energy penalty of 1 adds.
+/// Contribution of a zero-energy penalty of 1.
 const PENALISED: f64 = 0.52;
 
 impl Scale {
-    /// The Courant rate of a particle, 1/s: half the highest frequency, from the wave speed, m/s, the size of the correction of gradients,
-    /// which grows as particles come nearer to each other, and the smoothing length, m.
+    /// Return the Courant rate of a particle, 1/s, half the highest frequency, from the wave speed, m/s, the size of the gradient
+    /// correction, which grows as particles approach each other, and the smoothing length, m.
     #[inline]
     pub fn rate(&self, speed: f64, correction: f64, smoothing: f64) -> f64 {
         let highest = HIGHEST[self.space][usize::from(self.corrected)];
@@ -36,7 +36,7 @@ impl Scale {
     }
 }
 
-/// Columns of sigma C^T times a factor.
+/// Return the columns of sigma C^T times a factor.
 #[inline]
 pub(crate) fn columns<const D: usize>(said: &[f64; 8], factor: f64, correction: &Matrix) -> [[f64; 4]; D] {
     let mut columns = [[0.0; 4]; D];
@@ -49,7 +49,7 @@ pub(crate) fn columns<const D: usize>(said: &[f64; 8], factor: f64, correction: 
     columns
 }
 
-/// Take the penalty's q F off, in the plane beside the stress.
+/// Subtract the penalty's q F; in the plane it is stored beside the stress.
 #[inline]
 pub(crate) fn less_penalty<const D: usize>(columns: &mut [[f64; 4]; D], q: f64, deformation: &Matrix) {
     let first = if D == 2 { 2 } else { 0 };
@@ -60,17 +60,17 @@ pub(crate) fn less_penalty<const D: usize>(columns: &mut [[f64; 4]; D], q: f64, 
     }
 }
 
-/// Times that a wave takes through the smoothing length after which the artificial stress has followed the stress.
+/// Delay of the artificial stress, in wave passages through the smoothing length.
 const DELAY: f64 = 20.0;
 
-/// How much of the way to what it should be the artificial stress goes in a step of so many times that a wave takes through the smoothing
-/// length: none in one of no time, all in one without end.
+/// Relaxation factor of the artificial stress in a step of this number of wave passages through the smoothing length: 0 for a step of zero,
+/// 1 for an infinite step.
 #[inline]
 pub(crate) fn followed(passages: f64) -> f64 {
     if passages.is_finite() { passages / (passages + DELAY) } else { 1.0 }
 }
 
-/// Columns of a tensor that has turned by a small spin, of which yx, zx, zy are given: T + W T - T W.
+/// Return the columns of a tensor rotated by a small spin with components yx, zx, zy: T + W T - T W.
 pub(crate) fn turned<const D: usize>(columns: &[[f64; 4]; D], spin: &[f64; 3]) -> [[f64; 4]; D] {
     let w = |a: usize, b: usize| match (a, b) {
         (1, 0) => spin[0],
@@ -90,10 +90,10 @@ pub(crate) fn turned<const D: usize>(columns: &[[f64; 4]; D], spin: &[f64; 3]) -
     turned
 }
 
-/// Columns of minus the tensile part of the stress, times a factor \[Gray2001\].
+/// Return the columns of minus the tensile part of the stress, times a factor \[Gray2001\].
 pub(crate) fn artificial<const D: usize>(said: &[f64; 8], factor: f64) -> [[f64; 4]; D] {
     let mut columns = [[0.0; 4]; D];
-    // No principal stress is above the largest sum of a row.
+    // No principal stress exceeds the largest row sum (Gershgorin).
     let most = (0..D).map(|a| {
         let others: f64 = (0..D).filter(|&b| b != a).map(|b| said[PLACES[a][b]].abs()).sum();
         said[PLACES[a][a]] + others
@@ -110,14 +110,14 @@ pub(crate) fn artificial<const D: usize>(said: &[f64; 8], factor: f64) -> [[f64;
     columns
 }
 
-/// The tensile part of a stress in the plane: its positive principal values along their axes.
+/// Return the tensile part of a stress in the plane: its positive principal values along their axes.
 fn tensile_in_plane(xx: f64, yy: f64, xy: f64) -> Matrix {
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = half.hypot(xy);
     let [most, least] = [mean + radius, mean - radius];
     let mut tensile = [[xx, xy, 0.0], [xy, yy, 0.0], [0.0; 3]];
     if least < 0.0 {
-        // most (S - least I) / (most - least): what is along the axis of the larger one.
+        // Projection on the axis of the larger principal stress: most (S - least I) / (most - least).
         let scale = if radius > 0.0 { most.max(0.0) / (2.0 * radius) } else { 0.0 };
         (tensile[0][0], tensile[1][1]) = (scale * (xx - least), scale * (yy - least));
         (tensile[0][1], tensile[1][0]) = (scale * xy, scale * xy);
@@ -125,7 +125,7 @@ fn tensile_in_plane(xx: f64, yy: f64, xy: f64) -> Matrix {
     tensile
 }
 
-/// The same in space.
+/// Return the tensile part of a stress in space.
 fn tensile_in_space(said: &[f64; 8]) -> Matrix {
     let stress = Matrix3::from_fn(|a, b| said[PLACES[a][b]]);
     let principal = stress.symmetric_eigen();

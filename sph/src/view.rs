@@ -1,4 +1,4 @@
-//! A body as others see it.
+//! Observer interface of a body.
 
 use impactite_scene::{Body, Parts, PointView, Totals};
 use mpm_contact::vector::wide;
@@ -9,9 +9,10 @@ use crate::solver::{HELD, Sph, TOUCHED};
 use crate::sums::BATCH;
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// Sums over particles: the balanced ones, and what those at the time of the positions have more ([`Totals::staggered`]). Balanced are the
-    /// momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the velocities that neighbours
-    /// make half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
+    /// Return sums over particles: balanced totals, and their difference to totals at the time of the positions ([`Totals::staggered`]).
+    /// The balanced momentum is that of the velocities v- in the middle of the last step. The balanced kinetic energy is the sum of
+    /// m v- . v+ / 2, with v+ the velocities half a step after the present by neighbours: central differences conserve its sum with the
+    /// internal energy. Velocity components set by conditions count with v- alone.
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         let outer = self.outer_now();
@@ -33,8 +34,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         sum
     }
 
-    /// The velocity of a particle at the time of its position, m/s: v = v- + lag a, with the velocity v- of the middle of the last step and the
-    /// acceleration a by neighbours and body force. What conditions or contact moved has v-.
+    /// Velocity of a particle at the time of its position, m/s: v = v- + lag a, with the velocity v- in the middle of the last step and the
+    /// acceleration a by neighbours and body force. Components set by conditions or contact are those of v-.
     ///
     /// # Panics
     /// There is no such particle.
@@ -42,7 +43,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.velocity_at(i, &self.outer_now())
     }
 
-    /// Accelerations from outside now.
+    /// Return the external accelerations at the present time.
     fn outer_now(&self) -> Outer<'_, D> {
         let force = self.body_force.as_ref().map_or([0.0; D], |force| force(self.clock.time));
         Outer::new(force, &self.loads, &self.numbers, self.clock.time)
@@ -57,7 +58,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         })
     }
 
-    /// Internal energy by the law, J: without that of the zero-energy penalty.
+    /// Internal energy of the law, J, without that of the zero-energy penalty.
     pub fn internal_energy(&self) -> f64 {
         let mut state = vec![0.0; self.virgin.len()];
         let mut sum = 0.0;
@@ -68,7 +69,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         sum
     }
 
-    /// Energy in the springs of the zero-energy penalty, J.
+    /// Energy of the springs of the zero-energy penalty, J.
     pub fn penalty_energy(&self) -> f64 {
         if !Self::HAS.penalty {
             return 0.0;
@@ -98,7 +99,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         sum
     }
 
-    /// The numbers of the state of a particle, named by [`Body::state_names`]; `None` if there is no such particle.
+    /// State variables of a particle, named by [`Body::state_names`]; `None` if there is no such particle.
     pub fn particle_state(&self, i: usize) -> Option<Vec<f64>> {
         let mut state = vec![0.0; self.virgin.len()];
         (i < self.positions.len()).then(|| {
@@ -107,7 +108,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         })
     }
 
-    /// Bytes of memory, by its own count.
+    /// Allocated memory, bytes, by own count.
     pub fn bytes(&self) -> usize {
         let batches: usize = self.batches.iter().map(|b| b.bytes()).sum();
         batches
@@ -142,7 +143,7 @@ impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
     fn totals(&self) -> Totals {
         Sph::totals(self)
     }
-    /// Particles as they are sorted in space, with the numbers of the layout.
+    /// Visit the particles in sorted order, with the numbers of the layout.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
     }

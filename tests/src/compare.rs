@@ -1,4 +1,4 @@
-//! The fast step and the plain reference, side by side.
+//! Comparison of the fast step with the plain reference.
 
 use mpm_core::parallel::Float;
 use mpm_core::{
@@ -10,7 +10,7 @@ use mpm_materials::{Constitutive, IntoMaterial};
 use crate::reference::{Order, Point, Reference, Rule, Space};
 use crate::scene::{Scene, YOUNG};
 
-/// All particles of all bodies, by body and number.
+/// Return the particles of all bodies, by body and number.
 pub fn particles<T: Float, const D: usize>(mpm: &Mpm<D, T>) -> Vec<Vec<PointView>> {
     let mut bodies = Vec::new();
     for body in mpm.bodies() {
@@ -23,23 +23,23 @@ pub fn particles<T: Float, const D: usize>(mpm: &Mpm<D, T>) -> Vec<Vec<PointView
     bodies
 }
 
-/// Largest differences, relative to a cell, the wave speed and Young's modulus.
+/// Largest differences of particle quantities, each normalised.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Difference {
-    /// Position, in cells.
+    /// Position difference, in cells.
     pub position: f64,
-    /// Velocity over the largest speed.
+    /// Velocity difference over the largest speed.
     pub velocity: f64,
-    /// Stress over the largest stress.
+    /// Stress difference over the largest stress.
     pub stress: f64,
-    /// State of the law, absolute (stress over Young's modulus where it is a stress).
+    /// State difference over Young's modulus, for every state variable.
     pub state: f64,
 }
 
 impl Difference {
-    /// The largest of all.
+    /// Return the largest of all differences.
     pub fn worst(&self) -> f64 {
-        // `f64::max` would lose a value that is not a number.
+        // `f64::max` would lose a NaN.
         let mut worst = 0.0;
         for x in [self.position, self.velocity, self.stress, self.state] {
             if x.is_nan() || x > worst {
@@ -50,7 +50,7 @@ impl Difference {
     }
 }
 
-/// A scene in the fast step, bodies of one law.
+/// Build a scene of the fast step, bodies of one law.
 pub fn fast<T: Float, const D: usize, M, G, C>(method: M, grid: G, scene: &Scene<D>, law: &C) -> Mpm<D, T>
 where
     M: IntoKernels<T, D>,
@@ -58,7 +58,7 @@ where
     C: IntoMaterial<T> + Clone,
 {
     let mut mpm = Mpm::of(method, grid, OneField);
-    // The plain reference judges here; some of its scenes gain energy, as they should.
+    // Energy watch off: the plain reference is the criterion; some of its scenes gain energy as expected.
     mpm.set_watch(Watch::off());
     for (n, (seeds, velocity)) in scene.bodies.iter().enumerate() {
         mpm.add(&format!("body {n}"), law.clone(), seeds, velocity).expect("body");
@@ -67,7 +67,7 @@ where
     mpm
 }
 
-/// The boundaries, loads and time step of a scene.
+/// Apply the boundaries, loads and time step of a scene.
 pub fn surround<T: Float, const D: usize>(mpm: &mut Mpm<D, T>, scene: &Scene<D>) {
     for boundary in &scene.boundaries {
         mpm.bound(boundary.clone()).expect("boundary");
@@ -79,7 +79,7 @@ pub fn surround<T: Float, const D: usize>(mpm: &mut Mpm<D, T>, scene: &Scene<D>)
     mpm.set_time_control(TimeControl::Fixed(scene.dt)).expect("time control");
 }
 
-/// The scene in the reference, without bodies.
+/// Build the scene of the reference, without bodies.
 pub fn plain<const D: usize, S: ShapeFunction<f64, D>>(
     shape: S,
     rule: Rule,
@@ -92,7 +92,7 @@ pub fn plain<const D: usize, S: ShapeFunction<f64, D>>(
     reference
 }
 
-/// How far the two are apart.
+/// Return the differences between fast step and reference.
 pub fn difference<const D: usize>(
     fast: &[Vec<PointView>],
     plain: &[Point<D>],
@@ -134,7 +134,7 @@ pub fn difference<const D: usize>(
     found
 }
 
-/// Run a scene both ways with one law and return the difference at the end.
+/// Run a scene with both implementations and one law; return the difference at the end.
 pub fn compare<const D: usize, M, S, C>(
     method: M,
     shape: S,
@@ -169,8 +169,8 @@ fn centres<const D: usize, S>(reference: &Reference<D, S>, bodies: usize) -> Vec
     sums.into_iter().map(|(momentum, mass)| momentum.map(|p| p / mass)).collect()
 }
 
-/// What views of bodies whose centres started with these velocities, m/s, are moved back by, m: half a step of the velocity that a body has by
-/// the body force, along axes that have centres of bodies.
+/// Position offsets of the body views, m: half a step of the velocity that a body gains by the body force since its `start` velocity, along
+/// axes without symmetry planes.
 fn leads<const D: usize, S>(
     reference: &Reference<D, S>,
     scene: &Scene<D>,
@@ -189,7 +189,7 @@ fn leads<const D: usize, S>(
     centres(reference, start.len()).iter().zip(start).map(of).collect()
 }
 
-/// Run both for the scene's steps and return the difference at the end.
+/// Run both implementations for the scene's steps; return the difference at the end.
 pub fn run_both<const D: usize, S>(
     mpm: &mut Mpm<D>,
     reference: &mut Reference<D, S>,

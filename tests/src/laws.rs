@@ -1,4 +1,4 @@
-//! Laws that make a property visible.
+//! Constitutive laws for tests that make a property visible.
 
 use mpm_materials::{
     Breakdown, Constitutive, Fault, Kinematics, Lane, LinearElastic, Sym3, Update, elastic::HypoelasticState,
@@ -7,7 +7,7 @@ use mpm_materials::{
 
 use crate::scene;
 
-/// Linear elasticity with a stress at rest.
+/// Linear elasticity with an initial stress.
 #[derive(Clone, Debug)]
 pub struct Prestressed {
     elastic: LinearElastic<f64>,
@@ -15,7 +15,7 @@ pub struct Prestressed {
 }
 
 impl Prestressed {
-    /// With this stress: xx, yy, zz, yz, xz, xy.
+    /// Create the law with this initial stress: xx, yy, zz, yz, xz, xy.
     pub fn new(stress: [f64; 6]) -> Self {
         Prestressed { elastic: scene::metal(), stress }
     }
@@ -59,24 +59,25 @@ impl Constitutive<f64> for Prestressed {
 }
 
 state! {
-    /// An elastic state, and numbers that stay in known ratios for ever if they stay together.
+    /// Elastic state, and state variables with fixed ratios as long as a particle's variables are not mixed with
+    /// another's.
     pub struct Ledger<L> {
-        /// The elastic state.
+        /// Elastic state.
         pub elastic: HypoelasticState<L>,
-        /// The sum of all xx strain increments.
+        /// Sum of all xx strain increments.
         pub one: L,
-        /// Twice that.
+        /// Twice `one`.
         pub two: L,
-        /// Four times that.
+        /// Four times `one`.
         pub four: L,
-        /// Steps.
+        /// Number of steps.
         pub age: L,
         /// Minus eight times `one`.
         pub minus_eight: L,
     }
 }
 
-/// Linear elasticity with a [`Ledger`], that breaks where the sum of xx strains exceeds a limit.
+/// Linear elasticity with a [`Ledger`]; it fails where the sum of xx strain increments exceeds a limit.
 #[derive(Clone, Debug)]
 pub struct Watched {
     elastic: LinearElastic<f64>,
@@ -84,7 +85,7 @@ pub struct Watched {
 }
 
 impl Watched {
-    /// Breaks above `limit`.
+    /// Create a law that fails above `limit`.
     pub fn new(limit: f64) -> Self {
         Watched { elastic: scene::metal(), limit }
     }

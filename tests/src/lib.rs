@@ -1,4 +1,4 @@
-//! What the tests of the framework share: a plain reference method, scenes, and comparisons.
+//! Shared test support: plain reference method, scenes, laws and comparisons.
 
 pub mod compare;
 pub mod laws;

@@ -1,4 +1,4 @@
-//! Scenes of a few hundred particles that cross cells and blocks.
+//! Test scenes of a few hundred particles that cross cells and blocks.
 
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{Boundary, Side};
@@ -6,26 +6,26 @@ use mpm_materials::{LinearElastic, Moduli, NeoHookean};
 
 use crate::reference::Space;
 
-/// A velocity by position.
+/// Initial velocity field: velocity as a function of position.
 pub type Flow<const D: usize> = Box<dyn Fn([f64; D]) -> [f64; D]>;
 
-/// Bodies with their surroundings.
+/// Bodies, boundaries, gravity and time stepping of a test.
 pub struct Scene<const D: usize> {
     /// Name in messages.
     pub name: &'static str,
-    /// Nodes.
+    /// Background grid.
     pub lattice: Lattice<D>,
-    /// Particles and velocities of the bodies.
+    /// Particle seeds and initial velocity of each body.
     pub bodies: Vec<(Seeds<D>, Flow<D>)>,
     /// Boundaries.
     pub boundaries: Vec<Boundary<D>>,
-    /// Acceleration of all material.
+    /// Gravitational acceleration of all material.
     pub gravity: [f64; D],
     /// Time step.
     pub dt: f64,
     /// Number of steps.
     pub steps: usize,
-    /// Cartesian or axisymmetric.
+    /// Coordinate system: Cartesian or axisymmetric.
     pub space: Space,
 }
 
@@ -41,37 +41,37 @@ impl<const D: usize> std::fmt::Debug for Scene<D> {
     }
 }
 
-/// Young's modulus of the laws here.
+/// Young's modulus of the test laws.
 pub const YOUNG: f64 = 3.0;
-/// Density of the laws here.
+/// Density of the test laws.
 pub const DENSITY: f64 = 2.0;
 
-/// Moduli with Poisson's ratio 0.3.
+/// Elastic moduli with Poisson's ratio 0.3.
 pub fn moduli() -> Moduli<f64> {
     Moduli::young_poisson(YOUNG, 0.3).expect("moduli")
 }
-/// A hyperelastic law.
+/// Return the hyperelastic test law (neo-Hookean).
 pub fn rubber() -> NeoHookean<f64> {
     NeoHookean::new(DENSITY, moduli()).expect("law")
 }
-/// A hypoelastic law.
+/// Return the hypoelastic test law (linear elastic).
 pub fn metal() -> LinearElastic<f64> {
     LinearElastic::new(DENSITY, moduli()).expect("law")
 }
-/// Wave speed at rest.
+/// P-wave speed at rest.
 pub fn wave_speed() -> f64 {
     (moduli().p_wave() / DENSITY).sqrt()
 }
 
-/// A sequence of numbers that look random, in -1 .. 1; the same for the same `start`.
+/// Pseudo-random number generator (SplitMix64) for -1 .. 1; equal `start` values yield equal sequences.
 pub struct Numbers(u64);
 
 impl Numbers {
-    /// Begin.
+    /// Seed the generator.
     pub fn new(start: u64) -> Self {
         Numbers(start.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66_D1CE_4E5B)
     }
-    /// The next one (SplitMix64).
+    /// Return the next number.
     pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -82,14 +82,14 @@ impl Numbers {
     }
 }
 
-/// Seeds at given positions with equal volumes.
+/// Return seeds at the given positions with equal volumes.
 pub fn seeds<const D: usize>(positions: Vec<[f64; D]>, volume: f64, half_size: f64) -> Seeds<D> {
     let volumes = vec![volume; positions.len()];
     Seeds::placed(positions, volumes, [half_size; D])
 }
 
-/// A block of `cells` cells from node `low`, `per_axis` particles an axis and cell, each displaced by up to
-/// `jitter` times half its size. Volumes vary likewise.
+/// Return a block of `cells` cells from node `low` with `per_axis` particles per axis and cell. Each particle is
+/// displaced by up to `jitter` times half its size; volumes vary likewise.
 pub fn block<const D: usize>(
     lattice: &Lattice<D>,
     low: [i64; D],
@@ -118,14 +118,14 @@ pub fn block<const D: usize>(
     seeds
 }
 
-/// A lattice whose origin is nowhere special.
+/// Return a lattice with an arbitrary origin.
 pub fn lattice<const D: usize>() -> Lattice<D> {
     let mut origin = [0.0; D];
     origin.copy_from_slice(&[-0.37, 0.21, 0.083][..D]);
     Lattice::new(origin, 0.1).expect("lattice")
 }
 
-/// A free block that flies, shears, turns and breathes; its particles cross cells and blocks.
+/// Return a free block in translation, shear, rotation and dilatation; its particles cross cells and blocks.
 pub fn flow<const D: usize>() -> Scene<D> {
     let lattice = lattice::<D>();
     let cells = if D == 2 { [5; D] } else { [3; D] };
@@ -152,7 +152,7 @@ pub fn flow<const D: usize>() -> Scene<D> {
     }
 }
 
-/// The quarter (half) of a bar that runs into a wall, between a symmetry plane and a floor, under gravity.
+/// Return a quarter (2D: half) of a bar that hits a moving wall, with symmetry planes and gravity.
 pub fn bar<const D: usize>() -> Scene<D> {
     let lattice = lattice::<D>();
     let cells = if D == 2 { [3, 6, 0] } else { [2, 2, 4] };
@@ -190,7 +190,7 @@ pub fn bar<const D: usize>() -> Scene<D> {
     }
 }
 
-/// A block that slides and tumbles over a rough floor, which moves, into a rough wall.
+/// Return a block that slides and tumbles on a moving rough floor into a rough wall.
 pub fn slide<const D: usize>() -> Scene<D> {
     let lattice = lattice::<D>();
     let cells = if D == 2 { [5; D] } else { [3; D] };
@@ -222,7 +222,7 @@ pub fn slide<const D: usize>() -> Scene<D> {
     }
 }
 
-/// The bar seen from a moving train: bar and wall fall at 3 m/s more.
+/// Return [`bar`] in a moving frame: bar and wall fall 3 m/s faster. Tests Galilean invariance.
 pub fn train<const D: usize>() -> Scene<D> {
     let mut scene = bar::<D>();
     scene.name = "train";
@@ -241,7 +241,7 @@ pub fn train<const D: usize>() -> Scene<D> {
     scene
 }
 
-/// Two blocks that collide obliquely, above a fixed floor.
+/// Return an oblique collision of two blocks above a fixed floor.
 pub fn collision<const D: usize>() -> Scene<D> {
     let lattice = lattice::<D>();
     let cells = if D == 2 { [3; D] } else { [2; D] };
@@ -270,7 +270,7 @@ pub fn collision<const D: usize>() -> Scene<D> {
     }
 }
 
-/// A cylinder (r, z) that runs into a wall.
+/// Return an axisymmetric cylinder (r, z) that hits a wall.
 pub fn cylinder() -> Scene<2> {
     let lattice = Lattice::new([0.0, -0.14], 0.1).expect("lattice");
     let mut seeds = block(&lattice, [0, 1], [3, 5], 2, 0.5);

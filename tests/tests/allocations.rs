@@ -1,5 +1,5 @@
-//! What a step allocates once its scene has been running: nothing, unless a block of bins or of nodes needs more memory
-//! than any before it.
+//! Heap allocations of a step in a running scene: none, unless a block of bins or of nodes needs more memory than any
+//! block before.
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
@@ -14,7 +14,8 @@ static ALLOCATOR: dhat::Alloc = dhat::Alloc;
 const H: f64 = 0.1;
 const STEPS: u64 = 60;
 
-/// Allocations of [`STEPS`] steps of a cube on a plane of symmetry that drifts, m/s, and vibrates, after 150 steps.
+/// Count allocations of [`STEPS`] steps of a vibrating cube on a symmetry plane, moving at `drift`, m/s, after 150
+/// steps.
 fn allocations<M: IntoKernels<f64, 3>>(method: M, drift: f64) -> u64 {
     let lattice = Lattice::new([0.0; 3], H).expect("lattice");
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -45,7 +46,7 @@ fn a_step_allocates_nothing() {
         ]
     };
     assert_eq!(all(0.0), [0; 4]);
-    // A tenth of a cell a step through fresh cells: bins that fill take memory, 0.6 to 2.1 times a step.
+    // At a tenth of a cell per step through fresh cells, filling bins allocate 0.6 to 2.1 times per step.
     let moving = all(3.0);
     assert!(moving.iter().all(|&n| n < 3 * STEPS), "{moving:?}");
 }

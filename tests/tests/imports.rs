@@ -1,14 +1,14 @@
-//! Files of a library import each other in one direction: there is no circle among them.
+//! Import graph of the library files: it must be free of cycles.
 //!
-//! What a file imports is where the items are defined that it names after `crate::`, `super::` or `self::`, re-exports followed.
-//! Tests within files and what the documentation links to do not count.
+//! A file imports the files that define the items it names after `crate::`, `super::` or `self::`; re-exports are followed.
+//! Tests within files and links in the documentation do not count.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 type Module = Vec<String>;
 
-/// The files of a crate by their module.
+/// Return the files of a crate by module.
 fn modules(folder: &Path) -> BTreeMap<Module, PathBuf> {
     let mut found = BTreeMap::new();
     let mut open = vec![(folder.to_path_buf(), Module::new())];
@@ -28,7 +28,7 @@ fn modules(folder: &Path) -> BTreeMap<Module, PathBuf> {
     found
 }
 
-/// A file without comments, strings and tests.
+/// Return the text of a file without comments, strings and tests.
 fn code(path: &Path) -> String {
     let text = std::fs::read_to_string(path).expect("a file");
     let (text, mut out) = (text.as_str(), String::new());
@@ -51,7 +51,8 @@ fn code(path: &Path) -> String {
     out
 }
 
-/// The paths that a use statement names, without `use` and semicolon: `a::{b, c::d as e}` is a::b, c::d under e.
+/// Collect the paths of a use statement without `use` and semicolon: `a::{b, c::d as e}` yields a::b, and a::c::d
+/// as e.
 fn leaves(tree: &str, before: &[String], out: &mut Vec<(String, Module)>) {
     let tree = tree.trim();
     if let Some(open) = tree.find('{') {
@@ -88,7 +89,7 @@ fn segments(path: &str) -> Module {
     path.split("::").map(|s| s.trim().to_string()).filter(|s| !s.is_empty()).collect()
 }
 
-/// What a file re-exports, by name, and every path that it names.
+/// Re-exports of a file by name, and all paths in it.
 #[derive(Default)]
 struct Names {
     exports: Vec<(String, Module)>,
@@ -115,7 +116,7 @@ fn names(code: &str) -> Names {
         }
         rest = &rest[place + end..];
     }
-    // Paths within the text.
+    // Collect paths within the text.
     for start in ["crate::", "super::"] {
         for (place, _) in code.match_indices(start) {
             let before = code[..place].chars().next_back();
@@ -135,7 +136,8 @@ struct Library {
 }
 
 impl Library {
-    /// The module where what a path names is defined, seen from module `from`; none if it is of another crate.
+    /// Return the module that defines the item of a path seen from module `from`; none for an item of another
+    /// crate.
     fn find(&self, from: &[String], path: &[String], depth: usize) -> Option<Module> {
         let mut at = from.to_vec();
         let mut rest = path;
@@ -179,25 +181,25 @@ impl Library {
                 let target: Module = target.iter().chain(&rest[1..]).cloned().collect();
                 return self.find(&at, &target, depth + 1);
             }
-            // An item of this module, or of another crate whose items it re-exports.
+            // Item of this module, or re-exported item of another crate.
             return Some(at);
         }
         Some(at)
     }
 
-    /// Which modules each imports.
+    /// Return the imported modules of every module.
     fn imports(&self) -> BTreeMap<Module, BTreeSet<Module>> {
         let mut all = BTreeMap::new();
         for (module, names) in &self.names {
             let found = names.paths.iter().filter_map(|path| self.find(module, path, 0));
-            // What lists and re-exports its parts depends on none of them.
+            // A module that declares and re-exports submodules does not depend on them.
             all.insert(module.clone(), found.filter(|other| other != module).collect());
         }
         all
     }
 }
 
-/// The modules of every circle: those that reach each other (Tarjan's strongly connected components, plainly).
+/// Return the modules of every import cycle, i.e. strongly connected components by mutual reachability.
 fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<Vec<String>> {
     let reach = |from: &Module| {
         let (mut seen, mut open) = (BTreeSet::new(), vec![from.clone()]);
@@ -222,7 +224,7 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<Vec<String>> {
     found.into_iter().collect()
 }
 
-/// The libraries, leaf first.
+/// Library crates, leaf first.
 const LIBRARIES: [&str; 16] = [
     "impactite-simd",
     "mpm-materials",
@@ -266,7 +268,7 @@ fn no_library_has_a_circle_of_files() {
     assert!(wrong.is_empty(), "files that import each other in circles:\n{}", wrong.join("\n"));
 }
 
-/// Methods stand side by side: no library imports one that stands above it or beside it.
+/// Libraries depend only on libraries below them; method libraries are independent of each other.
 #[test]
 fn libraries_depend_downwards() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
@@ -287,7 +289,7 @@ fn libraries_depend_downwards() {
     }
 }
 
-/// The search sees what it should: a circle of two and what is re-exported.
+/// The search detects a cycle of two files and follows re-exports.
 #[test]
 fn circles_are_seen() {
     let folder = std::env::temp_dir().join(format!("impactite-imports-{}", std::process::id()));

@@ -1,5 +1,5 @@
-//! Where kernels are compiled changes no bit: the law called or inlined into the passes, in the library or here, all chosen at
-//! compile time or at run time.
+//! Bitwise equality of kernels wherever they are compiled: law called or inlined into the passes, in the library or in this
+//! crate, dispatched at compile time or at run time.
 
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ use mpm_core::{
 use mpm_core::{ContactAlgorithm, SceneError};
 use mpm_materials::{Constitutive, IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid, library};
 
-/// Particles of the block of the scene `flow`, after its steps, of a law with this speed of sound.
+/// Return the particles of the scene `flow` after its steps, for a law with this sound speed.
 fn flown<const D: usize, M, C>(method: M, law: C, sound: f64, inlined: bool) -> Vec<PointView>
 where
     M: Composition<f64, D> + IntoKernels<f64, D>,
@@ -46,7 +46,7 @@ fn bits(particles: &[PointView]) -> Vec<u64> {
     list
 }
 
-/// The largest stress of any component.
+/// Return the largest stress component.
 fn strongest(particles: &[PointView]) -> f64 {
     particles.iter().flat_map(|p| p.stress).fold(0.0, |most, s| most.max(s.abs()))
 }
@@ -84,8 +84,8 @@ fn inlined_laws_solid_splines() {
     alike::<3, _>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
 }
 
-/// A ball that is squeezed and turned, of which every bin has another number of particles, so that groups are alone and lanes
-/// idle, and of which some points flow and others do not: a point must not feel what other lanes of its vector hold.
+/// Vector lanes are independent. Every bin of a squeezed and rotated ball has a different number of particles, so that some
+/// groups are alone and some lanes idle; some points yield and others do not.
 #[test]
 fn inlined_laws_in_any_company() {
     let method = Method::new(Linear, Flip, Musl, FullSpace);
@@ -109,7 +109,7 @@ fn inlined_laws_in_any_company() {
     assert!(bits(&called) == bits(&inlined));
 }
 
-/// A method and a law of the library, compiled here once more; and a scene of which all is an object.
+/// A library method and law compiled in this crate give the same bits as a scene of trait objects.
 #[test]
 fn objects_change_nothing() {
     let scene = scene::bar::<2>();
@@ -132,7 +132,7 @@ fn objects_change_nothing() {
     assert!(library == run(objects), "objects");
 }
 
-/// Passes with a law in them are those of one method.
+/// A body is refused if its kernels with an inlined law belong to another method.
 #[test]
 fn kernels_of_another_method_are_refused() {
     let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice()));
@@ -141,7 +141,7 @@ fn kernels_of_another_method_are_refused() {
     let refused = mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(splines));
     assert!(matches!(&refused, Err(SceneError::OtherMethod { body, .. }) if body == "block"), "{refused:?}");
     assert!(mpm.bodies().is_empty(), "a refused body is not there");
-    // Of one name, with another time constant.
+    // Same method, with another time constant.
     let blend = |tau| Method::new(Linear, Blend::new(tau).expect("time constant"), Musl, PlaneStrain);
     let mut mpm = Mpm::new(blend(1e-3), BlockGrid::new(lattice()));
     let refused = mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(blend(2e-3)));

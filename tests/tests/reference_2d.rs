@@ -1,4 +1,4 @@
-//! The fast step equals the plain reference within round-off: two dimensions.
+//! Comparison of the fast step with the plain reference within round-off: two dimensions.
 
 use impactite_tests::compare::{compare, plain, run_both, surround};
 use impactite_tests::reference::{Order, Rule};
@@ -86,7 +86,7 @@ fn two_laws() {
     assert!(found.worst() < TOLERANCE, "{found:?}");
 }
 
-/// The books of friction are those of the plain reference: every node's impulse and what it takes.
+/// Friction accounting: frictional heat and wall impulse equal those of the plain reference.
 #[test]
 fn friction_is_booked_as_it_is_made() {
     let scene = scene::slide::<2>();
@@ -108,7 +108,7 @@ fn friction_is_booked_as_it_is_made() {
         };
         let given = mpm.exchange();
         println!("heat {} and {heat} J, impulse {:?} and {impulse:?} N s", given.friction, given.impulse);
-        // Of the order of the kinetic energy at the start; the same to rounding of some thousand sums.
+        // Scale: order of the initial kinetic energy. Agreement to round-off of some thousand sums.
         let scale = mpm.totals().mass * wave_speed().powi(2) * 0.01;
         assert!(heat > 0.01 * scale && (given.friction - heat).abs() < 1e-11 * scale, "{heat} J");
         (0..2).for_each(|d| assert!((given.impulse[d] - impulse[d]).abs() < 1e-11 * impulse[d].abs()));
@@ -120,7 +120,7 @@ fn friction_is_booked_as_it_is_made() {
     check(splines, Rule::Apic, Order::Usl, false);
 }
 
-/// Clouds of any particles, any boundaries.
+/// Random particle clouds with random boundaries.
 mod clouds {
     use impactite_tests::scene::{Flow, Scene, seeds, wave_speed};
     use mpm_core::{Boundary, Side};

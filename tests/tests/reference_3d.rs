@@ -1,4 +1,4 @@
-//! The fast step equals the plain reference within round-off: three dimensions.
+//! Comparison of the fast step with the plain reference within round-off: three dimensions.
 
 use impactite_tests::compare::compare;
 use impactite_tests::reference::{Order, Rule};
@@ -8,7 +8,7 @@ use mpm_core::{
     QuadraticBSpline, Usf, Usl,
 };
 
-/// As in two dimensions.
+/// Allowed difference: as in two dimensions.
 const TOLERANCE: f64 = 1e-11;
 
 macro_rules! table {

@@ -1,7 +1,7 @@
-//! What compiling costs: from nothing, and after edits of the text of a law, a shape function and a scene.
+//! Compile times: from scratch, and after edits of the text of a law, a shape function and a scene.
 //!
-//! Each state of the project is cloned into a folder of its own, so that what is measured is what a user gets. An edit changes
-//! a number in a line of code, another one each time; where it leads to the same program, the measurement fails.
+//! Each state of the project is cloned into its own folder, so that the measurement is that of a user. An edit changes a
+//! number in a line of code, to a new value each time; if the program stays the same, the measurement fails.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -17,7 +17,7 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/..");
 const USER: &str = "examples/downstream/Cargo.toml";
 const CASE: &str = "release/taylor_bar";
 
-/// A line of code and what is written in the place of a part of it; `{}` is a number that differs each time.
+/// Edit of a line of code: replaced text and replacement; `{}` is a number that differs each time.
 struct Edit {
     file: &'static str,
     from: &'static str,
@@ -41,7 +41,7 @@ const CASE_SCENE: Edit = Edit {
     to: "BULK_VISCOSITY: [f64; 2] = [0.06{}, 1.5]",
 };
 
-/// A clone of the project at a commit.
+/// Clone of the project at a commit.
 struct Clone {
     folder: PathBuf,
     target: PathBuf,
@@ -50,7 +50,7 @@ struct Clone {
 
 impl Drop for Clone {
     fn drop(&mut self) {
-        // What is left in a folder for temporary files does no harm.
+        // Leftover files in a temporary folder are harmless.
         let _ = std::fs::remove_dir_all(&self.folder);
     }
 }
@@ -67,17 +67,17 @@ impl Clone {
     fn command(&self, program: &str) -> Command {
         let mut command = Command::new(program);
         command.current_dir(&self.folder).env("CARGO_TARGET_DIR", &self.target);
-        // What the benchmark itself is built with must not matter.
+        // Remove the build environment of the benchmark itself.
         for name in ["CARGO_INCREMENTAL", "RUSTFLAGS", "CARGO_MANIFEST_DIR", "RUSTUP_TOOLCHAIN"] {
             command.env_remove(name);
         }
         command
     }
-    /// Seconds of a line of a shell.
+    /// Run a shell line; return its time, s.
     fn shell(&self, line: &str) -> Result<f64, CaseError> {
         run(self.command("sh").args(["-c", line]))
     }
-    /// Seconds of cargo.
+    /// Run cargo; return its time, s.
     fn cargo(&self, arguments: &str) -> Result<f64, CaseError> {
         run(self.command("cargo").args(arguments.split(' ')))
     }
@@ -92,7 +92,7 @@ impl Clone {
     fn edit(&mut self, edit: &Edit) -> Result<(), CaseError> {
         self.edits += 1;
         let path = self.folder.join(edit.file);
-        // Of an edit before only the number is there, which goes with the file as it was checked out.
+        // Restore the file as checked out, including the number of a previous edit.
         run(Command::new("git").current_dir(&self.folder).args(["checkout", "--quiet", "--", edit.file]))?;
         let text = self.read(edit.file)?;
         if text.matches(edit.from).count() != 1 {
@@ -102,7 +102,7 @@ impl Clone {
         let text = text.replace(edit.from, &edit.to.replace("{}", &number));
         std::fs::write(&path, text).map_err(|source| CaseError::File { path, source })
     }
-    /// Seconds of cargo after an edit that changes the program `name`.
+    /// Run cargo after an edit that changes the program `name`; return its time, s.
     fn after(&mut self, edit: &Edit, arguments: &str, name: &str) -> Result<f64, CaseError> {
         let before = self.program(name)?;
         self.edit(edit)?;
@@ -112,7 +112,7 @@ impl Clone {
         }
         Ok(seconds)
     }
-    /// The `n`-th command that README shows.
+    /// Return the `n`-th command in README.
     fn readme(&self, n: usize) -> Result<String, CaseError> {
         let text = self.read("README.md")?;
         let block = text.split("```sh\n").nth(n + 1).and_then(|rest| rest.split("```").next());
@@ -122,13 +122,13 @@ impl Clone {
     }
 }
 
-/// Seconds of a command that succeeds.
+/// Run a command that must succeed; return its time, s.
 fn run(command: &mut Command) -> Result<f64, CaseError> {
     let clock = Instant::now();
     let output =
         command.output().map_err(|e| CaseError::Other(format!("{command:?} does not start: {e}")))?;
     if !output.status.success() {
-        // What went wrong stands last, of either.
+        // Error messages are at the end of either stream.
         let [out, err] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
         let text = format!("{out}\n{err}");
         return Err(CaseError::Other(format!("{command:?}: {text}")));
@@ -136,7 +136,8 @@ fn run(command: &mut Command) -> Result<f64, CaseError> {
     Ok(clock.elapsed().as_secs_f64())
 }
 
-/// The largest memory that one compiler process has held while `job` ran, in bytes, where the system tells (Linux).
+/// Measure the peak memory of a single compiler process while `job` runs, in bytes, if the system provides it
+/// (Linux).
 fn largest_compiler<R>(job: impl FnOnce() -> R) -> (R, u64) {
     let (ended, most) = (AtomicBool::new(false), AtomicU64::new(0));
     let result = thread::scope(|scope| {
@@ -153,7 +154,7 @@ fn largest_compiler<R>(job: impl FnOnce() -> R) -> (R, u64) {
     (result, most.into_inner())
 }
 
-/// The largest memory that any of the compilers running now has held so far.
+/// Return the largest peak memory of the compilers running now.
 fn compilers() -> u64 {
     let Ok(processes) = std::fs::read_dir("/proc") else { return 0 };
     let most = processes.flatten().filter_map(|process| {
@@ -167,7 +168,7 @@ fn compilers() -> u64 {
     1024 * most.max().unwrap_or(0)
 }
 
-/// A row: what, in which unit, what is asked; and of each state of the project.
+/// Table row: quantity, requirement, and measurements of each state of the project.
 struct Row {
     what: &'static str,
     asked: &'static str,
@@ -227,7 +228,7 @@ fn state(commit: &str) -> Result<Vec<(&'static str, &'static str, String)>, Case
     Ok(rows)
 }
 
-/// This state of the project, and others beside it.
+/// Compare the compile times of HEAD with those of the commits in `before`.
 pub fn times(before: &[String]) -> Result<Option<String>, CaseError> {
     let mut rows: Vec<Row> = Vec::new();
     let commits: Vec<&str> = before.iter().map(String::as_str).chain(["HEAD"]).collect();
@@ -258,7 +259,7 @@ pub fn times(before: &[String]) -> Result<Option<String>, CaseError> {
     )))
 }
 
-/// README's second command and `.ci/run`, from nothing.
+/// Measure README's second command or `.ci/run`, from scratch.
 pub fn tests(ci: bool) -> Result<Option<String>, CaseError> {
     let clone = Clone::new("HEAD")?;
     let (what, command, asked) = if ci {

@@ -1,4 +1,4 @@
-//! What contact costs, and what a grid of blocks saves.
+//! Cost of contact, and memory savings of the block grid.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use crate::page::table;
 use crate::sample::{Sample, Subject, alternate};
 use crate::scenes::{Penetration, balls, contact};
 
-/// Particles of the oblique penetration of \[Ma2010\].
+/// Number of particles of the oblique penetration of \[Ma2010\].
 const PAPER: usize = 200_864;
 
 fn job(particles: usize, threads: usize) -> Job {
@@ -33,7 +33,7 @@ fn row(name: &str, threads: usize, off: &Sample, on: &Sample, asked: &str) -> [S
     ]
 }
 
-/// Time and memory with contact over those without.
+/// Measure time and memory ratios with and without contact.
 pub fn cost(quick: bool, yardstick: Option<&Path>) -> Result<Option<String>, CaseError> {
     let rounds = if quick { 3 } else { 5 };
     let mut rows = Vec::new();
@@ -79,7 +79,7 @@ pub fn cost(quick: bool, yardstick: Option<&Path>) -> Result<Option<String>, Cas
     )))
 }
 
-/// A grid of blocks against a dense one.
+/// Compare a block grid with a dense grid.
 pub fn sparse(quick: bool) -> Result<Option<String>, CaseError> {
     let scene = Penetration::new(if quick { 50_000 } else { PAPER })?;
     let (dense, cells) = scene.dense()?;

@@ -1,4 +1,4 @@
-//! What a step of smoothed particles is made of, by the search for neighbours.
+//! Time shares of a smoothed particle step for several neighbour searches.
 
 use std::path::Path;
 
@@ -14,10 +14,10 @@ use sph::{Composition, Method, Sph, StepTimes};
 
 use crate::page::{asked, table};
 
-/// Parts of a step, as the chart has them.
+/// Parts of a step, as in the chart.
 const PARTS: [&str; 5] = ["search", "kernels", "sums", "law", "motion"];
 
-/// How neighbours are found: anew in every step by a search, or by cells with lists that are used again.
+/// Neighbour search methods: search in every step, or sorted cells with reused lists.
 const WAYS: [(&str, SearchMethod, bool); 5] = [
     ("tree", SearchMethod::BoxTree, true),
     ("PIB", SearchMethod::PointInBox, true),
@@ -26,23 +26,23 @@ const WAYS: [(&str, SearchMethod, bool); 5] = [
     ("cells, lists reused", SearchMethod::SortedCells, false),
 ];
 
-/// Share of the search with lists that are used again: on the bar and on the plate.
+/// Required share of the search with reused lists: for the bar and for the plate.
 const ASKED: [f64; 2] = [0.15, 0.20];
-/// As printed by strip PIB \[Xiao2015\].
+/// Published share of strip PIB \[Xiao2015\].
 const PRINTED: [f64; 2] = [0.41, 0.32];
 
 /// Impact speed of the projectile, m/s.
 const SPEED: f64 = 173.7;
 
-/// A scene by one way.
+/// Time shares of a scene with one search method.
 struct Shares {
-    /// Of the parts in a step.
+    /// Shares of the parts of a step.
     parts: [f64; 5],
-    /// Spread of the first of them over the rounds.
+    /// Spread of the search share over the rounds.
     search: Spread,
-    /// Nanoseconds of a step, a particle.
+    /// Time of a step per particle, ns.
     each: f64,
-    /// Steps a search.
+    /// Number of steps per search.
     between: f64,
 }
 
@@ -50,7 +50,7 @@ fn parts(times: &StepTimes) -> [f64; 5] {
     [times.search, times.kernels, times.sums, times.law, times.motion]
 }
 
-/// Step a body from its start for so many steps, or to a time (s): times, updates of particles, and steps a search.
+/// Advance a body by this number of steps, or to a time (s); return times, particle updates, and steps per search.
 fn run<M: Composition<2>>(
     mut body: Sph<2, M>,
     (method, anew): (SearchMethod, bool),
@@ -71,7 +71,7 @@ fn run<M: Composition<2>>(
     Ok((body.step_times(), updates, between))
 }
 
-/// All ways on a scene that is made anew for each, in rounds of alternation.
+/// Run all search methods on a newly created scene each, in alternating rounds.
 fn shares<M: Composition<2>>(
     body: impl Fn() -> Result<Sph<2, M>, CaseError>,
     span: (u64, f64),
@@ -92,17 +92,17 @@ fn shares<M: Composition<2>>(
     Ok(found.iter().map(shares).collect())
 }
 
-/// Projectile and plate as one body of the plate's steel, the projectile flying.
+/// Build projectile and plate as one body of the plate's steel, with a moving projectile.
 fn plug<M: Composition<2>>(method: M) -> Result<Sph<2, M>, CaseError> {
     let layout = Plug::PRINTED.projectile()?.and(Plug::PRINTED.plate()?);
     let steel = library::weldox_460_e().with_bulk_viscosity(0.5, 4.0)?;
     Ok(Sph::new(method, steel, &layout, |[_, z]| [0.0, if z < 0.0 { SPEED } else { 0.0 }])?)
 }
 
-/// Share of the parts of a step, and the chart of them.
+/// Measure the time shares of a step, and draw their chart.
 pub fn shares_of_steps(quick: bool, chart: &Path) -> Result<Option<String>, CaseError> {
     let rounds = if quick { 1 } else { 2 };
-    // All of the impact; of the other one as many steps as show some searches.
+    // Complete impact of the bar; for the plug, enough steps to include some searches.
     let whole = if quick { (300, bar::END) } else { (u64::MAX, bar::END) };
     let some = (if quick { 40 } else { 60 }, f64::INFINITY);
     let (printed, updated) = (Method::printed(Axisymmetric), Method::updated(Axisymmetric));

@@ -1,4 +1,4 @@
-//! Explicit finite elements beside material points of the same law, and what contact of elements takes.
+//! Explicit finite elements compared with material points of the same law, and cost of element contact.
 
 use std::f64::consts::PI;
 
@@ -16,30 +16,30 @@ use mpm_materials::{IntoMaterial, LinearElastic, Moduli, library};
 use crate::page::{asked, table};
 use crate::sample::{Run, Sample, Subject, alternate};
 
-/// Edge of a brick or quadrilateral, and spacing of particles, m.
+/// Edge length of a brick or quadrilateral, and particle spacing, m.
 const EDGE: f64 = 1e-3;
-/// Velocity of waves and of blocks that meet, m/s: its strain is beyond the yield of the steel.
+/// Velocity amplitude of waves and speed of colliding blocks, m/s: its strain is beyond the yield of the steel.
 const SPEED: f64 = 60.0;
-/// Length of the waves, m.
+/// Wavelength, m.
 const WAVE: f64 = 20.0 * EDGE;
-/// Least steps of a run: waves of velocity have become such of stress.
+/// Minimum number of steps of a run, within which velocity waves turn into stress waves.
 const STEPS: usize = 20;
-/// Million updates of one-point bricks a second on one thread that are asked.
+/// Required rate of one-point bricks, million updates per second on one thread.
 const RATE: f64 = 12.0;
-/// Share of a step that contact may take.
+/// Maximum share of contact in a step.
 const SHARE: f64 = 0.1;
 
 const ONE_POINT: Technology = Technology::OnePoint(Hourglass::Stiffness(0.05));
 const BRICKS: &str = "bricks, one point";
 
-/// A square or cube of so many edges along an axis.
+/// Square or cube with `cells` edges along each axis.
 #[derive(Clone, Copy)]
 struct Block<const D: usize> {
     cells: usize,
 }
 
 impl<const D: usize> Block<D> {
-    /// Of about so many elements, an even number along an axis.
+    /// Create a block of about this number of elements, an even number along each axis.
     fn of(elements: f64) -> Self {
         Block { cells: 2 * (0.5 * elements.powf(1.0 / D as f64)).round() as usize }
     }
@@ -65,7 +65,7 @@ impl<const D: usize> Block<D> {
         Ok(Scene { nodes: Some(fem.body(0).nodes().len()), solver: Box::new(fem) })
     }
 
-    /// As many particles, two along the edge of a cell.
+    /// Build the same number of particles, two along the edge of a cell.
     fn particles(
         self,
         method: impl IntoKernels<f64, D>,
@@ -78,7 +78,8 @@ impl<const D: usize> Block<D> {
         Ok(Scene { nodes: None, solver: Box::new(mpm) })
     }
 
-    /// Two of them that meet head-on, half an edge beside each other; or pass through each other.
+    /// Build two blocks in head-on collision, laterally displaced by half an edge; without `touch` they pass
+    /// through each other.
     fn pair(
         self,
         space: impl Embedding<D>,
@@ -99,19 +100,19 @@ impl<const D: usize> Block<D> {
     }
 }
 
-/// Waves along every axis.
+/// Velocity waves along every axis.
 fn swing<const D: usize>(x: [f64; D]) -> [f64; D] {
     x.map(|x| SPEED * (2.0 * PI * x / WAVE).sin())
 }
 
-/// What is stepped.
+/// Scene to run.
 struct Scene {
     solver: Box<dyn Solver>,
-    /// Of the mesh, where there is one.
+    /// Number of nodes of the mesh, if any.
     nodes: Option<usize>,
 }
 
-/// What came of it.
+/// Result of a run.
 struct Measured {
     run: Stepped,
     nodes: Option<usize>,
@@ -123,7 +124,7 @@ impl Run for Measured {
     }
 }
 
-/// Steps for about so many updates.
+/// Number of steps for about this number of updates.
 fn steps(updates: usize, points: usize) -> u64 {
     (updates / points).max(STEPS) as u64
 }
@@ -145,10 +146,10 @@ fn measure(mut scene: Scene, threads: usize, updates: usize) -> Result<Measured,
 
 type Make = Box<dyn Fn() -> Result<Scene, CaseError>>;
 
-/// Elements and particles of a law, about so many of each.
+/// List scenes of elements and particles of a law, of about equal size.
 fn scenes<L: IntoMaterial<f64> + Copy + 'static>(law: L, elements: f64) -> Vec<(&'static str, Make)> {
     let (solid, plane) = (Block::<3>::of(elements), Block::<2>::of(elements));
-    // A brick is six tetrahedra.
+    // Six tetrahedra per brick.
     let coarse = Block::<3>::of(elements / 6.0);
     let bricks = move |technology| -> Make {
         Box::new(move || solid.elements(FullSpace, solid.mesh([0.0; 3])?, technology, law))
@@ -173,14 +174,14 @@ fn scenes<L: IntoMaterial<f64> + Copy + 'static>(law: L, elements: f64) -> Vec<(
     ]
 }
 
-/// Rounds, and updates of points a run.
+/// Rounds, and point updates per run.
 #[derive(Clone, Copy)]
 struct Effort {
     rounds: usize,
     updates: usize,
 }
 
-/// Rows of a law, and the least rate of one-point bricks on one thread.
+/// Measure the rows of a law, and the minimum rate of one-point bricks on one thread.
 fn rows<L: IntoMaterial<f64> + Copy + 'static>(
     name: &str,
     law: L,
@@ -216,7 +217,7 @@ fn rows<L: IntoMaterial<f64> + Copy + 'static>(
     Ok((rows, least))
 }
 
-/// Two blocks with contact and without.
+/// Measure two blocks with and without contact.
 fn contact<const D: usize, L: IntoMaterial<f64> + Copy>(
     name: &str,
     (space, law): (impl Embedding<D>, L),
@@ -253,7 +254,7 @@ fn contact<const D: usize, L: IntoMaterial<f64> + Copy>(
     Ok(rows)
 }
 
-/// Rates and memory of elements, and the share of contact.
+/// Measure rates and memory of elements, and the share of contact.
 pub fn cost(quick: bool) -> Result<Option<String>, CaseError> {
     let (effort, sizes) = if quick {
         (Effort { rounds: 3, updates: 1_000_000 }, &[50e3][..])

@@ -1,4 +1,5 @@
-//! Fragile points, finite elements of the same law beside them, peridynamics of another program, and what opening a face takes.
+//! Fragile points compared with finite elements of the same law and with peridynamics of another program, and cost of face
+//! failure.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -21,34 +22,34 @@ use crate::page::{asked, table};
 use crate::peers::of_particles;
 use crate::sample::{Sample, Subject, alternate, attempt};
 
-/// Width of a cell, m.
+/// Cell size, m.
 const H: f64 = 1e-3;
-/// Velocity of the waves, m/s, and their length, m.
+/// Velocity amplitude of the waves, m/s, and wavelength, m.
 const SPEED: f64 = 1.0;
 const WAVE: f64 = 20.0 * H;
-/// Largest tension that a face bears, Pa.
+/// Tensile strength of a face, Pa.
 const STRENGTH: f64 = 1773e6;
-/// Million updates a second that are asked in the plane on one thread, and times the rate of LAMMPS.
+/// Required rate in two dimensions on one thread, million updates per second, and required ratio to LAMMPS.
 const RATE: f64 = 4.0;
 const LAMMPS: f64 = 1.0;
-/// Kalthoff's plate: its size, where its notches are and how far they reach, m, and the velocity between them, m/s.
+/// Kalthoff's plate: size, notch positions and notch length, m, and impact velocity between the notches, m/s.
 const PLATE: [f64; 2] = [0.1, 0.2];
 const NOTCHES: [f64; 2] = [0.075, 0.125];
 const REACH: f64 = 0.05;
 const STRUCK: f64 = 16.5;
-/// Cells whose stress opens the faces around them.
+/// Number of cells whose stress opens the faces around them.
 const SPOTS: usize = 50;
 
 fn steel() -> Result<LinearElastic<f64>, CaseError> {
     Ok(LinearElastic::new(8000.0, Moduli::young_poisson(190e9, 0.3)?)?)
 }
 
-/// Waves along every axis.
+/// Velocity waves along every axis.
 fn swing<const D: usize>(x: [f64; D]) -> [f64; D] {
     x.map(|x| SPEED * (2.0 * PI * x / WAVE).sin())
 }
 
-/// Squares or cubes that fill a box from the origin.
+/// Build square or cubic cells that fill a box from the origin.
 fn lattice<const D: usize>(counts: [usize; D]) -> Result<Cells<D>, CaseError> {
     let place = |mut n: usize| -> [f64; D] {
         std::array::from_fn(|d| {
@@ -61,7 +62,7 @@ fn lattice<const D: usize>(counts: [usize; D]) -> Result<Cells<D>, CaseError> {
     cells(&points, &domain(counts)?)
 }
 
-/// About as many of points at random.
+/// Build about the same number of cells from random points.
 fn random<const D: usize>(counts: [usize; D]) -> Result<Cells<D>, CaseError> {
     let domain = domain(counts)?;
     cells(&scattered(&domain, 1, |_| H).map_err(other)?, &domain)
@@ -79,7 +80,7 @@ fn other(error: impl std::fmt::Display) -> CaseError {
     CaseError::Other(error.to_string())
 }
 
-/// Rounds, and updates of cells a run.
+/// Rounds, and cell updates per run.
 #[derive(Clone, Copy)]
 struct Effort {
     rounds: usize,
@@ -91,7 +92,7 @@ impl Effort {
         (self.updates / points).max(20) as u64
     }
 
-    /// Cells that waves go through, no face of which opens.
+    /// Run cells with waves and without face failure.
     fn waves<const D: usize, M: Composition<D>>(
         self,
         method: M,
@@ -106,7 +107,7 @@ impl Effort {
         Ok(run)
     }
 
-    /// As many quadrilaterals.
+    /// Run the same number of quadrilaterals.
     fn elements(
         self,
         counts: [usize; 2],
@@ -124,8 +125,8 @@ impl Effort {
 
 type Run<'a> = Box<dyn Fn(usize) -> Result<Stepped, CaseError> + 'a>;
 
-/// Rates and memory of a body in the plane of so many cells along an edge, and of one in space of about as many; the least rate in the
-/// plane.
+/// Measure rates and memory of a two-dimensional body with `plane` cells per edge, and of a three-dimensional one of about as many
+/// cells; return them with the minimum rate in two dimensions.
 fn rates(plane: usize, effort: Effort) -> Result<(Vec<[String; 6]>, f64), CaseError> {
     let counts = [plane; 2];
     let cubes = [((plane * plane) as f64).cbrt().round() as usize; 3];
@@ -200,7 +201,7 @@ fn rates(plane: usize, effort: Effort) -> Result<(Vec<[String; 6]>, f64), CaseEr
     Ok((rows, least))
 }
 
-/// All of Kalthoff's plate at a spacing (mm), whose faces may open, for so many steps from the start.
+/// Run Kalthoff's full plate at a spacing (mm), with face failure, for this number of steps from the start.
 fn plate(spacing: f64, at_random: bool, steps: u64) -> Result<Stepped, CaseError> {
     let h = 1e-3 * spacing;
     let domain = Domain::cuboid([0.0; 2], PLATE).map_err(other)?;
@@ -225,7 +226,7 @@ fn plate(spacing: f64, at_random: bool, steps: u64) -> Result<Stepped, CaseError
     stepped(&mut plate, 1, steps)
 }
 
-/// Ours beside peridynamics, at spacings in mm; why the other is absent.
+/// Compare with peridynamics at spacings in mm; return the reason if the other program is missing.
 fn peers(
     effort: Effort,
     spacings: &[f64],
@@ -265,8 +266,8 @@ fn peers(
     Ok((rows, None))
 }
 
-/// Microseconds that a step takes in a body of so many squares along an edge in which some cells are so stressed that faces of theirs open, and the faces that
-/// do; or the same in which none can.
+/// Measure the step time in a body with `along` squares per edge in which some cells are stressed beyond the strength, us, and the number
+/// of opened faces; without a criterion none opens.
 fn opening<C: fpm::Criterion>(along: usize, criterion: C, rounds: usize) -> Result<(Spread, usize), CaseError>
 where
     fpm::Method<PlaneStrain, Symmetric, C>: Composition<2>,
@@ -275,13 +276,13 @@ where
     let method = Method::symmetric(PlaneStrain).with_cracks(criterion);
     let mut body = Fpm::new(method, steel()?, &lattice([along; 2])?, |_| [0.0; 2])?;
     body.set_watch(Watch::off());
-    // The same ones in a body of any size: ten cells apart, in its corner.
+    // Equal cells in bodies of any size: ten cells apart, in a corner.
     let spots: Vec<[f64; 2]> =
         (0..SPOTS).map(|n| [n % 10, n / 10].map(|at| (10.0 * at as f64 + 5.5) * H)).collect();
     let near = |x: [f64; 2]| spots.iter().any(|s| (0..2).all(|d| (x[d] - s[d]).abs() < 0.5 * H));
     body.set_states::<LinearElastic<f64>>(|x, mut state| {
         if near(x) {
-            // Faces see the mean of both their cells, and some of it goes in the step.
+            // Faces use the mean stress of both cells, and part of the stress is released within the step.
             state.stress.0[0] = 6.0 * STRENGTH;
         }
         state
@@ -297,7 +298,7 @@ where
     Ok((Spread::of(times.into_iter()), opened))
 }
 
-/// What an opening takes in bodies of these squares along an edge.
+/// Measure the cost of opened faces in bodies with these numbers of squares per edge.
 fn openings(sizes: &[usize], rounds: usize) -> Result<Vec<[String; 5]>, CaseError> {
     let mut rows = Vec::new();
     for &along in sizes {
@@ -317,7 +318,7 @@ fn openings(sizes: &[usize], rounds: usize) -> Result<Vec<[String; 5]>, CaseErro
     Ok(rows)
 }
 
-/// Rates and memory, elements and another program beside, and what an opening takes.
+/// Measure rates and memory, compared with elements and another program, and the cost of opened faces.
 pub fn cost(quick: bool, python: &Path) -> Result<Option<String>, CaseError> {
     let (effort, sizes, spacings): (_, &[usize], &[f64]) = if quick {
         (Effort { rounds: 3, updates: 1_000_000 }, &[100], &[1.0])

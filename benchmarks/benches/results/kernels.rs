@@ -25,7 +25,7 @@ fn job(kernel: Kernel, particles: usize, threads: usize) -> Job {
     Job { kernel, particles, threads, steps, way: Way::default() }
 }
 
-/// The same job under two names.
+/// Measure the timing noise: the same job under two names.
 pub fn noise(quick: bool) -> Result<Option<String>, CaseError> {
     let mut rows = Vec::new();
     for threads in [1, 2] {
@@ -46,24 +46,24 @@ pub fn noise(quick: bool) -> Result<Option<String>, CaseError> {
     )))
 }
 
-/// Instructions of hand-written kernels, of the yardstick's own description: 27 000 particles.
+/// Instructions of hand-written kernels, from the description of the yardstick: 27 000 particles.
 const THEIR_INSTRUCTIONS: [u32; 3] = [249, 289, 416];
 const OUR_INSTRUCTIONS: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/tests/instructions.csv"));
 
-/// One run of the yardstick.
+/// Run the yardstick once.
 pub fn by_hand(program: &Path, kernel: &str, scene: &'static str, job: &Job) -> Result<Measured, CaseError> {
     Ok(elsewhere(&throughput::hand_written(program, kernel, scene, job)?, kernel, scene, job))
 }
 
-/// One run of our `throughput` as built for this machine, or at another commit.
+/// Run this library's `throughput` once, as built for this machine or at another commit.
 fn our_program(program: &Path, job: &Job) -> Result<Measured, CaseError> {
     let mut command = Command::new(program);
     command
         .args(["--kernel", job.kernel.name(), "--particles", &job.particles.to_string(), "--json"])
         .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string(), "--out"])
         .arg(std::env::temp_dir().join("impactite-elsewhere"));
-    // Builds of commits that know one way only have no such option.
+    // Builds of earlier commits without this option support one way only.
     if job.way == Way::Inlined {
         command.args(["--way", "inlined"]);
     }
@@ -75,7 +75,7 @@ fn our_program(program: &Path, job: &Job) -> Result<Measured, CaseError> {
     Ok(elsewhere(run, job.kernel.name(), job.kernel.scene(), job))
 }
 
-/// What another program found.
+/// Convert the results of another program.
 fn elsewhere(found: &serde_json::Value, kernel: &str, scene: &'static str, job: &Job) -> Measured {
     let number = |key: &str| found[key].as_f64().unwrap_or(f64::NAN);
     Measured {
@@ -99,7 +99,7 @@ fn elsewhere(found: &serde_json::Value, kernel: &str, scene: &'static str, job: 
     }
 }
 
-/// Geometric mean and least of ratios.
+/// Geometric mean and minimum of ratios.
 #[derive(Default)]
 struct Ratios(Vec<f64>);
 
@@ -111,8 +111,8 @@ impl Ratios {
     }
 }
 
-/// The law behind a call and as part of the passes, against each other and, if there is one, a build at another commit: all in
-/// processes of their own, so that none has memory that others used before.
+/// Compare the called law with the inlined law and, if given, with a build at another commit. Each runs in its own process, so
+/// that none reuses memory of another.
 pub fn ways(
     quick: bool,
     current: Option<&Path>,
@@ -124,7 +124,7 @@ pub fn ways(
     };
     let sizes: &[usize] = if quick { &[200_000] } else { &[200_000, 2_000_000] };
     let mut rows = Vec::new();
-    // Called and inlined over the other commit, and called over inlined.
+    // Ratios: called and inlined over the other commit, and called over inlined.
     let mut ratios = [Ratios::default(), Ratios::default(), Ratios::default()];
     for kernel in KERNELS {
         for &particles in sizes {
@@ -192,7 +192,7 @@ pub fn ways(
     )))
 }
 
-/// Ours against hand-written kernels: as it is built without flags, and as built for this machine.
+/// Compare with hand-written kernels: built without flags, and built for this machine.
 pub fn yardstick(
     quick: bool,
     program: Option<&Path>,
@@ -279,7 +279,7 @@ pub fn yardstick(
     )))
 }
 
-/// Cost a particle over the number of particles.
+/// Measure the cost per particle over the number of particles.
 pub fn sizes(quick: bool) -> Result<Option<String>, CaseError> {
     let sizes: &[usize] = if quick {
         &[30_000, 100_000, 300_000]
@@ -316,7 +316,7 @@ fn elastic<T: Float>() -> Result<LinearElastic<T>, CaseError> {
     Ok(LinearElastic::new(of(1.0), Moduli::bulk_shear(of(1.0 + 1.6 / 3.0), of(0.8))?)?)
 }
 
-/// A cube of a law, of about so many particles.
+/// Build a cube of a law with about this number of particles.
 fn cube<T: Float, L: IntoMaterial<T>>(
     particles: usize,
     method: impl IntoKernels<T, 3>,
@@ -333,7 +333,7 @@ where
     timed(&job, cube(particles, method, elastic::<T>()?)?)
 }
 
-/// Shape functions x transfers x precisions.
+/// Measure shape functions x transfers x precisions.
 pub fn compositions(quick: bool) -> Result<Option<String>, CaseError> {
     let particles = if quick { 30_000 } else { 200_000 };
     let mut subjects = Vec::new();
@@ -390,7 +390,7 @@ pub fn compositions(quick: bool) -> Result<Option<String>, CaseError> {
     )))
 }
 
-/// Memory and speed of laws.
+/// Measure memory and speed of laws.
 pub fn laws(quick: bool) -> Result<Option<String>, CaseError> {
     let particles = if quick { 30_000 } else { 200_000 };
     let moduli = || Moduli::bulk_shear(1.0 + 1.6 / 3.0, 0.8);
@@ -441,7 +441,7 @@ pub fn laws(quick: bool) -> Result<Option<String>, CaseError> {
     )))
 }
 
-/// Single against double precision.
+/// Compare single with double precision.
 pub fn single(quick: bool) -> Result<Option<String>, CaseError> {
     let particles = if quick { 30_000 } else { 200_000 };
     let mut rows = Vec::new();
@@ -478,7 +478,7 @@ pub fn single(quick: bool) -> Result<Option<String>, CaseError> {
     )))
 }
 
-/// Largest difference of positions, cells, and of velocities over the largest one, after 100 steps.
+/// Largest differences after 100 steps: of positions, in cells, and of velocities, over the largest one.
 fn differences(
     particles: usize,
     double: impl IntoKernels<f64, 3>,
@@ -497,7 +497,7 @@ fn differences(
     Ok([x, v / most])
 }
 
-/// Positions and velocities after 100 steps, by number.
+/// Return positions and velocities after 100 steps, by number.
 fn states<T: Float>(particles: usize, method: impl IntoKernels<T, 3>) -> Result<Vec<[f64; 6]>, CaseError>
 where
     LinearElastic<T>: IntoMaterial<T>,

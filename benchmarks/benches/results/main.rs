@@ -1,4 +1,4 @@
-//! Speed and memory, measured in one run and written down: `RESULTS.md` beside this crate.
+//! Speed and memory benchmarks, measured in one run and written to `RESULTS.md` beside this crate.
 //!
 //! ```text
 //! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--native PROGRAM] [--section NAME,..] [--out FILE]
@@ -7,8 +7,8 @@
 //! cargo bench -p benchmarks --bench results -- --section compile,tests,ci [--before COMMIT,..]
 //! ```
 //!
-//! What is compared runs in alternation in this process or as a child, several rounds; the page shows medians with
-//! the least and the most. Sections that are not asked for keep what the page says.
+//! Compared programs run in alternation in this process or as child processes, for several rounds; the page shows
+//! medians with minimum and maximum. Sections that are not requested keep their text.
 
 mod compile;
 mod contact;

@@ -1,13 +1,13 @@
-//! The page: sections between markers, so that some can be measured again and others stay.
+//! Results page with sections between markers, so that single sections can be measured again.
 
 use std::path::{Path, PathBuf};
 
 use examples::{CaseError, machine};
 
-/// A page of sections.
+/// Page of sections.
 pub struct Page {
     path: PathBuf,
-    /// Name and text, in order.
+    /// Name and text of each section, in order.
     sections: Vec<(String, String)>,
 }
 
@@ -25,7 +25,7 @@ fn marker(name: &str) -> String {
 }
 
 impl Page {
-    /// The page at `path`, if there is one, or an empty one.
+    /// Read the page at `path`, or create an empty one.
     pub fn open(path: &Path) -> Result<Self, CaseError> {
         let text = std::fs::read_to_string(path).unwrap_or_default();
         let mut sections: Vec<(String, String)> = Vec::new();
@@ -41,7 +41,7 @@ impl Page {
         Ok(Page { path: path.into(), sections })
     }
 
-    /// Set a section.
+    /// Set the text of a section.
     pub fn put(&mut self, name: &str, text: &str) {
         let text =
             format!("{}\n\n*{}; commit {}.*\n\n", text.trim_end(), machine::class(), machine::commit());
@@ -51,7 +51,7 @@ impl Page {
         }
     }
 
-    /// Write it.
+    /// Write the page.
     pub fn save(&self) -> Result<(), CaseError> {
         let mut text = String::from(HEAD);
         for (name, section) in &self.sections {
@@ -61,7 +61,7 @@ impl Page {
     }
 }
 
-/// A table of Markdown.
+/// Format a Markdown table.
 pub fn table<'a>(head: impl AsRef<[&'a str]>, rows: &[impl AsRef<[String]>]) -> String {
     let (line, head) = (|cells: &[&str]| format!("| {} |\n", cells.join(" | ")), head.as_ref());
     let mut text = line(head);
@@ -72,7 +72,7 @@ pub fn table<'a>(head: impl AsRef<[&'a str]>, rows: &[impl AsRef<[String]>]) -> 
     text
 }
 
-/// What was asked of a number, and whether it is so.
+/// Format a requirement of a number and its result.
 pub fn asked(what: impl std::fmt::Display, met: bool) -> String {
     format!("{what}: {}", if met { "met" } else { "missed" })
 }

@@ -1,4 +1,4 @@
-//! Programs that others can install: Taichi and Warp from the package registry of Python, and a kernel in C.
+//! Comparison with public programs: Taichi and Warp from the Python package registry, and a kernel in C.
 
 use std::path::Path;
 use std::process::Command;
@@ -14,7 +14,7 @@ use crate::page::table;
 use crate::sample::{Subject, alternate};
 use crate::scenes::{blocks, linear_flip};
 
-/// A run of another program of particles, one thread, for so many steps at a spacing (mm): `peers/particles.py`.
+/// Run another particle program on one thread for `steps` steps at a spacing (mm): `peers/particles.py`.
 pub fn of_particles(python: &Path, program: &str, spacing: f64, steps: u64) -> Result<Stepped, CaseError> {
     let mut command = Command::new(python);
     command.arg(format!("{FOLDER}/particles.py")).arg(program);
@@ -29,7 +29,7 @@ pub fn of_particles(python: &Path, program: &str, spacing: f64, steps: u64) -> R
     Ok(Stepped { points, steps, seconds: number("seconds")?, bytes: 0 })
 }
 
-/// A run of the kernel in C: the number after "Mpups", its own median of three.
+/// Run the kernel in C; return the number after "Mpups", its own median of three.
 fn rate(command: &mut Command) -> Option<f64> {
     let output = command.output().ok()?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -37,7 +37,7 @@ fn rate(command: &mut Command) -> Option<f64> {
     after.split_whitespace().next()?.parse().ok()
 }
 
-/// Ours beside theirs on two elastic blocks.
+/// Compare with the other programs on two elastic blocks.
 pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> {
     let steps = if quick { 30 } else { 100 };
     let present: Vec<Peer> = Peer::ALL.into_iter().filter(|p| p.version(python).is_some()).collect();

@@ -1,4 +1,4 @@
-//! Whole commands: the program on the scene files of the repository, with all that it writes.
+//! Whole commands: the program with the scene files of the repository, including all output.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -12,21 +12,21 @@ use crate::sample::{Sample, Subject, attempt};
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes");
 
-/// A run of a scene file.
+/// Measured run of a scene file.
 struct Ran {
-    /// Time of the command and of its steps, s.
+    /// Wall-clock times of the command and of its steps, s.
     wall: f64,
     steps: f64,
-    /// Updates of points.
+    /// Number of point updates.
     updates: f64,
-    /// Points at the end.
+    /// Final number of points.
     points: f64,
-    /// Most memory, bytes.
+    /// Peak memory, bytes.
     bytes: f64,
 }
 
 fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ran, CaseError> {
-    // A program that refuses the scene leaves what is there.
+    // Delete old results, which a program that refuses the scene would leave in place.
     let path = folder.join("result.json");
     let _ = std::fs::remove_file(&path);
     let start = Instant::now();
@@ -38,7 +38,7 @@ fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ra
         .status()
         .map_err(|source| CaseError::File { path: program.into(), source })?;
     let wall = start.elapsed().as_secs_f64();
-    // A check that is missed is told by the exit status, too.
+    // A failed check also sets the exit status; the result file is decisive.
     let failed = |why: String| CaseError::Other(format!("{}: {why}", scene.display()));
     let text = std::fs::read_to_string(&path).map_err(|_| failed(format!("no result, {done}")))?;
     let said: serde_json::Value = serde_json::from_str(&text).map_err(|e| failed(e.to_string()))?;
@@ -48,7 +48,7 @@ fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ra
     Ok(Ran { wall, steps, updates, points: number("particles")?, bytes: number("peak_memory_bytes")? })
 }
 
-/// The scene files, by name.
+/// List the scene files by name.
 fn scenes() -> Result<Vec<PathBuf>, CaseError> {
     let failed = |source| CaseError::File { path: SCENES.into(), source };
     let mut list = Vec::new();
@@ -62,7 +62,8 @@ fn scenes() -> Result<Vec<PathBuf>, CaseError> {
     Ok(list)
 }
 
-/// Time, share of steps and memory of every scene file, on one and two threads, beside an earlier program.
+/// Measure time, share of steps and memory of every scene file on one and two threads, compared with an earlier
+/// program.
 pub fn cost(
     quick: bool,
     program: Option<&Path>,

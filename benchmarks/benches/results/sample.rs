@@ -1,12 +1,12 @@
-//! Runs in alternation.
+//! Repeated runs in alternation.
 
 use benchmarks::Stepped;
 use examples::CaseError;
 use examples::throughput::{Measured, Spread};
 
-/// What came of a run.
+/// Result of a run.
 pub trait Run {
-    /// Updates of points in a second.
+    /// Rate, point updates per second.
     fn rate(&self) -> f64;
 }
 
@@ -22,31 +22,31 @@ impl Run for Stepped {
     }
 }
 
-/// What is run.
+/// Named run of a comparison.
 pub struct Subject<'a, R = Measured> {
-    /// Its name in the table.
+    /// Name in the table.
     pub name: String,
     run: Box<dyn Fn() -> Result<R, CaseError> + 'a>,
 }
 
 impl<'a, R> Subject<'a, R> {
-    /// A subject of this name.
+    /// Create a subject of this name.
     pub fn new(name: impl Into<String>, run: impl Fn() -> Result<R, CaseError> + 'a) -> Self {
         Subject { name: name.into(), run: Box::new(run) }
     }
 }
 
-/// All runs of a subject.
+/// Runs of a subject.
 pub struct Sample<R = Measured> {
-    /// Its name.
+    /// Name of the subject.
     pub name: String,
-    /// In the order of the rounds; none of a subject that failed.
+    /// Runs in the order of the rounds; none for a failed subject.
     pub runs: Vec<R>,
-    /// What stopped it.
+    /// Failure message.
     pub failure: Option<String>,
 }
 
-/// Run all subjects so many times, in turns. The first failure ends it.
+/// Run all subjects in turn for this number of rounds. Returns the first failure as an error.
 pub fn alternate<R>(subjects: &[Subject<R>], rounds: usize) -> Result<Vec<Sample<R>>, CaseError> {
     let samples = attempt(subjects, rounds);
     match samples.iter().find_map(|s| s.failure.clone()) {
@@ -55,7 +55,8 @@ pub fn alternate<R>(subjects: &[Subject<R>], rounds: usize) -> Result<Vec<Sample
     }
 }
 
-/// The same; a subject that fails is not run again, and its sample says why.
+/// Run all subjects in turn for this number of rounds. A failed subject is not run again, and its sample has the
+/// message.
 pub fn attempt<R>(subjects: &[Subject<R>], rounds: usize) -> Vec<Sample<R>> {
     let empty = |s: &Subject<R>| Sample { name: s.name.clone(), runs: Vec::new(), failure: None };
     let mut samples: Vec<Sample<R>> = subjects.iter().map(empty).collect();
@@ -74,22 +75,22 @@ pub fn attempt<R>(subjects: &[Subject<R>], rounds: usize) -> Vec<Sample<R>> {
 }
 
 impl<R> Sample<R> {
-    /// A number of each run.
+    /// Spread of a quantity over the runs.
     pub fn spread(&self, of: impl Fn(&R) -> f64) -> Spread {
         Spread::of(self.runs.iter().map(of))
     }
-    /// The first run.
+    /// First run.
     pub fn first(&self) -> &R {
         &self.runs[0]
     }
 }
 
 impl<R: Run> Sample<R> {
-    /// Rates, 10^6 updates a second.
+    /// Rates, 10^6 updates per second.
     pub fn rates(&self) -> Spread {
         self.spread(|r| 1e-6 * r.rate())
     }
-    /// Rate over that of another one, round by round.
+    /// Ratio of rates to another sample, round by round.
     pub fn over(&self, other: &Sample<R>) -> Spread {
         Spread::of(self.runs.iter().zip(&other.runs).map(|(a, b)| a.rate() / b.rate()))
     }

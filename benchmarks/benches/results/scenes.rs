@@ -1,4 +1,4 @@
-//! Scenes beside those of `throughput`.
+//! Scenes in addition to those of `throughput`.
 
 use std::f64::consts::PI;
 
@@ -12,25 +12,25 @@ use mpm_core::{
 };
 use mpm_materials::{IntoMaterial, LinearElastic, Moduli, library};
 
-/// Linear shape functions, FLIP and MUSL in space.
+/// Three-dimensional method with linear shape functions, FLIP and MUSL.
 pub type LinearFlip = Method<Linear, Flip, Musl, FullSpace>;
 
-/// The same as a value.
+/// Create a [`LinearFlip`] method.
 pub fn linear_flip() -> LinearFlip {
     Method::new(Linear, Flip, Musl, FullSpace)
 }
 
-/// Coulomb contact by the distance of surfaces.
+/// Coulomb contact detected by the surface distance.
 pub fn contact(friction: f64) -> Result<impl ContactAlgorithm<f64, 3> + use<>, CaseError> {
     let detector = SurfaceDistance::new(Gradients::default(), 0.0)?;
     Ok(GridContact::new(detector, Pairs::new(Coulomb::new(friction)?)))
 }
 
-/// W1: two elastic blocks of 25 x 25 x 20 cells with eight particles a cell meet head-on, h = 1, rho = 1, E = 100,
-/// nu = 0.3, v = 0.3, dt = 0.3 h / c.
+/// Build W1: head-on collision of two elastic blocks of 25 x 25 x 20 cells with eight particles per cell, h = 1,
+/// rho = 1, E = 100, nu = 0.3, v = 0.3, dt = 0.3 h / c.
 pub fn blocks(method: impl IntoKernels<f64, 3>, law: impl IntoMaterial<f64>) -> Result<Mpm<3>, CaseError> {
     let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?));
-    // The peers begin at 3.5 and 24.5: half a cell off the nodes along z.
+    // Peers begin at 3.5 and 24.5: half a cell off the nodes along z.
     let mut seeds = lattice_points([3, 3, 3], [28, 28, 23], 1.0, |_| true);
     seeds.positions.iter_mut().for_each(|x| x[2] += 0.5);
     let mut upper = lattice_points([3, 3, 24], [28, 28, 44], 1.0, |_| true);
@@ -45,8 +45,8 @@ pub fn blocks(method: impl IntoKernels<f64, 3>, law: impl IntoMaterial<f64>) -> 
     Ok(mpm)
 }
 
-/// S3: two balls of about so many particles in all, 0.1 cells apart, fly at each other off-centre; dt = 0.19. As two
-/// bodies, or as one.
+/// Build S3: off-centre collision of two balls of about `particles` particles in total, with a gap of 0.1 cells; dt
+/// = 0.19. They are two bodies, or one.
 pub fn balls(
     particles: usize,
     two: bool,
@@ -83,8 +83,8 @@ pub fn balls(
     Ok(mpm)
 }
 
-/// The size of the oblique penetration of \[Ma2010\]: half an ogive rod, 12.9 x 88.9 mm, before half a plate of 26.3 mm
-/// at 575 m/s and 30 degrees, about so many particles.
+/// Oblique penetration of the size of \[Ma2010\]: half an ogive rod, 12.9 x 88.9 mm, in front of half a plate of 26.3
+/// mm, at 575 m/s and 30 degrees.
 pub struct Penetration {
     spacing: f64,
     rod: Seeds<3>,
@@ -98,7 +98,7 @@ const ANGLE: f64 = PI / 6.0;
 const SPEED: f64 = 575.0;
 
 impl Penetration {
-    /// Of about so many particles.
+    /// Create the scene with about this number of particles.
     pub fn new(particles: usize) -> Result<Self, CaseError> {
         let volume = THICKNESS * 2.0 * HALF_WIDTH * HALF_WIDTH + 0.5 * ROD.volume()?;
         let cells = (THICKNESS / (8.0 * volume / particles as f64).cbrt()).round().max(2.0);
@@ -113,7 +113,7 @@ impl Penetration {
         Ok(Penetration { spacing: h, rod, plate })
     }
 
-    /// The solver on a grid with a contact.
+    /// Create the solver on a grid with a contact algorithm.
     pub fn solver(
         &self,
         grid: impl GridStorage<f64, 3> + 'static,
@@ -130,13 +130,13 @@ impl Penetration {
         Ok(mpm)
     }
 
-    /// Blocks of nodes.
+    /// Create a block grid.
     pub fn blocks(&self) -> Result<BlockGrid<f64, 3>, CaseError> {
         Ok(BlockGrid::new(Lattice::new([0.0; 3], self.spacing)?))
     }
 
-    /// A dense grid over the box that holds the whole flight, as a grid without blocks needs it: the rod's way before
-    /// and behind the plate. With its cells.
+    /// Create a dense grid over the bounding box of the whole flight, the rod's path in front of and behind the
+    /// plate; return it with its number of cells.
     pub fn dense(&self) -> Result<(DenseGrid<f64, 3>, usize), CaseError> {
         let flight = ROD.length * ANGLE.cos();
         let low = [-2.0 * HALF_WIDTH, 0.0, -THICKNESS - 1.2 * flight];

@@ -1,4 +1,4 @@
-//! Searches for neighbours beside each other, on the sets that smoothed particles are measured on.
+//! Comparison of neighbour searches on the point sets of smoothed particle benchmarks.
 
 use benchmarks::search::{NAMES, Searched, searched};
 use benchmarks::{Cloud, bar, lattice};
@@ -9,20 +9,20 @@ use mpm_core::geometry::search::Reach;
 
 use crate::page::{asked, table};
 
-/// Places of [`NAMES`].
+/// Indices in [`NAMES`].
 const CELLS: usize = 0;
 const STRIPS: usize = 4;
-/// Time a point of a million over that of a tenth of them for which a search is called linear.
+/// Linearity limit: time per point of a million points over that of a tenth of them.
 const LINEAR: f64 = 1.15;
 
-/// What is asked of a set: nanoseconds a point by cells at most, and strips over cells at least.
+/// Requirements for a set: maximum nanoseconds per point for cells, and minimum ratio of strips to cells.
 #[derive(Clone, Copy, Default)]
 struct Bars {
     nanoseconds: Option<f64>,
     faster: Option<f64>,
 }
 
-/// A set that was searched.
+/// Point set with its search results.
 struct Row {
     name: String,
     points: usize,
@@ -38,7 +38,7 @@ impl Row {
         Ok(Row { name: name.into(), points: cloud.positions.len(), found, bars })
     }
 
-    /// Nanoseconds a point.
+    /// Time per point, ns.
     fn each(&self, kind: usize) -> f64 {
         1e9 * self.found.seconds[kind] / self.points as f64
     }
@@ -57,7 +57,7 @@ impl Row {
     }
 }
 
-/// The bar of 20 x 200, around its axis.
+/// Axisymmetric Taylor bar of 20 x 200 particles.
 fn taylor() -> Result<Cloud<2>, CaseError> {
     let spacing = bar::SIZE[0] / bar::PRINTED as f64;
     let mut cloud = lattice([bar::PRINTED, 10 * bar::PRINTED], 1);
@@ -66,13 +66,13 @@ fn taylor() -> Result<Cloud<2>, CaseError> {
     Ok(cloud)
 }
 
-/// Projectile and plate of the plug case as printed.
+/// Projectile and plate of the plug case as published.
 fn plug() -> Result<Cloud<2>, CaseError> {
     let layout = Plug::PRINTED.projectile()?.and(Plug::PRINTED.plate()?);
     Ok(Cloud::smoothed(&layout.positions, &layout.spacings, 2))
 }
 
-/// Nanoseconds a point of all searches on all sets.
+/// Measure the time per point of all searches on all sets, ns.
 pub fn times(quick: bool) -> Result<Option<String>, CaseError> {
     let rounds = if quick { 3 } else { 7 };
     let uniform = |side: usize| lattice([side; 2], 3);
@@ -80,7 +80,7 @@ pub fn times(quick: bool) -> Result<Option<String>, CaseError> {
     let graded = Bars { nanoseconds: Some(220.0), faster: Some(2.5) };
     let space = Bars { nanoseconds: Some(400.0), faster: None };
     let rows = [
-        // It takes a fraction of a millisecond.
+        // More rounds, since a search takes a fraction of a millisecond.
         Row::of("Taylor bar, 20 x 200", &taylor()?, 10 * rounds, Bars::default())?,
         Row::of("graded plate and projectile, radii 1 to 10", &plug()?, rounds, graded)?,
         Row::of("uniform, plane", &uniform(316), rounds, flat)?,

@@ -1,4 +1,4 @@
-//! Smoothed particles, and other programs beside them.
+//! Smoothed particles compared with other programs.
 
 use std::path::Path;
 
@@ -11,20 +11,20 @@ use crate::page::{asked, table};
 use crate::peers::of_particles;
 use crate::sample::{Sample, Subject, alternate, attempt};
 
-/// Million updates a second that are asked in space on one thread.
+/// Required rate in three dimensions on one thread, million updates per second.
 const RATE: f64 = 3.0;
-/// Times the rate of LAMMPS and of PySPH that are asked.
+/// Required ratios to the rates of LAMMPS and PySPH.
 const LAMMPS: f64 = 6.0;
 const PYSPH: f64 = 10.0;
-/// Spacings in space, mm: about 53 000 and 200 000 particles.
+/// Spacings in three dimensions, mm: about 53 000 and 200 000 particles.
 const SPACINGS: [f64; 2] = [0.32, 0.204];
 /// Width and length of PySPH's bar, mm, and its spacing; half of that is measured, too.
 const THEIRS: [f64; 2] = [7.6, 25.4];
 const COARSE: f64 = 0.384848;
-/// Their smoothing length over the spacing.
+/// Smoothing length of PySPH over the spacing.
 const RATIO: f64 = 2.0;
 
-/// Rounds, and updates of particles a run.
+/// Rounds, and particle updates per run.
 #[derive(Clone, Copy)]
 struct Effort {
     rounds: usize,
@@ -48,10 +48,10 @@ impl Effort {
     }
 }
 
-/// What came of a run.
+/// Result of a run.
 struct Measured {
     run: Stepped,
-    /// Neighbours a particle; none are known of others.
+    /// Neighbours per particle; NaN for other programs.
     neighbours: f64,
 }
 
@@ -61,12 +61,12 @@ impl crate::sample::Run for Measured {
     }
 }
 
-/// A run of another program for so many steps at a spacing (mm).
+/// Run another program for this number of steps at a spacing (mm).
 fn peer(python: &Path, program: &str, spacing: f64, steps: u64) -> Result<Measured, CaseError> {
     Ok(Measured { run: of_particles(python, program, spacing, steps)?, neighbours: f64::NAN })
 }
 
-/// Our rates and memory.
+/// Measure rates and memory of this library.
 fn ours(effort: Effort, space: &[f64]) -> Result<Vec<[String; 7]>, CaseError> {
     type Make<'a> = Box<dyn Fn(usize) -> Result<Measured, CaseError> + 'a>;
     let cells = bar::PRINTED;
@@ -101,7 +101,7 @@ fn ours(effort: Effort, space: &[f64]) -> Result<Vec<[String; 7]>, CaseError> {
     Ok(samples.chunks_exact(2).enumerate().map(row).collect())
 }
 
-/// Rows of ours beside another program, whose sample is the last; none where that failed.
+/// Format the rows of this library against another program, whose sample is the last; none if that failed.
 fn beside(
     samples: &[Sample<Measured>],
     least: f64,
@@ -133,15 +133,15 @@ fn beside(
     Ok(ours.iter().map(row).collect())
 }
 
-/// What stands beside ours, and who is absent.
+/// Rows of the comparison, and the missing programs.
 type Beside = (Vec<[String; 7]>, Vec<String>);
 
-/// Beside LAMMPS in space and PySPH in the plane, one thread.
+/// Compare with LAMMPS in three and PySPH in two dimensions, on one thread.
 fn peers(effort: Effort, space: &[f64], python: &Path, pysph: &Path) -> Result<Beside, CaseError> {
     let (mut rows, mut absent) = (Vec::new(), Vec::new());
     for &spacing in space {
         let particles = 53_000.0 * (SPACINGS[0] / spacing).powi(3);
-        // They are slower.
+        // Fewer steps for the slower programs.
         let steps = (effort.steps(particles as usize) / 2).max(10);
         let samples = attempt(
             &[
@@ -153,7 +153,7 @@ fn peers(effort: Effort, space: &[f64], python: &Path, pysph: &Path) -> Result<B
         rows.extend(beside(&samples, LAMMPS, &mut absent)?);
     }
     for spacing in [COARSE, 0.5 * COARSE] {
-        // As their bar counts them: both ends of the width.
+        // Particle counts as in their bar: both ends of the width are included.
         let count = |length: f64| (length / spacing).ceil() as usize;
         let counts = [count(THEIRS[0]) + 1, count(THEIRS[1])];
         let steps = (effort.steps(counts[0] * counts[1]) / 4).max(10);
@@ -176,7 +176,7 @@ fn peers(effort: Effort, space: &[f64], python: &Path, pysph: &Path) -> Result<B
     Ok((rows, absent))
 }
 
-/// Rates and memory, and other programs.
+/// Measure rates and memory, compared with other programs.
 pub fn cost(quick: bool, python: &Path, pysph: &Path) -> Result<Option<String>, CaseError> {
     let (effort, space) = if quick {
         (Effort { rounds: 3, updates: 1_000_000 }, &SPACINGS[..1])

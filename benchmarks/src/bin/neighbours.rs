@@ -1,5 +1,5 @@
-//! The searches for neighbours of `impactite-geometry` beside each other, over the number of points and over how much
-//! radii differ.
+//! Comparison of the neighbour searches of `impactite-geometry` over the number of points and over the ratio of
+//! radii.
 
 use std::path::PathBuf;
 
@@ -36,7 +36,7 @@ struct Options {
 }
 
 impl Options {
-    /// How many kinds of searches, and how often.
+    /// Number of search kinds, and number of rounds.
     fn often(&self) -> (usize, u32) {
         (if self.cells { 1 } else { NAMES.len() }, self.rounds)
     }
@@ -44,7 +44,7 @@ impl Options {
 
 type Failure = Box<dyn std::error::Error>;
 
-/// The tolerance of contact in the packings, in spacings.
+/// Contact tolerance in the packings, in spacings.
 const REACH: f64 = 0.45;
 
 fn columns(times: &[f64], scale: f64) -> String {

@@ -1,5 +1,5 @@
-//! What the particle-contact method spends its time on: element updates a second, and the shares of the search for
-//! neighbours and of revisions.
+//! Profile of the particle-contact method: element updates per second, and time shares of neighbour search and
+//! revisions.
 
 use std::time::Instant;
 
@@ -62,7 +62,7 @@ fn main() -> Result<(), Failure> {
     measure("cloud, every 2 steps", cloud, 1.0e-6, 2, 0.8 * h)
 }
 
-/// Run to the end; times of revisions by the clock, those of searches by the same lists kept once more.
+/// Run to the end time. Measures revisions by wall-clock time, and searches by a second copy of the lists.
 fn measure<M: Composition<2>>(
     name: &str,
     mut body: Pcmm<2, M>,

@@ -1,4 +1,4 @@
-//! A Taylor bar of steel by smoothed particles: steps a second of processor time, for profilers. `RESULTS.md` holds it against other
+//! Taylor bar of steel by smoothed particles: steps per second of processor time, for profilers. `RESULTS.md` compares it with other
 //! programs.
 
 use benchmarks::{bar, stepped};

@@ -1,4 +1,4 @@
-//! Laws, boxes and particles that the tests share.
+//! Shared laws, boxes and particles of the tests.
 
 use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Filling, Lattice, Seeds, fill};
 use mpm_core::Mpm;
@@ -12,12 +12,12 @@ pub fn boxed<const D: usize>(low: [f64; D], high: [f64; D]) -> Cuboid<D> {
     Cuboid::new(low, high).expect("cuboid")
 }
 
-/// Two particles a cell and axis.
+/// Seeds of two particles per cell and axis.
 pub fn seeds<const D: usize>(cuboid: &Cuboid<D>, lattice: &Lattice<D>) -> Seeds<D> {
     fill(cuboid, lattice, 2, &Filling::new()).expect("seeds")
 }
 
-/// Bars between points, `parts` elements each.
+/// Bars between pairs of points, with `parts` elements each.
 #[allow(dead_code, reason = "not all that share this have bars")]
 pub fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh<D> {
     let mut mesh = ElementMesh { nodes: Vec::new(), blocks: Vec::new(), ..ElementMesh::default() };
@@ -36,8 +36,8 @@ pub fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh
     mesh
 }
 
-/// Half the period, s, with which a bar of this length, m, sways in its first mode, by six passages through zero: at a quarter and at three quarters
-/// of a period. It is to have made them by `latest`, s.
+/// Half period, s, of the first mode of a bar of this length, m, from six zero crossings, at a quarter and at three quarters of a period.
+/// They must occur before `latest`, s.
 #[allow(dead_code, reason = "not all that share this sway")]
 pub fn half_period(mpm: &mut Mpm<2>, length: f64, latest: f64) -> f64 {
     let amplitude = |mpm: &Mpm<2>| {

@@ -1,4 +1,4 @@
-//! Methods and laws by name, as a scene file or a command line has them: objects, of one type each.
+//! Methods and laws selected by name, as in a scene file or on a command line: objects of one type each.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use impactite::mpm::{
 
 use crate::{StandardLinearSolid, tent_apic};
 
-/// What a choice fails by.
+/// Error of a selection or a scene.
 pub type Failure = Box<dyn std::error::Error>;
 
 /// Names of methods.
@@ -29,17 +29,17 @@ pub const METHODS: [&str; 8] = [
 pub const LAWS: [&str; 8] =
     ["linear-elastic", "neo-hookean", "copper", "aluminium", "tungsten", "soil", "concrete", "rubber"];
 
-/// Cells across the radius of the disk, and their size, m.
+/// Number of cells across the radius of the disk, and cell size, m.
 const CELLS: f64 = 8.0;
 const SPACING: f64 = 0.005;
 
 /// Time constant of the blend, s.
 pub const TAU: f64 = 1e-4;
 
-/// A method by its name, in plane strain.
+/// Return a method by its name, in plane strain.
 ///
 /// # Errors
-/// No method of this name.
+/// Unknown name.
 pub fn method(name: &str) -> Result<Kernels<f64, 2>, Failure> {
     Ok(match name {
         "linear-flip" => Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels(),
@@ -56,10 +56,10 @@ pub fn method(name: &str) -> Result<Kernels<f64, 2>, Failure> {
     })
 }
 
-/// A law by its name.
+/// Return a law by its name.
 ///
 /// # Errors
-/// No law of this name.
+/// Unknown name.
 pub fn law(name: &str) -> Result<Arc<dyn Material<f64>>, Failure> {
     Ok(match name {
         "linear-elastic" => linear_elastic()?.into_material(),
@@ -74,7 +74,7 @@ pub fn law(name: &str) -> Result<Arc<dyn Material<f64>>, Failure> {
     })
 }
 
-/// A stiff elastic solid.
+/// Return a stiff elastic solid.
 ///
 /// # Errors
 /// None.
@@ -82,7 +82,7 @@ pub fn linear_elastic() -> Result<LinearElastic<f64>, Failure> {
     Ok(LinearElastic::new(7850.0, Moduli::young_poisson(206e9, 0.3)?)?)
 }
 
-/// A soft one.
+/// Return a soft hyperelastic solid.
 ///
 /// # Errors
 /// None.
@@ -90,10 +90,10 @@ pub fn neo_hookean() -> Result<NeoHookean<f64>, Failure> {
     Ok(NeoHookean::new(1000.0, Moduli::young_poisson(1e7, 0.4)?)?)
 }
 
-/// A disk of a law that hits a wall at a hundredth of its wave speed; a scene is of one type, whatever it is made of.
+/// Build a scene: a disk of a law hits a wall at a hundredth of its wave speed. Its type does not depend on method and law.
 ///
 /// # Errors
-/// What a scene refuses.
+/// Invalid scene definition.
 pub fn scene(method: impl IntoKernels<f64, 2>, law: impl IntoMaterial<f64>) -> Result<Mpm<2>, Failure> {
     let law = law.into_material();
     let wave = law.describe_point(&law.virgin()).ok_or("a law says nothing of its virgin state")?.wave_speed;
@@ -102,12 +102,12 @@ pub fn scene(method: impl IntoKernels<f64, 2>, law: impl IntoMaterial<f64>) -> R
     let disk = fill(&Ball::new([0.0, 1.02 * radius], radius)?, &lattice, 2, &Filling::new())?;
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("disk", law, &disk, |_| [0.0, -0.01 * wave])?;
-    // A plane that nothing crosses; bodies mapped in their reference configuration know no walls.
+    // Impenetrable plane: total Lagrangian bodies do not support walls.
     mpm.bound(Boundary::Fixed { axis: 1, at: 0.0, side: Side::Above })?;
     Ok(mpm)
 }
 
-/// A hash of what all particles carry (FNV-1a).
+/// Hash position, velocity, stress and state of all particles (FNV-1a).
 pub fn fingerprint(mpm: &Mpm<2>) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for body in mpm.bodies() {

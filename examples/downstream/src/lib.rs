@@ -1,6 +1,6 @@
-//! A law, a shape function and a method that the framework does not have.
+//! Example of a law, a shape function and a method from outside the framework.
 //!
-//! Kernels of both are compiled here, and so not again with every change of a program that has them.
+//! Their kernels are compiled here, and not again with every change of a program that uses them.
 
 pub mod choose;
 pub mod peridynamics;
@@ -12,7 +12,7 @@ pub use viscoelastic::StandardLinearSolid;
 
 use impactite::mpm::{Apic, IntoKernels, Kernels, Method, PlaneStrain, Usl};
 
-/// APIC on the tent-averaged linear shape function, in plane strain.
+/// Return APIC kernels with the tent-averaged linear shape function, in plane strain.
 pub fn tent_apic() -> Kernels<f64, 2> {
     Method::new(TentAveragedHat, Apic, Usl, PlaneStrain).compiled().into_kernels()
 }

@@ -1,4 +1,4 @@
-//! A viscoelastic disk falls on a wall and bounces: how much of its energy comes back?
+//! Rebound of a viscoelastic disk from a wall: fraction of energy returned.
 
 use downstream::{StandardLinearSolid, tent_apic};
 use impactite::mpm::geometry::{Ball, Filling, Lattice, fill};

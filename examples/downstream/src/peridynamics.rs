@@ -1,8 +1,9 @@
-//! A method of one's own: bond-based peridynamics (Silling and Askari 2005) in plane strain, on the shared house.
+//! User-defined method: bond-based peridynamics (Silling and Askari 2005) in plane strain, on the shared infrastructure.
 //!
-//! Points are bonded to all others within the horizon delta. A bond of reference length xi that is stretched by s pulls its points
-//! together with c s V_i V_j, c = 48 E / (5 pi delta^3) (per metre of depth; Poisson's ratio is 1/4), and breaks at a critical stretch.
-//! Search, threads, run loop, observers, ParaView series, pictures, checkpoints and restart are those of all methods.
+//! Points are bonded to all others within the horizon delta. A bond of reference length xi and stretch s attracts its
+//! points with the force c s V_i V_j, c = 48 E / (5 pi delta^3) (per metre of depth; Poisson's ratio is 1/4), and breaks at
+//! a critical stretch. Neighbour search, threads, run loop, observers, ParaView series, pictures, checkpoints and restart
+//! are those of all methods.
 
 use impactite::geometry::Seeds;
 use impactite::geometry::search::{NeighbourSearch, Points, Reach, SortedCells};
@@ -11,7 +12,7 @@ use impactite::scene::error::parameter;
 use impactite::scene::{Archive, Body, Cause, CheckpointError, Clock, Exchange, PointKind, PointView};
 use impactite::scene::{Solver, StepError, Stopped, Totals};
 
-/// A brittle solid: density, kg/m^3, Young's modulus, Pa, and the stretch at which bonds break.
+/// Brittle solid: density, kg/m^3, Young's modulus, Pa, and critical stretch of bonds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(missing_docs)]
 pub struct Brittle {
@@ -20,7 +21,7 @@ pub struct Brittle {
     pub critical: f64,
 }
 
-/// A bond of a point: c V_i V_j, N, reference length, m, and stretch.
+/// Bond of a point: stiffness c V_i V_j, N, reference length, m, and stretch.
 #[derive(Clone, Copy, Debug)]
 struct Bond {
     other: u32,
@@ -30,7 +31,7 @@ struct Bond {
     broken: bool,
 }
 
-/// A point, with half of what its bonds store and half of what broke with them, J.
+/// Material point, with half of the energy stored in its bonds and half of that dissipated by broken bonds, J.
 #[derive(Clone, Debug)]
 struct Point {
     mass: f64,
@@ -43,7 +44,7 @@ struct Point {
 }
 
 impl Point {
-    /// Pull of its bonds, which break where they are too long, and what they store.
+    /// Compute bond force and stored energy; break bonds above the critical stretch.
     fn pull(&mut self, positions: &[[f64; 2]], critical: f64) {
         (self.force, self.stored) = ([0.0; 2], 0.0);
         for bond in self.bonds.iter_mut().filter(|b| !b.broken) {
@@ -53,7 +54,7 @@ impl Point {
             let before = std::mem::replace(&mut bond.stretch, length / bond.length - 1.0);
             let half = 0.25 * bond.stiffness * bond.length;
             if bond.stretch > critical {
-                // What its last pull did until now, the half of it that is this point's.
+                // This point's half of the work of the last bond force up to the present stretch.
                 bond.broken = true;
                 self.dissipated += half * before * bond.stretch;
                 continue;
@@ -65,7 +66,7 @@ impl Point {
     }
 }
 
-/// A plate of bonded points.
+/// Plate of bonded points.
 #[derive(Clone)]
 pub struct Plate {
     solid: Brittle,
@@ -78,10 +79,10 @@ pub struct Plate {
 }
 
 impl Plate {
-    /// Points of a shape, bonded within the horizon (m), with their velocity (m/s) at a position (m).
+    /// Bond the points of a shape within the horizon (m); `velocity` is the initial velocity (m/s) at a position (m).
     ///
     /// # Errors
-    /// Numbers of the solid that are not positive, or that no search takes; a point without bonds.
+    /// Constant of the solid that is not positive; invalid search radius; point without bonds.
     pub fn new(
         solid: Brittle,
         seeds: &Seeds<2>,
@@ -111,12 +112,12 @@ impl Plate {
             let (force, stored, dissipated) = ([0.0; 2], 0.0, 0.0);
             points.push(Point { mass, position, velocity, force, bonds, stored, dissipated });
         }
-        // Half of dt = sqrt(2 m_i / sum of stiffness), section 5 of the paper.
+        // Time step limit: half of dt = sqrt(2 m_i / sum of stiffness), section 5 of the paper.
         let (limit, clock, team) = (0.5 * (2.0 / stiffest).sqrt(), Clock::default(), Team::one());
         Ok(Plate { solid, points, positions, limit, clock, team, stopped_by: None })
     }
 
-    /// Break the bonds between positions (m) of which `cuts` says so: a notch.
+    /// Break the bonds between positions (m) for which `cuts` is true: a notch.
     pub fn cut(&mut self, cuts: impl Fn([f64; 2], [f64; 2]) -> bool) {
         for point in &mut self.points {
             for bond in &mut point.bonds {
@@ -125,7 +126,7 @@ impl Plate {
         }
     }
 
-    /// Half a step for velocities, a step for positions, half a step for velocities.
+    /// Advance by velocity Verlet: half a step of velocities, a step of positions, half a step of velocities.
     fn step(&mut self, dt: f64) -> Result<(), StepError> {
         let kick = |p: &mut Point| (0..2).for_each(|d| p.velocity[d] += 0.5 * dt / p.mass * p.force[d]);
         self.team.each(&mut self.points, |_, p| {

@@ -1,5 +1,4 @@
-//! The linear shape function averaged with a tent: three nodes an axis like the quadratic spline, but with a continuous second
-//! derivative.
+//! Linear shape function averaged with a tent: three nodes per axis like the quadratic B-spline, but a continuous second derivative.
 //!
 //! With S the twice integrated tent of half width 1/2 and area 1 (a ramp with a rounded foot),
 //! N(x) = S(x + 1) - 2 S(x) + S(x - 1).
@@ -9,11 +8,11 @@ use impactite::mpm::dim::{Extent, Stencil};
 use impactite::mpm::shape::Weights;
 use impactite::mpm::{AffineShape, FixedDomain, ShapeFunction};
 
-/// See the module.
+/// Tent-averaged linear shape function; see the module.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TentAveragedHat;
 
-/// S and its derivative, for |x| <= 1/2.
+/// Return S and its derivative, for |x| <= 1/2.
 #[inline(always)]
 fn ramp<L: Lane>(x: L) -> (L, L) {
     let foot = L::of(0.5) - x.abs();

@@ -1,9 +1,9 @@
-//! The standard linear solid: a spring beside a Maxwell element, in shear; elastic in volume.
+//! Standard linear solid: a spring parallel to a Maxwell element in shear; elastic in volume.
 //!
 //! ```text
 //! sigma = s + q + K tr(eps) I        s' = 2 G dev(d)        q' = 2 G1 dev(d) - q / tau
 //! ```
-//! with rates that turn with the material. Over a step of constant d the overstress q has the exact solution
+//! with objective rates. Over a step of constant d the overstress q has the exact solution
 //! q <- e^(-dt/tau) q + 2 G1 tau/dt (1 - e^(-dt/tau)) dev(d eps).
 
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use impactite::materials::{
 };
 
 state! {
-    /// What a point remembers.
+    /// State variables of a material point.
     pub struct Memory<L> {
         /// Elastic stress s + K tr(eps) I, Pa.
         pub elastic: Sym3<L>,
@@ -27,7 +27,7 @@ state! {
     }
 }
 
-/// The standard linear solid; see the module.
+/// Standard linear solid; see the module.
 #[derive(Clone, Copy, Debug)]
 pub struct StandardLinearSolid {
     density: f64,
@@ -38,11 +38,11 @@ pub struct StandardLinearSolid {
 }
 
 impl StandardLinearSolid {
-    /// Density rho0 (kg/m^3), bulk modulus K, slow shear modulus G, relaxing shear modulus G1 (Pa) and
+    /// Create from density rho0 (kg/m^3), bulk modulus K, slow shear modulus G, relaxing shear modulus G1 (Pa) and
     /// relaxation time tau (s).
     ///
     /// # Errors
-    /// A number that is not positive.
+    /// Constant that is not positive.
     pub fn new(
         density: f64,
         bulk: f64,
@@ -59,7 +59,7 @@ impl StandardLinearSolid {
             relaxation_time: check.positive("relaxation time", relaxation_time)?,
         })
     }
-    /// The law for a body.
+    /// Return the law as a material for a body.
     pub fn material(self) -> Arc<dyn Material<f64>> {
         self.compiled().into_material()
     }
@@ -88,7 +88,7 @@ impl Constitutive<f64> for StandardLinearSolid {
         let deviator = strain.deviator();
         let x = kinematics.dt / L::of(self.relaxation_time);
         let decay = (-x).exp();
-        // (1 - e^-x) / x, by its series where the difference would cancel.
+        // (1 - e^-x) / x, by its series where the difference suffers cancellation.
         let series = L::one() - x * L::of(0.5) * (L::one() - x * L::of(1.0 / 3.0));
         let mean_decay = L::select(x.lt(L::of(1e-5)), series, (L::one() - decay) / x);
 
@@ -100,7 +100,7 @@ impl Constitutive<f64> for StandardLinearSolid {
 
         let factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * factor;
-        // Trapezoidal: the old stress turned into the new frame, and the new one.
+        // Trapezoidal rule: the old stress, rotated, and the new one.
         let before = HughesWinget.rotate(&step, &(old.elastic + old.overstress));
         let volume = (old.volume_ratio + volume_ratio) * L::of(0.5);
         let work = old.work + volume * (before + stress).dot(&strain) * L::of(0.5);
@@ -118,7 +118,7 @@ impl Constitutive<f64> for StandardLinearSolid {
     fn volume_ratio<L: Lane<Real = f64>>(&self, now: &Memory<L>) -> L {
         now.volume_ratio
     }
-    /// That of a fast wave, for which nothing relaxes: rho c^2 = K + 4/3 (G + G1).
+    /// Wave speed in the limit of high frequency, without relaxation: rho c^2 = K + 4/3 (G + G1).
     #[inline(always)]
     fn wave_speed<L: Lane<Real = f64>>(&self, now: &Memory<L>) -> L {
         let modulus = self.bulk + 4.0 / 3.0 * (self.shear + self.relaxing_shear);

@@ -1,4 +1,4 @@
-//! Scenes whose method and law are chosen by name at run time are those composed as types, bit for bit.
+//! Bitwise equality of scenes with method and law selected by name and scenes composed as types.
 
 use downstream::choose::{self, Failure, LAWS, METHODS};
 use downstream::{StandardLinearSolid, TentAveragedHat};
@@ -18,7 +18,7 @@ fn fingerprint(scene: Result<Mpm<2>, Failure>) -> u64 {
     choose::fingerprint(&mpm)
 }
 
-/// All laws as types in a method that is one.
+/// Compute the fingerprints of all laws, as types, with one method type.
 fn with_each_law(method: impl IntoKernels<f64, 2> + Copy) -> Vec<u64> {
     let rubber = StandardLinearSolid::new(1000.0, 2.0e7, 1.0e6, 2.0e6, 1.0e-3).expect("constants");
     vec![
@@ -58,7 +58,7 @@ fn a_chosen_scene_is_the_composed_one() {
             all.push(*composed);
         }
     }
-    // They are all different scenes.
+    // All scenes differ.
     all.sort_unstable();
     all.dedup();
     assert_eq!(all.len(), METHODS.len() * LAWS.len());

@@ -1,4 +1,4 @@
-//! The batteries of the framework, a line each.
+//! Conformance tests of the framework, one line each.
 
 use downstream::{StandardLinearSolid, TentAveragedHat};
 use impactite::materials::conformance::{
@@ -11,10 +11,10 @@ fn rubber(relaxation_time: f64) -> StandardLinearSolid {
     StandardLinearSolid::new(1000.0, 2.0e7, 1.0e6, 2.0e6, relaxation_time).expect("constants")
 }
 
-// A leg lasts a second, a step 2.5 ms. The whole battery holds for what relaxes within a step.
+// A loading leg lasts 1 s, a step 2.5 ms. All tests apply to a material that relaxes within a step.
 conformance_suite!(relaxed, rubber(1.0e-4), Options { duration: 1.0, ..Options::strain(0.01) });
 
-/// The battery without `rest`: a material that relaxes for longer does not stay as it is when it stands still.
+/// Run all tests but `rest`: a material with a longer relaxation time changes while at rest.
 fn relaxing(relaxation_time: f64) {
     let (law, options) = (rubber(relaxation_time), Options { duration: 1.0, ..Options::strain(0.01) });
     for property in
@@ -41,7 +41,7 @@ conforms! {
     tent_flip: method::<_, 3>(Method::new(TentAveragedHat, Flip, Musl, FullSpace).compiled());
 }
 
-/// Shear held fixed: the overstress decays by e a relaxation time.
+/// Stress relaxation at fixed shear: the overstress decays by a factor of e in a relaxation time.
 #[test]
 fn stress_relaxes() {
     use impactite::materials::{Constitutive, Kinematics, Mat3};

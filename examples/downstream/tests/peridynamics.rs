@@ -1,11 +1,11 @@
-//! A method of one's own is a solver, and is right.
+//! Conformance and accuracy of a user-defined method.
 
 use downstream::peridynamics::{Brittle, Plate};
 use impactite::geometry::Seeds;
 use impactite::prelude::*;
 use impactite::scene::solver_conforms;
 
-/// A plate of `width` x `height`, m, of points `h` apart, its lower left corner at the origin.
+/// Seed a plate of `width` x `height`, m, with points `h` apart, its lower left corner at the origin.
 fn seeds(width: f64, height: f64, h: f64) -> Seeds<2> {
     let plate = Cuboid::new([0.0; 2], [width, height]).expect("shape");
     let lattice = Lattice::new([0.0; 2], h).expect("lattice");
@@ -19,7 +19,7 @@ fn glass(critical: f64) -> Brittle {
 const H: f64 = 1.0e-3;
 const HORIZON: f64 = 3.015 * H;
 
-/// A plate with a notch that is pulled apart and breaks.
+/// Build a notched plate that is pulled until it breaks.
 fn pulled() -> Plate {
     let velocity = |x: [f64; 2]| [0.0, if x[1] > 10.0 * H { 10.0 } else { -10.0 }];
     let mut plate =
@@ -29,7 +29,7 @@ fn pulled() -> Plate {
     plate
 }
 
-/// Numbers beyond all.
+/// Build a plate whose numbers overflow.
 fn overflowing() -> Plate {
     let velocity = |x: [f64; 2]| [1.0e300 * x[0], 0.0];
     Plate::new(glass(f64::MAX), &seeds(6.0 * H, 6.0 * H, H), HORIZON, velocity).expect("plate")
@@ -39,7 +39,7 @@ solver_conforms! {
     plate: super::pulled, SolverTests::until(8.0e-6).energy_within(0.02).breaking(1.0e-3, super::overflowing);
 }
 
-/// A plane wave, c = sqrt((lambda + 2 mu) / rho) with lambda = mu = 0.4 E.
+/// Speed of a plane wave: c = sqrt((lambda + 2 mu) / rho) with lambda = mu = 0.4 E.
 #[test]
 fn waves_have_their_speed() {
     let (length, wide) = (0.16, 0.24);
@@ -48,7 +48,7 @@ fn waves_have_their_speed() {
     let speed = (1.2 * 72.0e9_f64 / 2450.0).sqrt();
     let end = 0.1 / speed;
     plate.run_until(end).expect("run");
-    // Half of the pulse goes each way. On the middle line nothing is known yet of the sides.
+    // Half of the pulse travels each way. Waves from the sides have not reached the middle line.
     let (mut moment, mut sum) = (0.0, 0.0);
     plate.for_each(&mut |p| {
         if (p.position[1] - 0.5 * wide).abs() < H && p.position[0] > 0.1 {
@@ -60,7 +60,7 @@ fn waves_have_their_speed() {
     assert!((way / 0.1 - 1.0).abs() < 0.02, "{way} m in the time of 0.1 m");
 }
 
-/// The crack runs on from the notch, and nowhere else.
+/// The crack propagates from the notch only.
 #[test]
 fn the_crack_runs_from_the_notch() {
     let mut plate = pulled();

@@ -1,4 +1,4 @@
-//! Throughput: particle updates a second on fixed scenes, one JSON line a run, and the ratio to a yardstick of
+//! Throughput: particle updates per second on fixed scenes, one JSON line per run, and the ratio to a reference program (yardstick) of
 //! hand-written kernels, run in alternation.
 
 use std::path::{Path, PathBuf};
@@ -63,15 +63,15 @@ enum Precision {
     F32,
 }
 
-/// Our rate over the yardstick's, at least; over that of a build at another commit, 0.95 by call and 0.99 inlined.
+/// Minimum update rate over the yardstick's; the minimum over a build at another commit is 0.90 by call and 0.95 inlined.
 const LEAST_RATIO: f64 = 0.5;
-/// Our bytes a particle over the yardstick's, at most.
+/// Largest allowed memory per particle over the yardstick's.
 const MOST_BYTES: f64 = 1.3;
 
-/// All runs of one kind.
+/// Runs of one kind.
 struct Sample {
     ours: Vec<Measured>,
-    /// Of the yardstick: updates a second, and bytes a particle.
+    /// Yardstick: updates per second, and bytes per particle.
     theirs: Vec<(f64, f64)>,
 }
 
@@ -105,13 +105,13 @@ impl Options {
         self.repeat.unwrap_or(if self.other().is_some() { 5 } else { 1 })
     }
 
-    /// The program to compare with, and what it is.
+    /// Return the program for comparison, and its kind.
     fn other(&self) -> Option<(&Path, &'static str)> {
         let yardstick = self.against.as_deref().map(|program| (program, "yardstick"));
         yardstick.or(self.before.as_deref().map(|program| (program, "before")))
     }
 
-    /// Our rate over that of the other program, at least.
+    /// Return the minimum ratio of our update rate to that of the other program.
     fn least_ratio(&self) -> f64 {
         match (&self.before, self.way) {
             (None, _) => LEAST_RATIO,
@@ -162,7 +162,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     report(options, &samples).finish_in(options.json, &options.out)
 }
 
-/// Run the yardstick once: updates a second and bytes a particle.
+/// Run the yardstick once. Return updates per second and bytes per particle.
 fn yardstick(program: &Path, job: &Job, precision: Precision) -> Result<(f64, f64), CaseError> {
     let kernel = match (job.kernel, precision) {
         (Kernel::LinearMuslElastic, Precision::F64) => "K1",
@@ -180,7 +180,7 @@ fn yardstick(program: &Path, job: &Job, precision: Precision) -> Result<(f64, f6
     Ok((number("particle_updates_per_second"), number("bytes_per_particle")))
 }
 
-/// Run a build of this program once, on the same job.
+/// Run a build of this program at another commit once, on the same job.
 fn earlier(program: &Path, job: &Job, options: &Options) -> Result<(f64, f64), CaseError> {
     let [particles, threads] = [job.particles, job.threads].map(|n| n.to_string());
     let kernel = job.kernel.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default();
@@ -261,7 +261,7 @@ fn totals_of(m: &Measured) -> Totals {
     }
 }
 
-/// Momentum of each run, and speed and memory against the yardstick if there is one.
+/// Check the momentum of each run, and speed and memory against the yardstick, if present.
 fn checks_of(options: &Options, sample: &Sample) -> Vec<Check> {
     let Some(m) = sample.ours.first() else { return Vec::new() };
     let name = |what: &str| format!("{} {} x{}: {what}", m.kernel, m.particles, m.threads);

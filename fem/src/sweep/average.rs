@@ -1,4 +1,4 @@
-//! Kernels of what is averaged over nodes.
+//! Kernels of nodal averaging.
 
 use std::marker::PhantomData;
 
@@ -11,7 +11,7 @@ use super::kernels::{gather, load, mean_of, place, reference, scatter, stress_of
 use super::work::Of;
 use crate::shape::Shape;
 
-/// Changes of volume in a step, and reference volumes, to the nodes.
+/// Kernel that scatters volume changes in a step, and reference volumes, to the nodes.
 pub(super) struct Stretch<'a, S, const HOOP: bool> {
     pub of: &'a Of<'a>,
     pub batch: &'a Batch,
@@ -42,7 +42,7 @@ impl<S: Shape, const HOOP: bool> Kernel<f64> for Stretch<'_, S, HOOP> {
                     }
                 }
                 let volume = reference::<A::Batch>(&batch.reference, octet, half, lane);
-                // The change over the mean: the logarithm of the ratio to third order, so that means are taken of rates.
+                // Volume change over mean volume: the logarithm of the volume ratio to third order, so that averages are those of rates.
                 let (now, before) = (S::mean(&now, HOOP).volume, S::mean(&before, HOOP).volume);
                 let change = (now - before) / ((now + before) * A::Batch::of(0.5));
                 let alive = volume.gt(A::Batch::zero());
@@ -53,7 +53,7 @@ impl<S: Shape, const HOOP: bool> Kernel<f64> for Stretch<'_, S, HOOP> {
     }
 }
 
-/// Two numbers of an element to all its nodes.
+/// Scatter two numbers of an element to all its nodes.
 #[inline(always)]
 fn give_numbers<P: Pack<f64>>(
     [one, other]: [P; 2],
@@ -69,7 +69,7 @@ fn give_numbers<P: Pack<f64>>(
     scatter(&vectors, None, corners, at, n, slots);
 }
 
-/// Kirchhoff mean stresses, and reference volumes, to the nodes.
+/// Kernel that scatters Kirchhoff mean stresses, and reference volumes, to the nodes.
 pub(super) struct MeanStress<'a, S> {
     pub batch: &'a Batch,
     pub response: &'a Response<f64>,
@@ -99,7 +99,7 @@ impl<S: Shape> Kernel<f64> for MeanStress<'_, S> {
     }
 }
 
-/// Modes of the positions, and averages over the nodes.
+/// Kernel of the modes of the positions, and of element means of the nodal averages.
 pub(super) struct Locate<'a, S> {
     pub batch: &'a Batch,
     pub moving: &'a Nodes,

@@ -1,26 +1,27 @@
-//! Bars of two nodes, whose stress is along them alone.
+//! Bars of two nodes, in uniaxial stress.
 //!
-//! Laws are three-dimensional. A bar looks for the strain across itself at which its law gives no stress there: the secant method from
-//! what the last step had, with the elastic stiffness first, on the state before the step. What remains is below a part in 1e10 of the
-//! moduli; a law that finds none in 40 attempts stops the run. Bars are few: this is plain text, a lane after the other.
+//! Laws are three-dimensional. A bar finds the lateral strain at which the lateral stress vanishes by the secant method, always from the
+//! state before the step. The first guess is the strain ratio of the last step, the first slope the elastic stiffness. The residual is
+//! below a part in 1e10 of the moduli plus 1e-9 of the axial stress; no convergence in 40 iterations stops the run. Bars are few: the code
+//! is scalar.
 
 use super::batch::{Batch, GROUP, Left, OCTET, Reason, Record, Report, Row, Trouble, lane, lane_mut};
 use super::work::{Leaving, Measure, Of, Pass, Scratch, Sweep};
 use mpm_materials::Breakdown;
 
-/// Attempts to find the strain across.
+/// Maximum number of iterations for the lateral strain.
 const ATTEMPTS: usize = 40;
-/// What may remain of the stress across, over the sum of the moduli, and over the stress along.
+/// Tolerance of the lateral stress, over the sum of the moduli, and over the axial stress.
 const REMAINS: [f64; 2] = [1e-10, 1e-9];
 
-/// Bars of this section, m^2 at rest (in two dimensions per metre of depth).
+/// Bars with the cross-section `section`, m^2 at rest (in two dimensions per metre of depth).
 pub(super) struct Bar {
     pub section: f64,
 }
 
-/// Where the bars of an octet are, lane by lane.
+/// Direction and lengths of a bar.
 struct Line {
-    /// Unit vector along it.
+    /// Unit vector along the bar.
     along: [f64; 3],
     /// Length before the step and after it, m.
     lengths: [f64; 2],
@@ -41,7 +42,7 @@ fn line(batch: &Batch, scratch: &Scratch, e: usize, dt: f64) -> Line {
     Line { along: now.map(|c| c / lengths[1]), lengths }
 }
 
-/// The search of a bar for the strain across.
+/// Secant iteration for the lateral strain of a bar.
 #[derive(Clone, Copy, Default)]
 struct Search {
     along: f64,
@@ -51,7 +52,7 @@ struct Search {
 }
 
 impl Bar {
-    /// Strains along and, such that there is no stress, across; states of the end of the step.
+    /// Compute axial strains, lateral strains at zero lateral stress, and states at the end of the step.
     fn strain(&self, of: &Of<'_>, batch: &mut Batch, scratch: &mut Scratch) {
         let count = batch.octets() * OCTET;
         let mut searches = vec![Search { found: true, ..Search::default() }; count];
@@ -106,7 +107,7 @@ impl Bar {
         }
     }
 
-    /// Forces and frequency bounds: that of a bar is sqrt(2 rho c^2 A / (l m)).
+    /// Assemble internal forces, and frequency bounds sqrt(2 rho c^2 A / (l m)) with the least nodal mass m.
     fn give(&self, of: &Of<'_>, batch: &mut Batch, scratch: &mut Scratch, slots: &mut [Record]) {
         slots.fill([0.0; 4]);
         batch.report.rate = 0.0;
@@ -150,7 +151,7 @@ impl Bar {
 }
 
 impl Search {
-    /// Look at what the law gave, and choose the next strain across.
+    /// Check the lateral stress, and choose the next lateral strain.
     fn next(&mut self, of: &Of<'_>, stiffness: f64, along: f64, across: f64) {
         let allowed = REMAINS[0] * (of.probe.bulk + of.probe.shear) + REMAINS[1] * along.abs();
         if self.found || across.abs() <= allowed {
@@ -158,7 +159,7 @@ impl Search {
             return;
         }
         let secant = self.last.map(|[strain, stress]| (across - stress) / (self.across - strain));
-        // A law that gives way is followed, one that turns round is not.
+        // Follow the secant slope of a softening law, but not one near zero or negative.
         let slope = secant.filter(|s| *s > 1e-3 * stiffness && s.is_finite()).unwrap_or(stiffness);
         self.last = Some([self.across, across]);
         self.across -= across / slope;

@@ -1,63 +1,64 @@
-//! Batches of elements, and their numbers in memory.
+//! Batches of elements, and their memory layout.
 
 use impactite_simd::{Float, RowPair};
 use mpm_materials::Breakdown;
 
 /// Lanes of a group.
 pub(crate) const GROUP: usize = <f64 as Float>::GROUP;
-/// Elements side by side.
+/// Number of elements of an octet.
 pub(crate) const OCTET: usize = 2 * GROUP;
-/// Elements of a batch.
+/// Number of elements of a batch.
 pub(crate) const BATCH: usize = 64;
-/// Most groups of integration points of a batch.
+/// Maximum number of groups of integration points of a batch.
 pub(super) const MOST_GROUPS: usize = BATCH / GROUP * 8;
 
 pub(crate) type Row = <f64 as Float>::Row;
-/// A number of the elements of an octet.
+/// One number of each element of an octet.
 pub(crate) type Rows = RowPair<Row>;
-/// What the elements of a batch give to a node: a vector, and one more number.
+/// Contribution of a batch to a node: a vector, and one more number.
 pub(crate) type Record = [f64; 4];
 
-/// A node of a batch in one line of the cache: position, what is averaged over nodes, velocity.
+/// Node data of a batch in one cache line: position, nodal average, velocity.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
 pub(crate) struct Moving(pub [f64; 8]);
 
-/// Most nodes of a batch, a power of two: a place in a list of so many needs no look at its length.
+/// Maximum number of nodes of a batch, a power of two: an index modulo this length needs no bounds check.
 pub(crate) const MOST_NODES: usize = BATCH * 8;
-/// The nodes of a batch.
+/// Nodes of a batch.
 pub(crate) type Nodes = [Moving; MOST_NODES];
 
-/// A number of a row pair.
+/// Lane `k` of a row pair.
 #[inline(always)]
 pub(crate) fn lane(rows: &Rows, k: usize) -> f64 {
     rows.0[k / GROUP].as_ref()[k % GROUP]
 }
 
-/// The same, to be changed.
+/// Mutable lane `k` of a row pair.
 #[inline(always)]
 pub(crate) fn lane_mut(rows: &mut Rows, k: usize) -> &mut f64 {
     &mut rows.0[k / GROUP].as_mut()[k % GROUP]
 }
 
-/// Elements that one task computes.
+/// Batch of elements, which one task computes.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch {
-    /// How many there are.
+    /// Number of elements.
     pub elements: usize,
-    /// The nodes, by number in the body.
+    /// Node numbers in the body.
     pub nodes: Vec<u32>,
-    /// Corners of the elements by place in that list: for each octet and corner those of eight elements.
+    /// Corners of the elements as indices into `nodes`: for each octet and corner those of eight elements.
     pub corners: Vec<u16>,
-    /// Size of each element, m, and the least mass of its corners, kg.
+    /// Size of each element, m, and the least lumped mass of its corners, kg.
     pub sizes: Vec<[Rows; 2]>,
-    /// Reference volume of every integration point, point by point in an octet; zero where no element is, or none is left.
+    /// Reference volume of every integration point, point by point in an octet; zero without an element, or after its removal.
     pub reference: Vec<Rows>,
-    /// States of the points: a row a number, group by group: (octet, point, half).
+    /// State variables of the points: one row a variable, group by group: (octet, point, half).
     pub rows: Vec<Row>,
-    /// What elements keep beside: hourglass forces on the modes, and the energy in them; the lateral strain of bars.
+    /// History of elements beside the states: hourglass forces on the modes, and hourglass energy; for bars the ratio of lateral to axial
+    /// strain.
     pub kept: Vec<Rows>,
-    /// What the last sweep found.
+    /// Report of the last sweep.
     pub report: Report,
 }
 
@@ -65,11 +66,11 @@ impl Batch {
     pub fn octets(&self) -> usize {
         self.sizes.len()
     }
-    /// Is element `e` there?
+    /// True if element `e` exists and was not removed.
     pub fn alive(&self, e: usize, points: usize) -> bool {
         e < self.elements && lane(&self.reference[e / OCTET * points], e % OCTET) > 0.0
     }
-    /// The state of a point of element `e`.
+    /// Read the state of a point of element `e`.
     pub fn read(&self, e: usize, (point, points): (usize, usize), out: &mut [f64]) {
         let group = (e / OCTET * points + point) * 2 + e % OCTET / GROUP;
         let rows = &self.rows[group * out.len()..(group + 1) * out.len()];
@@ -77,12 +78,12 @@ impl Batch {
             *x = row.as_ref()[e % GROUP];
         }
     }
-    /// One number of it, of so many.
+    /// State variable number `place` of `numbers`, at a point of element `e`.
     pub fn number(&self, e: usize, (point, points): (usize, usize), (place, numbers): (usize, usize)) -> f64 {
         let group = (e / OCTET * points + point) * 2 + e % OCTET / GROUP;
         self.rows[group * numbers + place].as_ref()[e % GROUP]
     }
-    /// Set it.
+    /// Write the state of a point of element `e`.
     pub fn write(&mut self, e: usize, (point, points): (usize, usize), state: &[f64]) {
         let group = (e / OCTET * points + point) * 2 + e % OCTET / GROUP;
         let rows = &mut self.rows[group * state.len()..(group + 1) * state.len()];
@@ -99,41 +100,41 @@ impl Batch {
     }
 }
 
-/// What a sweep over a batch found.
+/// Report of a sweep over a batch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Report {
-    /// The largest frequency bound of an element, half of it, 1/s: a step is stable below one over this.
+    /// Half the largest frequency bound of an element, 1/s: the stability limit of the time step is its reciprocal.
     pub rate: f64,
-    /// The first element that cannot go on, by place in the batch.
+    /// First failed element, by index in the batch, and the cause.
     pub trouble: Option<(usize, Trouble)>,
-    /// Elements that left.
+    /// Removed elements.
     pub left: Vec<Left>,
 }
 
-/// An element that left its batch.
+/// Element removed from its batch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Left {
-    /// Its place in the batch.
+    /// Index in the batch.
     pub element: usize,
-    /// Its internal energy, that of hourglass forces included, and that, J.
+    /// Internal energy, hourglass energy included, and hourglass energy, J.
     pub energy: f64,
     pub hourglass: f64,
     pub reason: Reason,
 }
 
-/// Why an element leaves.
+/// Reason for the removal of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reason {
     Erosion,
-    /// It becomes something else, by the criterion of this number.
+    /// Conversion by the criterion of this number.
     Conversion(u32),
 }
 
-/// Why an element cannot go on.
+/// Cause of a failed element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Trouble {
-    /// It is inside out.
+    /// Inverted element: det J <= 0 at an integration point.
     Inverted,
-    /// Its law broke down.
+    /// Breakdown of the law.
     Law(Breakdown),
 }

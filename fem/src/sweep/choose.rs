@@ -1,4 +1,4 @@
-//! The sweep of a kind of elements.
+//! Sweep of a kind of element.
 
 use impactite_geometry::ElementKind;
 
@@ -8,7 +8,7 @@ use super::work::Sweep;
 use crate::shape::{Hexa, Quad, Shape, Simplex};
 use crate::technology::Technology;
 
-/// The sweep for elements of a kind. The technology was checked.
+/// Create the sweep of a kind of element. The technology is already checked.
 pub(crate) fn sweep_of(
     kind: ElementKind,
     technology: Technology,

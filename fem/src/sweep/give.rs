@@ -1,4 +1,4 @@
-//! The kernel of forces at the corners, and of bounds of the highest frequencies.
+//! Kernel of internal forces, and of bounds of the highest frequencies.
 
 use std::marker::PhantomData;
 
@@ -12,7 +12,7 @@ use super::rule::{Rule, Solid};
 use super::work::Of;
 use crate::shape::{Gradient, Modes, Shape};
 
-/// Forces at the corners, and bounds of the highest frequencies. Returns the largest of these, half of it.
+/// Kernel of internal forces at the corners, and of bounds of the highest frequencies. Returns half the largest bound.
 pub(super) struct Give<'a, S, R, const HOOP: bool> {
     pub of: &'a Of<'a>,
     pub batch: &'a Batch,
@@ -24,10 +24,10 @@ pub(super) struct Give<'a, S, R, const HOOP: bool> {
     pub kind: PhantomData<(S, R)>,
 }
 
-/// Where the results of [`Give`] go.
+/// Output of [`Give`].
 pub(super) struct Given<'a> {
     pub rates: &'a mut [Rows],
-    /// Elements that are inside out.
+    /// Bit set of inverted elements.
     pub low: &'a mut [u32],
     pub slots: &'a mut [Record],
 }
@@ -70,7 +70,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
             for point in 0..points {
                 let volume = Solid::<S, R, HOOP>::gradient(&x, point).volume;
                 let said = &self.response.outputs()[octet * points + point];
-                // With the volume that the mass has by the law, of which the work is.
+                // Weight by the volume according to the law, on which the stress does its work.
                 let by_law = reference::<P>(&self.batch.reference, octet * points + point, half, lane)
                     * P::from_pair(&said.volume_ratio, half, lane);
                 sum = stress_of::<P>(&said.stress, half, lane).mean().mul_add(by_law, sum);
@@ -85,7 +85,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
             let mut g = Solid::<S, R, HOOP>::gradient(&x, point);
             let mut stress = stress_of::<P>(&said.stress, half, lane);
             bound = bound + self.bound(place, (half, lane), &g);
-            // True of what is not a number.
+            // NaN counts as inverted.
             inverted = inverted | !g.volume.gt(P::zero());
             if R::DILATATION {
                 let by_law = reference::<P>(&self.batch.reference, place, half, lane)
@@ -96,7 +96,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
                 let ratio = P::from_pair(&said.volume_ratio, half, lane);
                 let wanted = P::from_pair(&self.averages[octet], half, lane) / ratio;
                 stress = stress.plus_isotropic(wanted - stress.mean());
-                // The volume that its mass has by the law: the work is that of the law.
+                // Scale to the volume according to the law: the work is that of the law.
                 let scale = reference::<P>(&self.batch.reference, place, half, lane) * ratio
                     / (g.volume * P::of(S::SCALE));
                 for m in 0..S::NODES {
@@ -134,7 +134,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
         rate
     }
 
-    /// Forces on the modes: those of the stress, and of what holds hourglass modes, which pulls at the linear ones too.
+    /// Add the forces on the modes: of the stress, and of hourglass control, which also acts on the linear modes.
     #[inline(always)]
     fn push<P: Pack<f64>>(
         &self,
@@ -148,7 +148,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
         let mut pull = (*stress * P::of(S::SCALE)).to_mat();
         if R::CONTROL {
             let kept = &self.batch.kept[octet * Solid::<S, R, HOOP>::KEPT..];
-            // The stress of Q x / V, times the scale of the areas, which that of the volume cancels.
+            // Stress Q x / V of the hourglass forces Q; the scales of area and volume cancel.
             let per = g.volume.recip();
             for m in S::FIRST..S::NODES {
                 for i in 0..S::DIM {
@@ -175,8 +175,8 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
         }
     }
 
-    /// A bound of the stiffness of a point for any motion of the corners, N/m: lambda V sum_I |b_I|^2 + 2 G V (largest row sum of
-    /// sum_I B_I B_I^T), with b_I the gradient of the volume over it. Exact for boxes.
+    /// Upper bound of the stiffness of a point for any motion of the corners, N/m: lambda V sum_I |b_I|^2 + 2 G V (largest row sum of sum_I
+    /// B_I B_I^T), with b_I the gradient of the volume over it. Exact for boxes.
     #[inline(always)]
     fn bound<P: Pack<f64>>(&self, place: usize, (half, lane): (usize, usize), g: &Gradient<P>) -> P {
         let probe = self.of.probe;
@@ -211,7 +211,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
         rows = rows + hoop;
         let speed = P::from_pair(&self.response.outputs()[place].step_speed, half, lane);
         let volume = reference::<P>(&self.batch.reference, place, half, lane);
-        // rho c^2, and the part of the shear modulus at rest that is still in it.
+        // rho c^2, and the part of the initial shear modulus that it still contains.
         let modulus = P::splat(probe.density / S::SCALE) * volume * speed * speed / g.volume;
         let shear = P::splat(probe.shear);
         let left = ((modulus - P::splat(probe.bulk)) * P::of(0.75)).clamp(P::zero(), shear);
@@ -223,7 +223,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
         sum * P::of(times * S::SCALE) / g.volume
     }
 
-    /// Rates with what bulk viscosity adds: omega (Q/c + sqrt(1 + Q^2/c^2)), Q = b1 c + b0 l d.
+    /// Frequency bounds raised by bulk viscosity: omega (Q/c + sqrt(1 + Q^2/c^2)), Q = b1 c + b0 l d.
     #[inline(always)]
     fn stiffened<P: Pack<f64>>(&self, octet: usize, (half, lane): (usize, usize), rate: P) -> P {
         let points = Solid::<S, R, HOOP>::POINTS;

@@ -1,4 +1,4 @@
-//! Pieces of kernels: lanes from nodes and back.
+//! Parts of kernels: gather from nodes to lanes, and scatter back.
 
 use impactite_simd::Pack;
 use mpm_materials::{Lane, Mat3, Sym3};
@@ -6,7 +6,7 @@ use mpm_materials::{Lane, Mat3, Sym3};
 use super::batch::{GROUP, MOST_NODES, Moving, Nodes, OCTET, Record, Row, Rows, lane_mut};
 use crate::shape::Modes;
 
-/// Positions, and if asked for velocities, at the corners of an octet, from the nodes of its batch.
+/// Gather positions, and velocities into `rate`, at the corners of an octet from the nodes of its batch.
 #[inline(always)]
 pub(super) fn gather(
     corners: &[u16],
@@ -28,7 +28,7 @@ pub(super) fn gather(
     }
 }
 
-/// Lanes of what was gathered.
+/// Load lanes of gathered vectors.
 #[inline(always)]
 pub(super) fn load<P: Pack<f64>>(
     from: &[[Rows; 3]; 8],
@@ -45,7 +45,7 @@ pub(super) fn load<P: Pack<f64>>(
     to
 }
 
-/// Add vectors at the corners of some elements of an octet to their nodes, in the order of the elements.
+/// Scatter vectors at the corners of some elements of an octet to their nodes, in the order of the elements.
 #[inline(always)]
 pub(super) fn scatter<P: Pack<f64>>(
     vectors: &Modes<P>,
@@ -69,9 +69,8 @@ pub(super) fn scatter<P: Pack<f64>>(
     }
 }
 
-/// The increment X of a step from its start, of which A is that with respect to the configuration half way:
-/// X = A (I - A/2)^-1. Laws go back to A, in which a rotation has no strain
-/// ([`Kinematics::increments`](mpm_materials::Kinematics::increments)).
+/// Convert the displacement gradient A of a step, with respect to the midpoint configuration, to X with respect to its start: X = A (I -
+/// A/2)^-1. Laws convert back to A, in which a rotation has no strain ([`Kinematics::increments`](mpm_materials::Kinematics::increments)).
 #[inline(always)]
 pub(super) fn from_middle<P: Lane>(a: &Mat3<P>, d: usize) -> Mat3<P> {
     let (one, half) = (P::one(), P::of(-0.5));
@@ -109,7 +108,7 @@ pub(super) fn from_middle<P: Lane>(a: &Mat3<P>, d: usize) -> Mat3<P> {
     x
 }
 
-/// Vectors after the rotation of a step with the gradient `a` of the middle.
+/// Rotate vectors by the rotation of a step with the midpoint gradient `a`.
 #[inline(always)]
 pub(super) fn turned<P: Lane>(a: &Mat3<P>, vectors: &mut [[P; 3]], d: usize) {
     let half = P::of(0.5);
@@ -134,7 +133,7 @@ pub(super) fn turned<P: Lane>(a: &Mat3<P>, vectors: &mut [[P; 3]], d: usize) {
     }
 }
 
-/// The stress that the law gives for a point.
+/// Stress of a point by the law.
 #[inline(always)]
 pub(super) fn stress_of<P: Pack<f64>>(
     from: &[impactite_simd::RowPair<Row>; 6],
@@ -154,13 +153,13 @@ pub(super) fn place<P: Pack<f64>>(vector: usize) -> (usize, usize) {
     (vector * P::WIDTH / GROUP, vector * P::WIDTH % GROUP)
 }
 
-/// Is there an element in the lanes? Then the lanes hold its reference volume.
+/// Reference volumes of the lanes; zero in lanes without an element.
 #[inline(always)]
 pub(super) fn reference<P: Pack<f64>>(reference: &[Rows], place: usize, half: usize, lane: usize) -> P {
     P::from_pair(&reference[place], half, lane)
 }
 
-/// The mean over the corners of an octet of what is averaged over nodes.
+/// Element means of the nodal averages over the corners of an octet.
 #[inline(always)]
 pub(super) fn mean_of(corners: &[u16], records: &Nodes, n: usize) -> Rows {
     let mut mean = Rows::default();

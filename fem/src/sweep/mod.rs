@@ -1,8 +1,8 @@
-//! The sweeps over elements, on vectors of elements.
+//! Vectorised sweeps over elements.
 //!
-//! Elements come in batches, eight side by side (an octet: two groups of lanes). A batch has a list of its nodes; forces of its elements
-//! are summed there, in the order of the elements, and nodes gather over batches: so sums have a fixed order for any number of threads,
-//! and a node's numbers go through memory once a batch and not once an element.
+//! Elements are stored in batches, eight side by side (an octet: two groups of lanes). A batch has a list of its nodes. Forces of its
+//! elements are scattered there in the order of the elements, and nodes gather over batches. Sums therefore have a fixed order for any
+//! number of threads, and nodal data pass through memory once a batch instead of once an element.
 
 mod average;
 mod bar;

@@ -1,4 +1,4 @@
-//! How elements of a shape are integrated.
+//! Integration rules of elements.
 
 use std::marker::PhantomData;
 
@@ -6,15 +6,15 @@ use mpm_materials::Lane;
 
 use crate::shape::{Gradient, Modes, Shape};
 
-/// How elements are integrated.
+/// Integration rule of an element.
 pub(super) trait Rule: Send + Sync + 'static {
-    /// At one point, with the mean gradient?
+    /// True for one integration point with the mean gradient.
     const ONE: bool = false;
-    /// Are hourglass modes held?
+    /// True with hourglass control.
     const CONTROL: bool = false;
-    /// Does every point have the mean dilatation of the element?
+    /// True if every point has the mean dilatation of the element.
     const DILATATION: bool = false;
-    /// Are volumes and mean stresses averaged over the nodes?
+    /// True if volumes and mean stresses are averaged over the nodes.
     const AVERAGED: bool = false;
 }
 
@@ -38,19 +38,19 @@ impl Rule for Averaged {
     const AVERAGED: bool = true;
 }
 
-/// Elements of shape `S` by rule `R`, around an axis if `HOOP`.
+/// Elements of shape `S` with rule `R`, around an axis if `HOOP`.
 pub(super) struct Solid<S, R, const HOOP: bool>(PhantomData<fn() -> (S, R)>);
 
 impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
     pub const POINTS: usize = if R::ONE { 1 } else { S::POINTS };
-    /// Hourglass forces, and their energy.
+    /// Number of hourglass forces, and of their energy.
     pub const KEPT: usize = if R::CONTROL { (S::NODES - S::FIRST) * S::DIM + 1 } else { 0 };
 
     pub fn new() -> Self {
         Solid(PhantomData)
     }
 
-    /// The gradient of a point.
+    /// Gradient at a point.
     #[inline(always)]
     pub fn gradient<P: Lane>(x: &Modes<P>, point: usize) -> Gradient<P> {
         if R::ONE { S::mean(x, HOOP) } else { S::at(x, point, HOOP) }

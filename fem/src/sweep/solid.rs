@@ -1,4 +1,4 @@
-//! Triangles, quadrilaterals, tetrahedra and bricks: the passes over a batch.
+//! Passes over a batch of triangles, quadrilaterals, tetrahedra or bricks.
 
 use std::marker::PhantomData;
 
@@ -13,7 +13,7 @@ use super::work::{Leaving, Measure, Of, Pass, Scratch, Sweep};
 use crate::shape::{Gradient, Shape};
 
 impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
-    /// Forces at the corners and frequency bounds of a batch; again without the elements that leave.
+    /// Assemble internal forces at the corners and frequency bounds of a batch; repeat without the removed elements.
     fn give(
         of: &Of<'_>,
         batch: &mut Batch,
@@ -31,7 +31,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
         let mut rate = give(batch, scratch);
         if let Some(octet) = scratch.low.iter().position(|low| *low != 0) {
             let e = octet * OCTET + scratch.low[octet].trailing_zeros() as usize;
-            // Of an element the law's own cause first.
+            // In the same element a failure of the law comes before inversion.
             batch.report.trouble =
                 batch.report.trouble.filter(|(broken, _)| *broken <= e).or(Some((e, Trouble::Inverted)));
         }
@@ -45,7 +45,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
         batch.report.rate = rate;
     }
 
-    /// Take an element out.
+    /// Remove an element.
     fn remove(of: &Of<'_>, batch: &mut Batch, e: usize, reason: Reason) {
         let (mut energy, mut state) = (0.0, vec![0.0; of.numbers]);
         for point in 0..Self::POINTS {
@@ -62,7 +62,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
         batch.report.left.push(Left { element: e, energy: energy + hourglass, hourglass, reason });
     }
 
-    /// Elements with a point of hardly any volume leave before their law is asked, where erosion may take them.
+    /// Erode elements with a collapsed integration point before the law is evaluated, if a volume criterion is set.
     fn thin(of: &Of<'_>, batch: &mut Batch, scratch: &mut Scratch) {
         if of.least == 0.0 {
             return;
@@ -153,7 +153,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Sweep for Solid<S, R, HOOP> {
         let x = S::modes(&nodal);
         let volume = |g: Gradient<f64>| g.volume * S::SCALE;
         let volumes: Vec<f64> = (0..Self::POINTS).map(|p| volume(Self::gradient(&x, p))).collect();
-        // Shape functions at the points of full integration; a simplex has their integrals in closed form.
+        // Integrals of the shape functions: by full integration; for a simplex in closed form.
         let mut shares = vec![0.0; S::NODES];
         if S::POINTS == 1 {
             let whole = volumes[0];

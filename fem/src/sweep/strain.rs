@@ -1,4 +1,4 @@
-//! The kernel of strains: how elements deform, and what holds their hourglass modes.
+//! Kernel of strains and hourglass control.
 
 use std::marker::PhantomData;
 
@@ -12,7 +12,7 @@ use super::rule::{Rule, Solid};
 use super::work::Of;
 use crate::shape::{Gradient, Modes, Shape};
 
-/// Where the results of [`Strain`] go.
+/// Output of [`Strain`].
 pub(super) struct Strained<'a> {
     pub modes: &'a mut [Rows],
     pub deformations: &'a mut [Deformation<Row>],
@@ -21,7 +21,7 @@ pub(super) struct Strained<'a> {
     pub kept: &'a mut [Rows],
 }
 
-/// How elements deform, and what holds their hourglass modes.
+/// Kernel of strains, and of forces of hourglass control.
 pub(super) struct Strain<'a, S, R, const HOOP: bool> {
     pub of: &'a Of<'a>,
     pub corners: &'a [u16],
@@ -139,7 +139,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Strain<'_, S, R, HOOP> {
         }
     }
 
-    /// Springs or dashpots on the hourglass modes: q = u_alpha - A x_alpha of the step's displacement u, which no linear motion has.
+    /// Hourglass control by springs or dashpots: q = u_alpha - A x_alpha of the step's displacement u, which is zero for any linear motion.
     #[inline(always)]
     #[allow(clippy::too_many_arguments)]
     fn control<P: Pack<f64>>(
@@ -189,7 +189,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Strain<'_, S, R, HOOP> {
     }
 }
 
-/// Which elements have a point of hardly any volume at the end of the step: before their law is asked, where erosion may take them.
+/// Kernel that finds elements with a collapsed integration point at the end of the step, for erosion before the law is evaluated.
 pub(super) struct Check<'a, S, R, const HOOP: bool> {
     pub least: f64,
     pub batch: &'a Batch,
@@ -216,7 +216,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Kernel<f64> for Check<'_, S, R, HOOP> 
                 let mut mask = <A::Batch as Lane>::Mask::splat(false);
                 for point in 0..points {
                     let volume = Solid::<S, R, HOOP>::gradient(&now, point).volume;
-                    // True of what is not a number.
+                    // NaN counts as collapsed.
                     let rest = reference::<A::Batch>(&batch.reference, octet * points + point, half, lane);
                     mask = mask | !volume.gt(rest * A::Batch::of(least / S::SCALE));
                 }
@@ -228,7 +228,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Kernel<f64> for Check<'_, S, R, HOOP> 
     }
 }
 
-/// The sum of the squares of the gradients of the modes, times the square of the volume.
+/// Sum of the squared gradients of the modes, times the squared volume.
 #[inline(always)]
 fn squares<S: Shape, P: Lane>(g: &Gradient<P>) -> P {
     let mut sum = P::zero();

@@ -1,4 +1,4 @@
-//! What a sweep over a batch is.
+//! Interface of the sweeps over batches, and their scratch memory.
 
 use mpm_materials::Breakdown;
 use mpm_materials::material::{Deformation, Length, Material, Motion, Response, States, StatesMut};
@@ -8,7 +8,7 @@ use super::batch::{
 };
 use crate::law::Probe;
 
-/// The groups of a batch, by place.
+/// Indices of the groups of a batch.
 const GROUPS: [u32; MOST_GROUPS] = {
     let mut groups = [0; MOST_GROUPS];
     let mut n = 0;
@@ -19,48 +19,48 @@ const GROUPS: [u32; MOST_GROUPS] = {
     groups
 };
 
-/// What a sweep does.
+/// Pass of a sweep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Pass {
-    /// Changes of volume, to be averaged over nodes.
+    /// Volume changes, to be averaged over nodes.
     Stretch,
-    /// Strain and law; then forces or, where mean stresses are averaged, those.
+    /// Strains and stresses; then internal forces or, with averaged volumes, mean stresses at the nodes.
     Stress,
-    /// Forces of the states as they are.
+    /// Internal forces of the present states.
     Force,
 }
 
-/// What a sweep over a batch works with.
+/// Parameters of a sweep over a batch.
 pub(crate) struct Of<'a> {
     pub material: &'a dyn Material<f64>,
     pub numbers: usize,
     pub probe: &'a Probe,
-    /// kappa G and kappa rho0 c of hourglass springs and dashpots.
+    /// Hourglass coefficients: kappa G of springs, Pa, and kappa rho0 c of dashpots, Pa s/m.
     pub control: [f64; 2],
-    /// Part of its reference volume at which a point counts as gone: zero, but with erosion.
+    /// Volume ratio at which a point erodes its element; zero without erosion.
     pub least: f64,
     pub dt: f64,
 }
 
-/// Memory of a thread for elements on their way through their law.
+/// Scratch memory of a thread for the elements of a batch.
 #[derive(Debug)]
 pub(crate) struct Scratch {
-    /// The nodes of the batch.
+    /// Nodes of the batch.
     pub moving: Box<Nodes>,
     /// Modes of the positions, octet by octet.
     pub modes: Vec<Rows>,
     pub deformations: Vec<Deformation<Row>>,
     pub lengths: Vec<Row>,
-    /// Rates at which points close, 1/s.
+    /// Compression rates of the points, 1/s.
     pub closing: Vec<Rows>,
-    /// Averages over the nodes of each element.
+    /// Element means of the nodal averages.
     pub averages: Vec<Rows>,
-    /// Frequency bounds of the elements.
+    /// Half the frequency bounds of the elements, 1/s.
     pub rates: Vec<Rows>,
-    /// Elements of each octet that are inside out, or at most [`Of::least`] of their volume, a bit each.
+    /// Bit set for each octet: elements that are inside out, or have at most [`Of::least`] of their volume.
     pub low: Vec<u32>,
     pub response: Response<f64>,
-    /// States before a step.
+    /// States before the step.
     pub before: Vec<Row>,
 }
 
@@ -82,7 +82,7 @@ impl Default for Scratch {
 }
 
 impl Scratch {
-    /// Be long enough.
+    /// Resize the buffers.
     pub fn fit(&mut self, octets: usize, points: usize) {
         let grow = |list: &mut Vec<Rows>, n: usize| {
             if list.len() < n {
@@ -99,7 +99,7 @@ impl Scratch {
         self.lengths.resize(octets * points * 2, Row::default());
     }
 
-    /// Lead the states of a batch through a step.
+    /// Integrate the states of a batch over a step.
     pub fn advance(&mut self, of: &Of<'_>, rows: &mut [Row], groups: usize) {
         let (length, dt) = (Length::Each(&self.lengths), of.dt);
         let motion = Motion { deformation: &self.deformations, dt, length };
@@ -107,14 +107,14 @@ impl Scratch {
         of.material.advance(&motion, states, true, &mut self.response);
     }
 
-    /// What the law says of states as they stand.
+    /// Evaluate the law in the present states.
     pub fn describe(&mut self, of: &Of<'_>, rows: &[Row], groups: usize) {
         let states = States { all: rows, stride: of.numbers, first: 0, groups: &GROUPS[..groups] };
-        // Viscous stresses, which bound a step by the size of elements, come with the first strain.
+        // Viscous stresses, which limit the time step by the element size, enter with the first strain.
         of.material.describe(states, f64::INFINITY, &mut self.response);
     }
 
-    /// The first point of an element that is there whose law broke down.
+    /// First remaining element with a breakdown of the law at a point, and the cause.
     pub fn first_fault(&self, batch: &Batch, points: usize) -> Option<(usize, Trouble)> {
         let element = |group: usize, lane: usize| group / 2 / points * OCTET + group % 2 * GROUP + lane;
         let faults = self.response.faults().iter().map(|f| (element(f.group, f.lane), f.cause));
@@ -124,26 +124,26 @@ impl Scratch {
     }
 }
 
-/// Says which elements of a batch leave after a sweep, by place, and why.
+/// Selection of the elements of a batch to remove after a sweep, by index, with the reason.
 pub(crate) type Leaving<'a> = &'a dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>;
 
-/// Elements of one kind and technology.
+/// Sweep over elements of one kind and technology.
 pub(crate) trait Sweep: Send + Sync {
-    /// Nodes of an element.
+    /// Number of nodes of an element.
     fn nodes(&self) -> usize;
-    /// Its integration points.
+    /// Number of integration points of an element.
     fn points(&self) -> usize;
-    /// Numbers it keeps beside states.
+    /// Number of history variables of an element beside the states.
     fn kept(&self) -> usize;
-    /// Are volumes and mean stresses averaged over nodes?
+    /// True if volumes and mean stresses are averaged over nodes.
     fn averaged(&self) -> bool {
         false
     }
-    /// Where among the numbers kept the energy of hourglass forces is.
+    /// Index of the hourglass energy among the history variables.
     fn energy_place(&self) -> Option<usize> {
         None
     }
-    /// Sweep a batch, whose node numbers are in the scratch; sums over its elements go to `slots`, one a node.
+    /// Sweep over a batch, whose node data are in the scratch; scatter sums over its elements to `slots`, one a node.
     fn sweep(
         &self,
         pass: Pass,
@@ -153,20 +153,19 @@ pub(crate) trait Sweep: Send + Sync {
         slots: &mut [Record],
         leaving: Leaving<'_>,
     );
-    /// Reference volumes of the points of an element with these corners, parts of its volume that its corners weigh by, its size and
-    /// half edges, m.
+    /// Measure an element with these corners: reference volumes of the points, volumes lumped at the corners, size and half edges, m.
     fn measure(&self, corners: &[[f64; 3]]) -> Measure;
 }
 
-/// What an element measures.
+/// Measures of an element.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Measure {
-    /// Volume of each point.
+    /// Volume of each integration point.
     pub volumes: Vec<f64>,
     /// Integral of the shape function of each corner.
     pub shares: Vec<f64>,
-    /// The edge of a square (cube) of its area (volume), m.
+    /// Element size, m: edge of a square (cube) of its area (volume), of twice (six times) this for simplices.
     pub size: f64,
-    /// Half edges, m; none of simplices and bars.
+    /// Half edges, m; none for simplices and bars.
     pub half_edges: Option<[[f64; 3]; 3]>,
 }

@@ -7,7 +7,7 @@ use mpm_materials::{
     Solid,
 };
 
-/// A number in [-1, 1) from a seed and a place.
+/// Pseudorandom number in [-1, 1) from a seed and a place.
 pub fn random(seed: u64, place: u64) -> f64 {
     let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place.wrapping_mul(0xD1B5_4A32_D192_ED03);
     for _ in 0..3 {
@@ -17,12 +17,12 @@ pub fn random(seed: u64, place: u64) -> f64 {
     (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// Relative distance.
+/// Relative difference.
 pub fn off(value: f64, wanted: f64) -> f64 {
     (value / wanted - 1.0).abs()
 }
 
-/// `counts` boxes between two corners, cut into elements of a kind, with the sets `low x`, `high x` and so on.
+/// Mesh of `counts` boxes between two corners, cut into elements of a kind, with the node sets `low x`, `high x` and so on.
 pub fn mesh<const D: usize>(
     kind: ElementKind,
     low: [f64; D],
@@ -81,7 +81,7 @@ pub fn mesh<const D: usize>(
     ElementMesh { nodes, blocks, node_sets, ..ElementMesh::default() }
 }
 
-/// The mesh with the nodes inside, not those on the outside, moved by up to a part of the spacing.
+/// Distort a mesh: move its inner nodes by up to a part of the spacing.
 pub fn distorted<const D: usize>(mut mesh: ElementMesh<D>, part: f64, spacing: f64) -> ElementMesh<D> {
     let outside: std::collections::BTreeSet<u32> = mesh.node_sets.values().flatten().copied().collect();
     for (n, x) in mesh.nodes.iter_mut().enumerate() {
@@ -94,7 +94,7 @@ pub fn distorted<const D: usize>(mut mesh: ElementMesh<D>, part: f64, spacing: f
     mesh
 }
 
-/// A ball of radius `r` on the origin, around the axis: a square bent to a disc, fine at the pole below.
+/// Mesh of a ball of radius `r` on the origin, around the axis: a square bent to a disc, fine at the lower pole.
 pub fn ball(r: f64, fine: f64, growth: f64) -> ElementMesh<2> {
     let graded = |length: f64| {
         let (mut list, mut step) = (vec![0.0], fine);
@@ -125,7 +125,7 @@ pub fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {
     LinearElastic::new(density, Moduli::young_poisson(young, poisson).unwrap()).unwrap()
 }
 
-/// A metal that flows at a stress, with bulk viscosity.
+/// Ideally plastic metal with bulk viscosity.
 pub type Flowing = Solid<J2<f64>, LogarithmicBulk<f64>, NoFailure, BulkViscosity<f64>>;
 pub fn flowing(density: f64, young: f64, poisson: f64, strength: f64) -> Flowing {
     let moduli = Moduli::young_poisson(young, poisson).unwrap();

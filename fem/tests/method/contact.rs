@@ -1,4 +1,4 @@
-//! Bodies that touch each other, and themselves.
+//! Contact between bodies, and self-contact.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn coulomb(mu: f64) -> Coulomb<f64> {
     Coulomb::new(mu).unwrap()
 }
 
-/// Its energy is exact at any strain.
+/// Rubber, whose energy is exact at any strain.
 fn rubber(young: f64) -> NeoHookean<f64> {
     NeoHookean::new(1000.0, Moduli::young_poisson(young, 0.3).unwrap()).unwrap()
 }
@@ -35,8 +35,8 @@ fn speed<const D: usize>(fem: &Fem<D>, body: usize) -> f64 {
     totals.momentum[0] / totals.mass
 }
 
-/// Two bars of 0.2 m and nu = 0, of which one runs at 10 m/s into the other at rest; `across` of their elements, and bodies that make
-/// a step for up to `subcycles` of the scene.
+/// Impact of two bars of 0.2 m and nu = 0, one at 10 m/s, the other at rest; `across` elements over the height, subcycling up to
+/// `subcycles`.
 fn bars<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, across: [usize; 2], subcycles: u32) {
     let (length, elements, velocity) = (0.2, 100, 10.0);
     let height = length / elements as f64;
@@ -53,7 +53,7 @@ fn bars<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, across: [u
     fem.set_subcycling(subcycles).unwrap();
     let start = fem.totals();
     let wave = (200e9f64 / 7850.0).sqrt();
-    // The fronts are beyond three quarters of the bars.
+    // The wave fronts are beyond three quarters of the bars.
     fem.run_until(0.8 * length / wave).unwrap();
     let stress = |body: usize, near: &dyn Fn(f64) -> bool| {
         let points = fem.body(body).points();
@@ -80,7 +80,7 @@ fn bars<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, across: [u
         fem.exchange().impacts / start.kinetic
     );
     let wanted = 7850.0 * wave * 0.5 * velocity;
-    // Simplices keep more in waves across themselves.
+    // Simplices retain more energy in transverse waves.
     let [within, wide] = match kind {
         Tetra4 => [0.02, 2.0],
         Triangle3 => [0.005, 2.0],
@@ -110,14 +110,14 @@ fn bars_exchange_their_velocities() {
     bars(FullSpace, Tetra4, [1, 1], 1);
 }
 
-/// In the frame of their middle two equal balls are one on a rigid wall: R 5 mm, 1 m/s, problem I.
+/// In the centre-of-mass frame, two equal balls are one ball on a rigid wall: R 5 mm, 1 m/s, problem I.
 #[test]
 fn balls_meet_as_hertz_says() {
     let r = 5e-3;
     let mut fem = Fem::new(Axisymmetric);
     let law = || elastic(7850.0, 200e9, 0.3);
     let mut upper = ball(r, 0.03e-3, 1.15);
-    // The fine pole of the other one is above.
+    // The lower ball has its fine pole at the top.
     let mut lower = ball(r, 0.04e-3, 1.15);
     for x in &mut lower.nodes {
         x[1] = -x[1];
@@ -169,7 +169,7 @@ fn balls_meet_as_hertz_says() {
     assert!(fem.account().energy_error().abs() < 5e-3, "{:?}", fem.account());
 }
 
-/// A block on a slab whose bottom is held, under gravity inclined by 30 degrees.
+/// Block on a slab with fixed bottom, under gravity inclined by 30 degrees.
 fn incline(mu: f64, kinds: [ElementKind; 2]) -> Fem<2> {
     let mut fem = Fem::new(PlaneStrain);
     let soft = || elastic(2000.0, 2e7, 0.2);
@@ -177,7 +177,7 @@ fn incline(mu: f64, kinds: [ElementKind; 2]) -> Fem<2> {
     fem.add(MeshBody::new("block", mesh(kinds[1], [0.1, 0.1], [0.33, 0.2], [7, 3]), soft())).unwrap();
     fem.prescribe(0, "low y", Arc::new(|_| [Some(0.0); 3])).unwrap();
     let (sin, cos) = (0.5, 0.75f64.sqrt());
-    // It grows, so that nothing swings.
+    // Gravity grows gradually, to avoid oscillations.
     fem.set_body_force(Arc::new(move |t| {
         let part = 9.81 * (t / 0.04).min(1.0);
         [sin * part, -cos * part]
@@ -199,10 +199,10 @@ fn a_block_slides_down_another_one() {
         println!("slides with {found:.4} m/s^2; {:.2e}", account.energy_error());
         assert!(off(found, 9.81 * (sin - 0.3 * cos)) < 0.01, "{found}");
         assert!(account.friction > 0.0);
-        // Of what gravity gave along the plane friction takes mu N / (m g sin).
+        // Friction dissipates the part mu N / (m g sin) of the work of gravity along the plane.
         assert!(off(account.friction / (account.work), 0.3 * cos / sin) < 0.02, "{account:?}");
         assert!(account.energy_error().abs() < 1e-3, "{account:?}");
-        // It stays where friction suffices: sin 30 < 0.7 cos 30.
+        // The block sticks if friction suffices: sin 30 < 0.7 cos 30.
         let mut fem = incline(0.7, kinds);
         fem.run_until(0.4).unwrap();
         assert!(speed(&fem, 1).abs() < 1e-3, "{}", speed(&fem, 1));
@@ -210,7 +210,7 @@ fn a_block_slides_down_another_one() {
     }
 }
 
-/// Blocks that meet aslant, with friction.
+/// Oblique contact of blocks with friction.
 fn aslant<const D: usize>(space: impl Embedding<D>, kinds: [ElementKind; 2]) -> Fem<D> {
     let mut fem = Fem::new(space);
     let (mut low, mut high) = ([0.0; D], [4.0 * H; D]);
@@ -249,7 +249,7 @@ fn keeps<const D: usize>(mut fem: Fem<D>) {
         assert!((end.momentum[d] - start.momentum[d]).abs() < 1e-13 * start.momentum_scale);
         let turned = end.angular_momentum[d] - start.angular_momentum[d] - couple[d];
         assert!(turned.abs() < 1e-12 * lever, "{d}: {turned:e} of {lever:e}");
-        // What friction turns while a gap closes.
+        // Couple of friction while a gap closes.
         assert!(couple[d].abs() < 1e-3 * lever, "{couple:?} of {lever}");
     }
     assert!(fem.account().energy_error().abs() < 5e-3, "{:?}", fem.account());
@@ -266,7 +266,7 @@ fn momentum_and_angular_momentum_are_kept() {
     keeps(aslant(FullSpace, [Tetra4, Hexa8]));
 }
 
-/// A clamp: the mesh without the elements between its arms.
+/// Mesh of a clamp, without the elements between its arms.
 fn clamp<const D: usize>(kind: ElementKind) -> ElementMesh<D> {
     let (mut counts, mut high) = ([1; D], [H; D]);
     (counts[0], counts[1]) = (10, 5);
@@ -284,7 +284,7 @@ fn clamp<const D: usize>(kind: ElementKind) -> ElementMesh<D> {
     mesh
 }
 
-/// A clamp of which the arms run towards each other.
+/// Clamp whose arms move towards each other.
 fn closing<const D: usize>(space: impl Embedding<D>, kind: ElementKind, itself: bool) -> Fem<D> {
     let mut fem = Fem::new(space);
     let speed = |x: [f64; D]| {
@@ -300,7 +300,7 @@ fn closing<const D: usize>(space: impl Embedding<D>, kind: ElementKind, itself: 
     fem
 }
 
-/// The least distance of nodes that faced each other across the slot, H.
+/// Least distance of opposite nodes across the slot, H.
 fn slot<const D: usize>(fem: &Fem<D>) -> f64 {
     let (rest, nodes) = (&fem.body(0).mesh().nodes, fem.body(0).nodes());
     let mut least = f64::INFINITY;
@@ -342,7 +342,7 @@ fn a_clamp_closes_on_itself() {
     closes(FullSpace, Hexa8);
 }
 
-/// Three blocks on each other on a slab that is held.
+/// Stack of three blocks on a fixed slab.
 fn stack(subcycles: u32) -> Fem<2> {
     let mut fem = Fem::new(PlaneStrain);
     for (n, (low, high, counts)) in [
@@ -364,7 +364,7 @@ fn stack(subcycles: u32) -> Fem<2> {
     fem
 }
 
-/// It swings in the sudden gravity, and has never more energy than that gave.
+/// The stack oscillates in suddenly applied gravity, without a gain of energy.
 #[test]
 fn a_stack_gains_no_energy() {
     for subcycles in [1, 4] {
@@ -382,7 +382,7 @@ fn a_stack_gains_no_energy() {
         assert!(most[1] < most[0], "{most:?}");
         assert!(account.energy_error() < 1e-3 && account.energy_error() > -0.02, "{account:?}");
         assert!(exchange.impacts > 0.0 && exchange.friction >= 0.0);
-        // Nothing fell off.
+        // No block fell off.
         for (body, height) in [(1, 2.0), (2, 4.0), (3, 5.5)] {
             let nodes = fem.body(body).nodes();
             let middle = nodes.iter().map(|n| n.position[1]).sum::<f64>() / nodes.len() as f64;
@@ -391,7 +391,7 @@ fn a_stack_gains_no_energy() {
     }
 }
 
-/// A tool that is moved, all of it, presses a block: what moves by its condition alone yields to nothing.
+/// Fully prescribed tool that presses a block: prescribed nodes do not yield to contact.
 #[test]
 fn what_is_prescribed_does_not_yield() {
     let mut fem = Fem::new(PlaneStrain);
@@ -410,13 +410,13 @@ fn what_is_prescribed_does_not_yield() {
     println!("pressed to {:.5} H, work {:.4e}, {:.2e}", tops / H, account.work, account.energy_error());
     assert!((tops - (4.0 * H - end)).abs() < 1e-3 * H, "{tops}");
     assert!(account.work > 0.0 && account.energy_error().abs() < 2e-3, "{account:?}");
-    // Its own nodes are where they were told to be.
+    // The nodes of the tool follow their prescribed motion.
     for (node, rest) in fem.body(1).nodes().iter().zip(&fem.body(1).mesh().nodes) {
         assert!((node.position[1] - rest[1] + end).abs() < 1e-12);
     }
 }
 
-/// A bar of elements falls across an edge: bars meet facets.
+/// Row of bars that falls on a block: contact of bars with facets.
 #[test]
 fn bars_meet_facets_half_their_thickness_away() {
     let mut fem = Fem::new(PlaneStrain);
@@ -453,7 +453,7 @@ fn what_cannot_touch_is_refused() {
     refused(alone.touch_itself(0));
 }
 
-/// Laws of pairs: the lower two are glued, the upper one slides.
+/// Contact laws of pairs: the lower two blocks stick, the upper one slides.
 #[test]
 fn pairs_have_laws_of_their_own() {
     let mut fem = Fem::new(PlaneStrain);
@@ -469,7 +469,7 @@ fn pairs_have_laws_of_their_own() {
     assert!((speeds[0] - speeds[1]).abs() < 0.2 && (speeds[2] - 2.0).abs() < 0.05, "{speeds:?}");
 }
 
-/// A shot of bricks through a plate, both of which erode: surfaces change, and contact goes on.
+/// Projectile of bricks through a plate, both with erosion: surfaces change, and contact continues.
 fn shot() -> Fem<3> {
     let mut fem = Fem::new(FullSpace);
     let erosion = || Erosion::plastic_strain(0.5).or(fem::Criterion::Volume(0.2));
@@ -504,7 +504,7 @@ fn surfaces_go_on_where_elements_leave() {
     assert!(account.energy_error().abs() < 0.02, "{account:?}");
 }
 
-/// Balls around the axis.
+/// Axisymmetric ball on a plate.
 fn round() -> Fem<2> {
     let mut fem = Fem::new(Axisymmetric);
     let law = || flowing(7850.0, 200e9, 0.3, 300e6);
@@ -517,14 +517,14 @@ fn round() -> Fem<2> {
     fem
 }
 
-/// Two halves of the clamp that tear each other in one step.
+/// Oblique contact with a time step at which the run breaks.
 fn torn() -> Fem<2> {
     let mut fem = aslant(PlaneStrain, [Quad4, Quad4]);
     fem.set_time_control(TimeControl::Fixed(5e-4)).unwrap();
     fem
 }
 
-/// All that may depend on threads or be lost in a checkpoint: friction, steps of several lengths, bodies that touch themselves.
+/// Scene with all that may depend on threads or be lost in a checkpoint: friction, subcycling, self-contact.
 fn heap() -> Fem<2> {
     let mut fem = stack(2);
     fem.add(MeshBody::new("clamp", falling_clamp(), rubber(4e6)).moving(|x| [2e3 * x[1], -3.0])).unwrap();

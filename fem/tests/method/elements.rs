@@ -1,4 +1,4 @@
-//! One element, and patches of them.
+//! Single elements, and patch tests.
 
 use fem::{Fem, Hourglass, MeshBody, Technology};
 use impactite_geometry::ElementKind::{self, Bar2, Hexa8, Quad4, Tetra4, Triangle3};
@@ -11,7 +11,7 @@ use crate::common::{distorted, elastic, mesh};
 const SPRINGS: Technology = Technology::OnePoint(Hourglass::Stiffness(0.05));
 const DASHPOTS: Technology = Technology::OnePoint(Hourglass::Viscous(0.1));
 
-/// A scene of one elastic body.
+/// Scene of one elastic body.
 fn scene<const D: usize, E: Embedding<D>>(
     space: E,
     mesh: ElementMesh<D>,
@@ -25,7 +25,7 @@ fn scene<const D: usize, E: Embedding<D>>(
     fem
 }
 
-/// The stiffness of the mesh by differences of forces.
+/// Stiffness matrix of a mesh by finite differences of the forces.
 fn stiffness<const D: usize, E: Embedding<D>>(
     space: E,
     mesh: &ElementMesh<D>,
@@ -77,7 +77,7 @@ fn eigenvalues_of_the_unit_square_are_those_of_the_literature() {
         for (value, wanted) in values.iter().zip(&expected) {
             assert!((value - wanted).abs() < 1e-6, "{technology:?}: {values:?}");
         }
-        // Row sums: a quarter of the mass at every corner.
+        // Row-sum lumping: a quarter of the mass at every corner.
         let largest = (4.0 * values[7]).sqrt();
         assert!((largest - 2.7735).abs() < 1e-4, "{largest}");
     }
@@ -117,7 +117,7 @@ fn hexa(edges: [f64; 3]) -> ElementMesh<3> {
     mesh(Hexa8, [0.0; 3], edges, [1; 3])
 }
 
-/// A linear motion strains distorted elements alike, and forces balance at the nodes inside, to rounding.
+/// Patch test: a linear motion gives distorted elements equal strains, and forces balance at the inner nodes, to rounding.
 fn patch<const D: usize, E: Embedding<D>>(
     space: E,
     mesh: &ElementMesh<D>,
@@ -146,7 +146,7 @@ fn patch<const D: usize, E: Embedding<D>>(
     let most = (0..mesh.nodes.len()).map(force).fold(0.0, f64::max);
     let mut inside = 0;
     for n in (0..mesh.nodes.len()).filter(|n| !outside.contains(&(*n as u32))) {
-        // Around an axis hoop and radial stress differ unless the motion is u_r = a r.
+        // Around an axis, hoop and radial stress differ unless u_r = a r.
         assert!(force(n) < 1e-12 * most, "{technology:?}: {} of {most}", force(n));
         inside += 1;
     }
@@ -196,7 +196,7 @@ fn patches_of_every_kind_pass() {
 
 #[test]
 fn bars_feel_stress_along_them_alone_and_poisson_across() {
-    // In space, along a diagonal, pulled by 1 %.
+    // Bar along a diagonal in space, stretched by 1 %.
     let mesh = ElementMesh {
         nodes: vec![[0.0; 3], [1.0, 2.0, 2.0]],
         blocks: vec![impactite_geometry::ElementBlock { name: String::new(), kind: Bar2, nodes: vec![0, 1] }],
@@ -206,7 +206,7 @@ fn bars_feel_stress_along_them_alone_and_poisson_across() {
     fem.trial(1.0).unwrap().finish().unwrap();
     let point = &fem.body(0).points()[0];
     let strain = 2.0 * 0.01 / 2.01;
-    // The Kirchhoff stress follows the strain.
+    // The Kirchhoff stress is linear in the strain.
     let ratio = point.volume / 3.0;
     assert!((point.stress[0] * ratio - strain).abs() < 1e-9, "{:?}", point.stress);
     assert!(point.stress[1].abs() < 1e-9 && point.stress[2].abs() < 1e-9);
@@ -218,7 +218,7 @@ fn bars_feel_stress_along_them_alone_and_poisson_across() {
     }
 }
 
-/// The rotation by a tenth of a radian about an axis askew, or in the plane, less the identity.
+/// Displacement of a rotation by a tenth of a radian about an oblique axis, or in the plane.
 fn turned<const D: usize>(x: [f64; D]) -> [f64; D] {
     let mut wide = [0.0; 3];
     wide[..D].copy_from_slice(&x);

@@ -1,4 +1,4 @@
-//! Elements that turn inside out, and elements that leave.
+//! Inverted elements, and erosion.
 
 use fem::{Criterion, Erosion, Fem, MeshBody, Technology};
 use impactite_geometry::ElementKind::{Hexa8, Quad4};
@@ -7,7 +7,7 @@ use mpm_materials::{Moduli, NeoHookean};
 
 use crate::common::{elastic, flowing, mesh};
 
-/// A soft bar that a fast wall crushes.
+/// Soft bar that a fast wall crushes.
 fn crushed(erosion: Erosion) -> Fem<2> {
     let mut fem = Fem::new(PlaneStrain);
     let bar = mesh(Quad4, [0.0; 2], [4e-3, 8e-3], [4, 8]);
@@ -35,7 +35,7 @@ fn an_inverted_element_stops_the_run_and_says_what_to_do() {
     assert!(fem.step_at_most(1.0).is_err());
 }
 
-/// A law that never gives way: the element gets flat, and the step short without end.
+/// Law without failure: the element flattens, and the stable time step vanishes.
 #[test]
 fn a_step_that_shrinks_to_nothing_stops_the_run_and_says_what_to_do() {
     let rubber = NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).unwrap()).unwrap();
@@ -58,13 +58,13 @@ fn crushed_elements_leave_where_they_may_and_the_books_close() {
     fem.run_until(4e-5).unwrap();
     let (end, eroded) = (fem.totals(), fem.body(0).eroded());
     assert!(eroded.elements >= 4, "{eroded:?}");
-    // Mass and momentum stay, the energy that went is booked.
+    // Mass and momentum are conserved, and the lost energy is booked.
     assert_eq!(start.mass, end.mass);
     assert!((fem.exchange().conversion + eroded.energy).abs() <= 1e-12 * eroded.energy.abs());
     let account = fem.account();
     assert!(account.missing() < 1e-12 * account.momentum_scale, "{account:?}");
     assert!(account.energy_error().abs() < 0.05, "{account:?}");
-    // Points are the elements that are left, and nodes with what the others weighed.
+    // Points are the remaining elements, and the nodes with the mass of eroded elements.
     let points = fem.body(0).points();
     let elements = points.iter().filter(|p| p.number < 32).count();
     assert_eq!(elements as u64, 32 - eroded.elements);
@@ -75,7 +75,7 @@ fn crushed_elements_leave_where_they_may_and_the_books_close() {
 
 #[test]
 fn surfaces_follow_and_free_nodes_fly_on() {
-    // The middle third of a bar is pulled until it leaves.
+    // The middle third of a bar is stretched until it erodes.
     let mut fem = Fem::new(FullSpace);
     let bar = mesh(Hexa8, [0.0; 3], [6e-3, 2e-3, 2e-3], [6, 2, 2]);
     let body = MeshBody::new("bar", bar, flowing(8930.0, 117e9, 0.35, 100e6)).with(Hexa8, Technology::Full);
@@ -101,10 +101,10 @@ fn surfaces_follow_and_free_nodes_fly_on() {
     assert!(eroded.elements >= 8 && eroded.elements < 24, "{eroded:?}");
     assert!(fem.body(0).surface_revision() > 0);
     assert_ne!(fem.body(0).surface().len(), facets);
-    // Facets belong to elements that are there.
+    // Facets belong to remaining elements.
     let there: Vec<usize> = fem.body(0).points().iter().map(|p| p.number).collect();
     assert!(fem.body(0).surface().iter().all(|f| there.contains(&(f.element as usize))));
-    // A node in the middle that no element holds any more keeps its velocity.
+    // A node in the middle without elements keeps its velocity.
     let free = (0..fem.body(0).nodes().len()).find(|&n| fem.body(0).force(n) == [0.0; 3]);
     let free = free.expect("a free node");
     let velocity = fem.body(0).nodes()[free].velocity;

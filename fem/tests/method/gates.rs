@@ -1,4 +1,4 @@
-//! Closed solutions: `A` to `I` are the problems that all methods are measured by.
+//! Closed-form solutions: problems `A` to `I`, common to all methods.
 
 use fem::{Fem, Hourglass, MeshBody, Technology};
 use impactite_geometry::ElementKind::{self, Bar2, Hexa8, Quad4, Tetra4, Triangle3};
@@ -8,8 +8,8 @@ use crate::common::{ball, copper_fluid, elastic, flowing, mesh, off};
 
 const SPRINGS: Technology = Technology::OnePoint(Hourglass::Stiffness(0.05));
 
-/// A: a bar runs onto a rigid wall. Returns mean stress behind the front, time of contact, rebound speed and the part of the
-/// energy that stays.
+/// Problem A: impact of a bar on a rigid wall. Returns mean stress behind the front, contact time, rebound speed and the remaining part of
+/// the energy.
 fn bar_on_wall<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, elements: usize) -> [f64; 4] {
     let (length, speed) = (0.2, 10.0);
     let mut high = [length / elements as f64; D];
@@ -20,7 +20,7 @@ fn bar_on_wall<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, ele
     fem.add(body.moving(move |_| std::array::from_fn(|d| if d == 0 { -speed } else { 0.0 }))).unwrap();
     fem.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 }).unwrap();
     let start = fem.totals();
-    // The front is beyond three quarters of the bar.
+    // The wave front is beyond three quarters of the bar.
     fem.run_until(32e-6).unwrap();
     let points = fem.body(0).points();
     let behind: Vec<_> = points.iter().filter(|p| p.position[0] < 0.5 * length).collect();
@@ -36,7 +36,7 @@ fn bar_on_wall<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, ele
         last = impulse;
     }
     let end = fem.totals();
-    // The law is in rate form: what it says of its energy is off by its strain, 0.2 %.
+    // The law is in rate form: its energy has an error of the order of its strain, 0.2 %.
     assert!(fem.account().energy_error().abs() < 2e-3, "{:?}", fem.account());
     assert!(fem.account().missing() < 1e-12 * start.momentum_scale);
     [
@@ -49,7 +49,7 @@ fn bar_on_wall<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, ele
 
 #[test]
 fn a_bar_rebounds_from_a_wall() {
-    // Simplices keep more in waves across themselves.
+    // Simplices retain more energy in transverse waves.
     let cases = [
         (bar_on_wall(Line, Bar2, 100), 0.01, 0.02),
         (bar_on_wall(PlaneStrain, Quad4, 100), 0.01, 0.02),
@@ -70,7 +70,7 @@ fn a_bar_rebounds_from_a_wall() {
     }
 }
 
-/// C: the lowest frequency of a cantilever, from half a swing of its first mode.
+/// Problem C: lowest frequency of a cantilever, from half a period of its first mode.
 pub fn beam_frequency(
     kind: ElementKind,
     technology: Technology,
@@ -79,7 +79,7 @@ pub fn beam_frequency(
     guess: f64,
 ) -> f64 {
     let (length, height) = (0.2, 0.02);
-    // Euler and Bernoulli's first mode, with the motion of sections that turn.
+    // First Euler-Bernoulli mode, with the rotation of sections.
     let mode = move |x: [f64; 2]| {
         let (k, s) = (1.875_104_068_7 / length, 0.734_095_514_0);
         let (a, y) = (k * x[0], x[1] - 0.5 * height);
@@ -93,7 +93,7 @@ pub fn beam_frequency(
     let body = MeshBody::new("beam", beam, elastic(1000.0, 2e6, poisson)).with(kind, technology);
     fem.add(body.moving(mode)).unwrap();
     fem.prescribe(0, "low x", std::sync::Arc::new(|_| [Some(0.0); 3])).unwrap();
-    // The part of the mode in the displacement.
+    // Modal amplitude of the displacement.
     let part = |fem: &Fem<2>| -> f64 {
         let one = |(n, x): (&fem::Node<2>, &[f64; 2])| {
             let shape = mode(*x);
@@ -124,7 +124,7 @@ fn c_beam_swings_as_it_should() {
         (Technology::MeanDilatation, [80, 8], 0.01),
         (SPRINGS, [40, 4], 0.035),
         (SPRINGS, [80, 8], 0.01),
-        // Springs as stiff as bending wants them, for squares.
+        // Spring coefficient that gives squares their exact bending stiffness.
         (Technology::OnePoint(Hourglass::Stiffness(0.45)), [40, 4], 0.01),
     ] {
         let found = beam_frequency(Quad4, technology, counts, 0.3975, f);
@@ -133,7 +133,7 @@ fn c_beam_swings_as_it_should() {
     }
 }
 
-/// A strip or rod of elements along x that runs against a plane of symmetry: half of a symmetric impact.
+/// Impact of a strip or rod of elements along x on a plane of symmetry: half of a symmetric impact.
 fn plate<L: mpm_materials::IntoMaterial<f64>>(law: L, speed: f64, elements: usize, length: f64) -> Fem<2> {
     let h = length / elements as f64;
     let mut fem = Fem::new(PlaneStrain);
@@ -145,7 +145,7 @@ fn plate<L: mpm_materials::IntoMaterial<f64>>(law: L, speed: f64, elements: usiz
     fem
 }
 
-/// Where along x a number of the points falls through `level`, m.
+/// Position along x at which a quantity of the points falls through `level`, m.
 fn front(
     points: &[impactite_scene::PointView],
     of: impl Fn(&impactite_scene::PointView) -> f64,
@@ -166,7 +166,7 @@ fn d_shock_of_a_symmetric_impact() {
     let first = front(&fem.body(0).points(), pressure, 4.8e9);
     fem.run_until(late).unwrap();
     let points = fem.body(0).points();
-    // The shock runs with U - u from the plane.
+    // The shock moves away from the plane at U - u.
     let shock = (front(&points, pressure, 4.8e9) - first) / (late - early) + 250.0;
     let behind = &points[50..90];
     let mean = |of: &dyn Fn(&impactite_scene::PointView) -> f64| {
@@ -203,7 +203,7 @@ fn e_elastic_and_plastic_wave() {
     fem.run_until(late).unwrap();
     let second = at(&fem);
     let points = fem.body(0).points();
-    // Fronts run in matter that moves: elastic into what comes with 50 m/s, plastic into what comes with 50 - 21.16.
+    // Fronts move in moving matter: the elastic one in matter at 50 m/s, the plastic one in matter at 50 - 21.16.
     let elastic = (second[0] - first[0]) / (late - early) + 50.0;
     let plastic = (second[1] - first[1]) / (late - early) + 50.0 - 21.16;
     let between: Vec<f64> = points
@@ -230,7 +230,7 @@ fn f_ring_stops_where_its_work_is_done() {
     for (density, strength, speed, wanted, when) in
         [(8930.0, 400e6, 100.0, 22.362e-3, 48.13e-6), (2700.0, 300e6, 200.0, 23.944e-3, 40.65e-6)]
     {
-        // Nearly rigid before it flows, and thin.
+        // Nearly rigid before yield, and thin.
         let (edge, r0) = (0.2e-3, 20e-3);
         let ring = mesh(Quad4, [r0 - 0.5 * edge, 0.0], [r0 + 0.5 * edge, edge], [2, 2]);
         let mut fem = Fem::new(Axisymmetric);

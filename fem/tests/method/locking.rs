@@ -1,4 +1,4 @@
-//! Nearly incompressible matter, and what one point of integration does not see.
+//! Volumetric locking and hourglass modes.
 
 use fem::{Fem, Hourglass, MeshBody, Technology};
 use impactite_geometry::ElementKind::{self, Hexa8, Quad4, Tetra4, Triangle3};
@@ -10,7 +10,7 @@ use crate::gates::beam_frequency;
 
 const SPRINGS: Technology = Technology::OnePoint(Hourglass::Stiffness(0.05));
 
-/// The frequency of the beam of gate C scales with sqrt(E / (1 - nu^2)) (Euler and Bernoulli): 3.9210 Hz at nu = 0.3975.
+/// Frequency of the beam of problem C: proportional to sqrt(E / (1 - nu^2)) (Euler and Bernoulli), 3.9210 Hz at nu = 0.3975.
 #[test]
 fn beams_that_keep_their_volume_do_not_lock() {
     for (kind, technology, counts, nu, most) in [
@@ -28,7 +28,7 @@ fn beams_that_keep_their_volume_do_not_lock() {
     }
 }
 
-/// How many motions of a cube of 2 x 2 x 2 boxes change volumes, at nu = 0.49999: those that are stiff.
+/// Number of stiff (volume-changing) modes of a cube of 2 x 2 x 2 boxes at nu = 0.49999.
 fn constraints(kind: ElementKind, technology: Technology) -> usize {
     let cube = mesh(kind, [0.0; 3], [2.0; 3], [2; 3]);
     let n = cube.nodes.len() * 3;
@@ -63,11 +63,11 @@ fn volumes_hold_no_more_motions_than_there_are_elements_or_nodes() {
     ];
     println!("stiff motions of 81: {counts:?}");
     assert!(counts[0] <= 8 && counts[1] <= 8 && counts[2] <= 27, "{counts:?}");
-    // Those that lock: more than a third of all.
+    // Locking elements: more than a third of all modes are stiff.
     assert!(counts[3] > 27 && counts[4] > 27, "{counts:?}");
 }
 
-/// A plate with a load on one node: elements around it fold.
+/// Plate with a load on one node, which excites hourglass modes.
 fn point_load(hourglass: Hourglass) -> (f64, f64, Vec<String>) {
     let mut fem = Fem::new(PlaneStrain);
     let plate = mesh(Quad4, [0.0; 2], [10.0, 5.0], [20, 10]);

@@ -1,4 +1,4 @@
-//! Finite elements against closed solutions, plain references, and what every solver must do.
+//! Tests of finite elements: closed-form solutions, plain reference implementations, solver conformance.
 
 mod common;
 mod contact;

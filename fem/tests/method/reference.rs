@@ -1,5 +1,5 @@
-//! The method once more, plainly: shape functions in their usual form, Gauss points, a loop over elements, one point of the law at a time.
-//! Never made fast.
+//! Plain reference implementation: shape functions in their usual form, Gauss points, a loop over elements, one point of the law at a time.
+//! Never optimised.
 
 use std::marker::PhantomData;
 
@@ -20,7 +20,7 @@ fn corner(c: usize) -> [f64; 3] {
     [[-1.0, 1.0, 1.0, -1.0][c % 4], [-1.0, -1.0, 1.0, 1.0][c % 4], if c < 4 { -1.0 } else { 1.0 }]
 }
 
-/// A point of integration: gradients of the shape functions, what they give to u_r / r, and the volume.
+/// Integration point: gradients of the shape functions, their contributions to u_r / r, and the volume.
 #[derive(Clone)]
 struct Point<const D: usize> {
     slopes: Vec<[f64; D]>,
@@ -38,7 +38,7 @@ fn gauss<const D: usize>(x: &[[f64; D]], hoop: bool) -> Vec<Point<D>> {
     places.map(|xi| at(x, hoop, xi, 1.0)).collect()
 }
 
-/// One of them, at xi with the weight.
+/// Integration point at xi with the weight.
 fn at<const D: usize>(x: &[[f64; D]], hoop: bool, xi: [f64; 3], weight: f64) -> Point<D> {
     let n = x.len();
     let (mut shape, mut local) = (vec![0.0; n], vec![[0.0; 3]; n]);
@@ -70,7 +70,7 @@ fn at<const D: usize>(x: &[[f64; D]], hoop: bool, xi: [f64; 3], weight: f64) -> 
     Point { slopes, hoops, volume: weight * jacobian.determinant() * if hoop { radius } else { 1.0 } }
 }
 
-/// The mean over the element.
+/// Mean gradient over the element, as one point.
 fn mean<const D: usize>(points: &[Point<D>]) -> Vec<Point<D>> {
     let volume: f64 = points.iter().map(|p| p.volume).sum();
     let n = points[0].hoops.len();
@@ -80,7 +80,7 @@ fn mean<const D: usize>(points: &[Point<D>]) -> Vec<Point<D>> {
     vec![Point { slopes, hoops, volume }]
 }
 
-/// gamma of the hourglass modes at the corners, as printed by Flanagan and Belytschko.
+/// gamma of the hourglass modes at the corners, original formulation of Flanagan and Belytschko.
 fn gammas<const D: usize>(x: &[[f64; D]], point: &Point<D>) -> Vec<Vec<f64>> {
     let n = x.len();
     let products: &[&[usize]] = if D == 2 { &[&[0, 1]] } else { &[&[1, 2], &[2, 0], &[0, 1], &[0, 1, 2]] };
@@ -208,7 +208,7 @@ impl<const D: usize, E: Embedding<D>> Plain<D, E> {
         }
     }
 
-    /// Numbers of the elements to their nodes, by mass, and back.
+    /// Average element values at the nodes, weighted by mass, and then over the nodes of each element.
     fn averaged(&self, list: &[Vec<u32>], of: &[f64]) -> Vec<f64> {
         let (mut sum, mut weight) = (vec![0.0; self.x.len()], vec![0.0; self.x.len()]);
         for (e, nodes) in list.iter().enumerate() {
@@ -223,7 +223,7 @@ impl<const D: usize, E: Embedding<D>> Plain<D, E> {
         list.iter().map(mean).collect()
     }
 
-    /// Stresses of an element after a step.
+    /// Update the stresses of an element over a step.
     fn strain(&mut self, e: usize, nodes: &[u32], dt: f64, rate: Option<f64>) -> Vec<Matrix3<f64>> {
         let middle = self.corners(nodes, 0.5 * dt);
         let points = self.points(&middle);
@@ -269,7 +269,7 @@ impl<const D: usize, E: Embedding<D>> Plain<D, E> {
         stresses
     }
 
-    /// Springs on the hourglass modes.
+    /// Hourglass control.
     fn hold(
         &mut self,
         e: usize,
@@ -281,7 +281,7 @@ impl<const D: usize, E: Embedding<D>> Plain<D, E> {
     ) {
         let shear = mpm_materials::Moduli::young_poisson(117e9, 0.35).unwrap().shear;
         let square: f64 = point.slopes.iter().flatten().map(|b| b * b).sum();
-        // kappa G V sum B^2 of a mode of unit corners, whose gamma has the length of one over the root of their number.
+        // kappa G V sum B^2 times the number of corners, since gamma has the length of one over its root.
         let mut stiffness = KAPPA * shear * point.volume * square * x.len() as f64;
         let mut keep = 1.0;
         if let Technology::OnePoint(Hourglass::Viscous(kappa)) = self.technology {
@@ -301,7 +301,7 @@ impl<const D: usize, E: Embedding<D>> Plain<D, E> {
         }
     }
 
-    /// Forces of an element.
+    /// Assemble the internal forces of an element.
     fn pull(&mut self, e: usize, nodes: &[u32], stresses: &[Matrix3<f64>], pressure: Option<f64>) {
         let corners = self.corners(nodes, 0.0);
         let points = self.points(&corners);
@@ -339,10 +339,10 @@ impl<const D: usize, E: Embedding<D>> Plain<D, E> {
     }
 }
 
-/// Both, through steps in which a body turns, flows and swings.
+/// Compare both codes over steps in which a body rotates, yields and oscillates.
 fn compare<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, technology: Technology) {
     let law = flowing(8930.0, 117e9, 0.35, 200e6);
-    // More than a batch, and not whole octets.
+    // More than one batch, and not whole octets.
     let counts: [usize; D] = std::array::from_fn(|d| if D == 2 { [11, 7][d] } else { [5, 4, 3][d] });
     let high = counts.map(|n| n as f64 * 1e-3);
     let mesh = distorted(mesh(kind, [0.0; D], high, counts), 0.2, 1e-3);
@@ -387,7 +387,7 @@ fn compare<const D: usize, E: Embedding<D>>(space: E, kind: ElementKind, technol
         flowed += usize::from(state.strength.plastic_strain > 0.0);
     }
     assert!(flowed > 10, "{flowed}");
-    // The shear modulus in the springs is found by straining a point.
+    // The shear modulus of the springs is found by straining a point.
     let within = if matches!(technology, Technology::OnePoint(_)) { 1e-7 } else { 1e-9 };
     for k in 0..3 {
         assert!(off[k] < within * most[k], "{} {kind:?} {technology:?}: {off:?} of {most:?}", E::NAME);

@@ -1,4 +1,4 @@
-//! The solver is a solver.
+//! Solver conformance of finite elements.
 
 use fem::{Criterion, Erosion, Fem, MeshBody, Technology};
 use impactite_geometry::ElementKind::{Bar2, Hexa8, Quad4, Tetra4, Triangle3};
@@ -15,7 +15,7 @@ fn wall<const D: usize>(fem: &mut Fem<D>, axis: usize) {
     fem.bound(Boundary::Wall { axis, at: 0.0, side: Side::Above, velocity: 0.0 }).unwrap();
 }
 
-/// A copper block that spins onto a rough wall under a body force.
+/// Spinning copper block that hits a rough wall under a body force.
 fn plane() -> Fem<2> {
     let mut fem = Fem::new(PlaneStrain);
     let block = distorted(mesh(Quad4, [0.0, 0.2 * H], [6.0 * H, 4.2 * H], [6, 4]), 0.2, H);
@@ -28,7 +28,7 @@ fn plane() -> Fem<2> {
     fem
 }
 
-/// Bricks of two bodies, one of which makes a step for four of the other.
+/// Two bodies of bricks, one of them subcycled by four.
 fn bricks() -> Fem<3> {
     let mut fem = Fem::new(FullSpace);
     let fine = mesh(Hexa8, [0.0; 3], [H; 3], [4; 3]);
@@ -41,7 +41,7 @@ fn bricks() -> Fem<3> {
     fem
 }
 
-/// Bricks in full integration, some of which leave.
+/// Bricks with full integration and erosion.
 fn full() -> Fem<3> {
     let mut fem = Fem::new(FullSpace);
     let bar = mesh(Hexa8, [0.0; 3], [2.0 * H, 2.0 * H, 8.0 * H], [2, 2, 8]);
@@ -63,7 +63,7 @@ fn tetrahedra() -> Fem<3> {
     fem
 }
 
-/// A bar around its axis, of quadrilaterals and triangles.
+/// Axisymmetric bar of quadrilaterals and triangles.
 fn round() -> Fem<2> {
     let mut fem = Fem::new(Axisymmetric);
     let mut bar = mesh(Quad4, [0.0; 2], [3.0 * H, 12.0 * H], [3, 12]);
@@ -91,7 +91,7 @@ fn bars() -> Fem<1> {
     fem
 }
 
-/// Two halves that fly through each other in one step.
+/// Body whose halves fly through each other in one step, which breaks the run.
 fn torn() -> Fem<2> {
     let mut fem = Fem::new(PlaneStrain);
     let speed = |[x, _]: [f64; 2]| [if x < 2.5 * H { 4.0e3 } else { -4.0e3 }, 0.0];

@@ -1,4 +1,4 @@
-//! The step: orders, parts, subcycles, conditions.
+//! Time step: order of convergence, parts, subcycling, conditions.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use mpm_materials::{Moduli, NeoHookean};
 
 use crate::common::{elastic, flowing, mesh};
 
-/// A block of rubber that swings and spins; the largest error of its energy over that of the start.
+/// Largest relative energy error of an oscillating and spinning block of rubber.
 fn energy_error(kind: impactite_geometry::ElementKind, technology: Technology, factor: f64) -> f64 {
     let law = NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).unwrap()).unwrap();
     let mut fem = Fem::new(PlaneStrain);
@@ -21,7 +21,7 @@ fn energy_error(kind: impactite_geometry::ElementKind, technology: Technology, f
             .moving(spin),
     )
     .unwrap();
-    // Steps of one size: what changes them changes the energy that is conserved.
+    // Constant step: a change of the step changes the conserved energy.
     let dt = factor * fem.next_time_step();
     fem.set_time_control(TimeControl::Fixed(dt)).unwrap();
     let mut worst = 0.0f64;
@@ -46,7 +46,7 @@ fn books_of_elastic_bodies_close_with_the_square_of_the_step() {
     }
 }
 
-/// Two cubes, one of large elements: momentum, and where their middles come to.
+/// Two cubes, one with large elements: end state, and initial momentum.
 fn two(most: u32) -> (Fem<3>, [f64; 3]) {
     let mut fem = Fem::new(FullSpace);
     let steel = || flowing(7850.0, 206e9, 0.3, 400e6);
@@ -77,14 +77,14 @@ fn subcycling_keeps_momentum_and_hardly_changes_the_motion() {
         (0..3).map(|d| (a.position[d] - b.position[d]).abs()).fold(0.0, f64::max)
     };
     let most = a.iter().zip(b).map(apart).fold(0.0, f64::max);
-    // Of a way of 0.2 mm and more.
+    // The displacement is 0.2 mm or more.
     println!("subcycling: nodes are {most:e} m apart");
     assert!(most > 0.0 && most < 2e-5, "{most}");
 }
 
 #[test]
 fn bits_are_the_same_for_any_number_of_threads() {
-    // More elements than one thread is taken for, of all passes, some of which leave.
+    // More elements than the limit for one thread, all passes, and erosion.
     let run = |threads: usize| {
         let steel = || flowing(7850.0, 206e9, 0.3, 200e6);
         let swing = |x: [f64; 3]| [200.0 * (700.0 * x[1]).sin(), 100.0 * (900.0 * x[2]).cos(), -100.0];
@@ -138,7 +138,7 @@ fn absorbing_planes_let_waves_out() {
     let (young, density, n) = (1e9_f64, 1000.0, 100);
     let mut fem = Fem::new(PlaneStrain);
     let h = 1.0 / n as f64;
-    // A pulse that runs to the right.
+    // Pulse that travels to the right.
     let pulse = |x: [f64; 2]| {
         [
             if x[0] > 0.3 && x[0] < 0.5 {
@@ -211,7 +211,7 @@ fn bodies_under_initial_stress_rest_where_it_is_in_equilibrium() {
                 .with(kind, technology),
         )
         .unwrap();
-        // A column under its own weight, on rollers.
+        // Column under its own weight, on rollers.
         let weight = 1e-3;
         fem.set_states::<LinearElastic<f64>>(0, |x, mut state| {
             let down = -weight * (1.0 - x[1]);
@@ -231,7 +231,7 @@ fn bodies_under_initial_stress_rest_where_it_is_in_equilibrium() {
             .zip(&fem.body(0).mesh().nodes)
             .map(|(n, x)| (n.position[1] - x[1]).abs())
             .fold(0.0, f64::max);
-        // Without it the top would go down by some weight/2 = 5e-4.
+        // Without initial stresses the top would move down by about weight/2 = 5e-4.
         assert!(moved < if kind == Quad4 { 1e-12 } else { 5e-5 }, "{technology:?}: {moved}");
         let nan = |_, mut state: <LinearElastic<f64> as Constitutive<f64>>::State<f64>| {
             state.volume_ratio = f64::NAN;
@@ -267,7 +267,7 @@ fn frames_for_paraview_hold_elements() {
             && text.contains("Name=\"types\"")
     );
     assert!(text.contains("<CellData>") && text.contains("Name=\"von_mises\""));
-    // A picture shows them as wide as they are.
+    // Pictures draw points at their true width.
     assert!((snapshot.size_of(0) - (1.0f64 / 12.0).cbrt()).abs() < 1e-12);
 }
 

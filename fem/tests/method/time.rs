@@ -1,4 +1,4 @@
-//! Velocities and positions of one time, and damping and hourglass energy of impacts that are right.
+//! Synchronous velocities and positions, damping, and hourglass energy of proper impacts.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use impactite_scene::{PlaneStrain, Solver};
 
 use crate::common::{elastic, mesh};
 
-/// A block that is thrown upwards: y = v t + a t^2 / 2, v + a t, with steps that differ by a factor of up to 5.
+/// Vertical throw of a block: y = v t + a t^2 / 2, v + a t, with steps that differ by a factor of up to 5.
 #[test]
 fn constant_acceleration_is_exact_with_steps_of_any_size() {
     let (start, a) = (3.0, -9.81);
@@ -36,7 +36,7 @@ fn constant_acceleration_is_exact_with_steps_of_any_size() {
     assert!(fem.account().energy_error().abs() < 1e-12, "{:?}", fem.account());
 }
 
-/// A square that falls flat on a wall and comes back: the energy that is left in hourglass forces is a small part of that of the impact.
+/// Flat impact of a square on a wall: the remaining hourglass energy is a small part of the impact energy.
 #[test]
 fn an_impact_that_is_right_is_not_warned_of() {
     let mut fem = Fem::new(PlaneStrain);
@@ -49,7 +49,7 @@ fn an_impact_that_is_right_is_not_warned_of() {
     assert!(fem.warnings().is_empty(), "{:?}", fem.warnings());
 }
 
-/// A block that is damped comes to rest on a wall with the stress of its weight, and what damping took is booked.
+/// Damped block that comes to rest on a wall with the stress of its weight; the energy removed by damping is booked.
 #[test]
 fn a_damped_block_rests_with_the_stress_of_its_weight() {
     let mut fem = Fem::new(PlaneStrain);

@@ -1,4 +1,4 @@
-//! What a body fills: a convex domain.
+//! Convex domain of a body.
 
 use impactite_geometry::{Bounds, Polygon};
 
@@ -6,7 +6,7 @@ use super::error::{CellsError, parameter};
 use super::polytope::{Beyond, Polytope};
 use crate::vector::{difference, norm};
 
-/// A bounded convex domain of flat sides, in the plane or in space. Its cells end at the sides.
+/// Bounded convex domain with flat sides, in the plane or in space. Its cells end at the sides.
 ///
 /// ```
 /// use fpm::Domain;
@@ -25,7 +25,7 @@ pub struct Domain<const D: usize> {
 const OWNER: &str = "domain of cells";
 
 impl<const D: usize> Domain<D> {
-    /// A box between two corners, m.
+    /// Create a box between two corners, m.
     ///
     /// # Errors
     /// Corners that do not rise or are not finite; other than two or three dimensions.
@@ -44,10 +44,10 @@ impl<const D: usize> Domain<D> {
         Self::of(Polytope::cuboid(&low, &high))
     }
 
-    /// What of it is before a plane, n . x <= offset.
+    /// Cut off the part beyond a plane: keep n . x <= offset.
     ///
     /// # Errors
-    /// A normal of no length, or that is not finite; a plane that leaves nothing.
+    /// A normal that is zero or not finite; a plane that leaves nothing.
     pub fn cut(self, normal: [f64; D], offset: f64) -> Result<Self, CellsError> {
         let length = norm(&normal);
         parameter(length > 0.0, OWNER, "length of the normal", length, "positive and finite")?;
@@ -76,12 +76,12 @@ impl<const D: usize> Domain<D> {
     pub fn volume(&self) -> f64 {
         self.volume
     }
-    /// The smallest box around it.
+    /// Bounding box.
     #[must_use]
     pub fn bounds(&self) -> Bounds<D> {
         self.bounds
     }
-    /// Is a place in it, and not on a side?
+    /// True if a place is inside, and not on a side.
     #[must_use]
     pub fn contains(&self, x: [f64; D]) -> bool {
         self.polytope.facets.iter().all(|f| {
@@ -92,10 +92,10 @@ impl<const D: usize> Domain<D> {
 }
 
 impl Domain<2> {
-    /// A convex polygon, either way round.
+    /// Create a convex polygon, in either orientation.
     ///
     /// # Errors
-    /// One that is not convex.
+    /// A polygon that is not convex.
     pub fn polygon(polygon: &Polygon) -> Result<Self, CellsError> {
         let corners = polygon.corners();
         let signed: f64 = (0..corners.len())
@@ -111,7 +111,7 @@ impl Domain<2> {
             let normal = [(b[1] - a[1]) * signed.signum(), (a[0] - b[0]) * signed.signum()];
             domain = domain.cut(normal, normal[0] * a[0] + normal[1] * a[1])?;
         }
-        // What is not convex loses what its notches shade.
+        // Cuts along the edges of a polygon that is not convex remove area.
         let (given, kept) = (0.5 * signed.abs(), domain.volume);
         let missing = (1.0 - kept / given).abs();
         parameter(

@@ -1,41 +1,41 @@
-//! What cells are refused for.
+//! Errors of cells.
 
 use impactite_geometry::{GeometryError, search::SearchError};
 
-/// Cells, or points to make cells of, that cannot be.
+/// Invalid cells, or invalid points for cells.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CellsError {
-    /// A shape or a mesh.
+    /// Invalid shape or mesh.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// Points that no search for neighbours can use.
+    /// Points that the neighbour search cannot use.
     #[error(transparent)]
     Search(#[from] SearchError),
-    /// A number of a cell.
+    /// Invalid number of a cell.
     #[error("cell {cell} at {position:?} m: {field} = {value:e} is not allowed; it must be {allowed}")]
     Cell {
-        /// The cell.
+        /// Number of the cell.
         cell: usize,
-        /// Its point, m.
+        /// Point of the cell, m.
         position: Vec<f64>,
-        /// Which number.
+        /// Name of the number.
         field: &'static str,
-        /// Its value.
+        /// Value of the number.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A number of what cells are made by.
+    /// Invalid parameter of the construction of cells.
     #[error("{owner}: {field} = {value} is not allowed; it must be {allowed}")]
     Parameter {
-        /// What it belongs to.
+        /// Owner of the parameter.
         owner: &'static str,
-        /// Which number.
+        /// Name of the parameter.
         field: &'static str,
-        /// Its value.
+        /// Value of the parameter.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
 }

@@ -1,4 +1,4 @@
-//! Cells that are the elements of a mesh.
+//! Cells from the elements of a mesh.
 
 use std::collections::HashMap;
 
@@ -9,22 +9,22 @@ use super::polytope::{Beyond, Facet, Polytope};
 use super::{Cells, Parts};
 use crate::vector::{along, difference, dot, norm};
 
-/// A facet of four nodes is flat if none is farther from its plane than this part of its size.
+/// Flatness tolerance of a facet of four nodes: distance of a node from its plane over its size.
 const FLAT: f64 = 1e-9;
 
 impl<const D: usize> Cells<D> {
-    /// Elements as cells: triangles and quadrilaterals in the plane, tetrahedra and bricks in space, from
-    /// [`structured`](impactite_geometry::structured), from a file of Gmsh or Abaqus, or one's own. Faces of bricks that are not flat
-    /// are two triangles each.
+    /// Create cells from elements: triangles and quadrilaterals in the plane, tetrahedra and bricks in space, from
+    /// [`structured`](impactite_geometry::structured), from a file of Gmsh or Abaqus, or from one's own mesh. Faces of bricks that are not
+    /// flat are split into two triangles.
     ///
     /// # Errors
-    /// A mesh that is none ([`ElementMesh::check`]), without elements, or with such of fewer dimensions than space.
+    /// An invalid mesh ([`ElementMesh::check`]), a mesh without elements, or elements of fewer dimensions than space.
     pub fn of_mesh(mesh: &ElementMesh<D>) -> Result<Self, CellsError> {
         mesh.check()?;
         let elements: usize = mesh.blocks.iter().map(|b| b.len()).sum();
         parameter(elements > 0, "cells of a mesh", "elements", elements as f64, "at least one")?;
         let mut parts = Parts::default();
-        // The cell on whose facet of these nodes there is none beyond yet, with area and centroid.
+        // Facets with only one cell so far, by their nodes: cell, area and centroid.
         let mut single: HashMap<Vec<u32>, (usize, [f64; D], [f64; D])> = HashMap::new();
         for block in &mesh.blocks {
             let dimensions = block.kind.dimensions();
@@ -68,7 +68,7 @@ impl<const D: usize> Cells<D> {
     }
 }
 
-/// A facet, or the two triangles of one that is not flat, divided the same way from both sides.
+/// Return a facet, or two triangles of a facet that is not flat, divided in the same way from both sides.
 fn flat<const D: usize>(ring: Vec<u32>, place: &impl Fn(u32) -> [f64; D]) -> Vec<Vec<u32>> {
     if ring.len() < 4 {
         return vec![ring];

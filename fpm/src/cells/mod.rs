@@ -1,4 +1,4 @@
-//! Cells: what a body is divided into, each with one point, and the faces between them.
+//! Division of a body into cells, each with one point, and the faces between them.
 
 mod domain;
 mod error;
@@ -19,10 +19,10 @@ use polytope::{Beyond, Polytope};
 use crate::vector::{Tensor, add_dyad, along, difference, norm, scaled, zero};
 use voronoi::{refused, tessellate};
 
-/// A face between two cells.
+/// Face between two cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Face<const D: usize> {
-    /// The cells, the smaller number first.
+    /// Cells of the face, the smaller number first.
     pub cells: [u32; 2],
     /// Area, m^2 (length in the plane, m).
     pub area: f64,
@@ -30,16 +30,16 @@ pub struct Face<const D: usize> {
     pub normal: [f64; D],
     /// Centroid, m.
     pub centroid: [f64; D],
-    /// Is it open from the start, a piece of a notch?
+    /// True if the face is open from the start, as a part of a notch.
     pub open: bool,
-    /// Of a notch, by how much its sides may come closer before they touch, m.
+    /// Gap of a notch: approach of its sides before they are in contact, m.
     pub gap: f64,
 }
 
-/// A face on the surface of the body.
+/// Face on the surface of the body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OuterFace<const D: usize> {
-    /// Its cell.
+    /// Cell of the face.
     pub cell: u32,
     /// Area, m^2 (length in the plane, m).
     pub area: f64,
@@ -49,11 +49,11 @@ pub struct OuterFace<const D: usize> {
     pub centroid: [f64; D],
 }
 
-/// Cells that fill a body without overlap, in the plane or in space: of points, by the Voronoi diagram cut to a convex [`Domain`]
-/// ([`Cells::voronoi`]), or of a mesh of elements ([`Cells::of_mesh`]).
+/// Cells that fill a body without overlap, in the plane or in space: Voronoi cells of points in a convex [`Domain`] ([`Cells::voronoi`]),
+/// or elements of a mesh ([`Cells::of_mesh`]).
 ///
-/// Every cell holds one point, which is its centroid, so that what it carries of mass turns as it should; which cells are neighbours is
-/// told by the points that were given.
+/// Every cell has one point, its centroid, so that its mass has the correct angular momentum. Cells are neighbours by the points that were
+/// given.
 ///
 /// ```
 /// use fpm::{Cells, Domain, Notch, relaxed, scattered};
@@ -73,24 +73,24 @@ pub struct Cells<const D: usize> {
     volumes: Vec<f64>,
     faces: Vec<Face<D>>,
     outer: Vec<OuterFace<D>>,
-    /// Corners of cells, one after the other, and where those of each end; none where they are not kept.
+    /// Corners of all cells in sequence, and the end of those of each cell; empty if they are not stored.
     corners: Vec<[f64; D]>,
     ends: Vec<u32>,
 }
 
-/// Cells meet where each has a face of more than this part of the square or cube of its size.
+/// Smallest area of a face over V^((D - 1)/D) of both cells.
 const SLIVER: f64 = 1e-12;
-/// What faces may leave of a closed surface, over its area.
+/// Tolerance of the closure of a cell by its faces, over its surface.
 const CLOSED: f64 = 1e-9;
 
 impl<const D: usize> Cells<D> {
-    /// The Voronoi cells of `points` (m) in a domain.
+    /// Create the Voronoi cells of `points` (m) in a domain.
     ///
-    /// Cells are cut by the planes half way to neighbours, which the house's search finds: so one text serves the plane and space, any
-    /// convex domain, and faces know which side of it they lie on.
+    /// Cells are cut by the bisecting planes of neighbours from the neighbour search: the algorithm is the same for plane and space and for
+    /// any convex domain, and facets know their side of the domain.
     ///
     /// # Errors
-    /// No point; a point outside, or twice.
+    /// No point; a point outside; a duplicate point.
     pub fn voronoi(points: &[[f64; D]], domain: &Domain<D>) -> Result<Self, CellsError> {
         error::parameter(!points.is_empty(), "cells", "points", points.len() as f64, "at least one")?;
         let polytopes = tessellate(points, domain)?;
@@ -104,7 +104,7 @@ impl<const D: usize> Cells<D> {
                 let (area, centroid) = facet.measure();
                 match facet.beyond {
                     Beyond::Outside(_) => parts.outside(i, area, centroid),
-                    // Only what both see is a face.
+                    // A face needs a facet of both cells.
                     Beyond::Cell(j) if (j as usize) > i && norm(&area) > least => {
                         let back = polytopes[j as usize].facets.iter();
                         let meets = |f: &&polytope::Facet<D>| {
@@ -142,18 +142,18 @@ impl<const D: usize> Cells<D> {
     pub fn outer(&self) -> &[OuterFace<D>] {
         &self.outer
     }
-    /// How many cells there are.
+    /// Number of cells.
     #[must_use]
     pub fn len(&self) -> usize {
         self.points.len()
     }
-    /// Is there none?
+    /// True if there are no cells.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
-    /// Corners of a cell, m: of an element in the order of the VTK file format, of a Voronoi cell in the plane counter-clockwise; none of one
-    /// in space.
+    /// Corners of a cell, m: of an element in the order of the VTK file format; of a Voronoi cell in the plane counter-clockwise; none of a
+    /// Voronoi cell in space.
     ///
     /// # Panics
     /// There is no such cell.
@@ -162,13 +162,13 @@ impl<const D: usize> Cells<D> {
         let start = if cell == 0 { 0 } else { self.ends[cell - 1] };
         &self.corners[start as usize..self.ends[cell] as usize]
     }
-    /// The smallest box around the points.
+    /// Bounding box of the points.
     #[must_use]
     pub fn bounds(&self) -> Bounds<D> {
         Bounds::around(self.points.iter().copied())
     }
 
-    /// With the faces open that lie between two points on different sides of a notch.
+    /// Open the faces between points on different sides of a notch.
     ///
     /// # Errors
     /// A notch that separates no points.
@@ -192,7 +192,7 @@ fn ring<const D: usize>(polytope: &Polytope<D>) -> Vec<[f64; D]> {
     polytope.facets.iter().map(|f| f.corners[0]).collect()
 }
 
-/// Cells while they are made.
+/// Cells under construction.
 #[derive(Default)]
 struct Parts<const D: usize> {
     points: Vec<[f64; D]>,
@@ -211,7 +211,7 @@ impl<const D: usize> Parts<D> {
         }
     }
 
-    /// `area` points out of the first one.
+    /// Add a face between two cells; `area` points out of the first one.
     fn between(&mut self, [a, b]: [usize; 2], area: [f64; D], centroid: [f64; D]) {
         let size = norm(&area);
         let normal = scaled(&area, if a < b { 1.0 } else { -1.0 } / size);
@@ -219,7 +219,7 @@ impl<const D: usize> Parts<D> {
         self.faces.push(Face { cells, area: size, normal, centroid, open: false, gap: 0.0 });
     }
 
-    /// Cells of these parts, if such can be.
+    /// Check the parts and create the cells.
     fn finish(self) -> Result<Cells<D>, CellsError> {
         let Parts { points, volumes, mut faces, outer, corners } = self;
         faces.sort_by_key(|f| f.cells);
@@ -234,8 +234,7 @@ impl<const D: usize> Parts<D> {
     }
 }
 
-/// Refuse what is no division into cells: volumes, and surfaces that are not closed: sum A n = 0 and sum A n (x) (x - X) = V I, which the
-/// method is consistent by.
+/// Check volumes, and the closure of surfaces, sum A n = 0 and sum A n (x) (x - X) = V I, on which the consistency of the method depends.
 fn check<const D: usize>(
     points: &[[f64; D]],
     volumes: &[f64],

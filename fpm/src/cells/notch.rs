@@ -1,36 +1,36 @@
-//! Notches: thin cuts that are there from the start.
+//! Notches: thin cuts that are present from the start.
 
 use super::domain::Domain;
 use super::error::{CellsError, parameter};
 use super::polytope::measure;
 use crate::vector::{along, difference, dot, norm, scaled};
 
-/// Points nearer to a notch than this part of the spacing make place for those of its rows.
+/// Exclusion distance around a notch over the spacing: nearer points are replaced by rows.
 const NEAR: f64 = 1.1;
 
-/// A piece of a line in the plane, or of a plane in space, that divides cells.
+/// Notch that separates cells: a segment of a line in the plane, a polygon of a plane in space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Notch<const D: usize> {
     corners: Vec<[f64; D]>,
     /// Normal times area.
     normal: [f64; D],
-    /// How wide it is, m.
+    /// Width, m.
     gap: f64,
 }
 
 impl Notch<2> {
-    /// Between two places, m.
+    /// Create a notch between two places, m.
     ///
     /// # Errors
-    /// Places that are not finite, or one.
+    /// Places that are not finite, or coincide.
     pub fn segment(from: [f64; 2], to: [f64; 2]) -> Result<Self, CellsError> {
         Notch::of(vec![from, to])
     }
 }
 
 impl Notch<2> {
-    /// Points with two rows along the notch, `spacing` (m) apart from each other and as far along it, in place of those near it: then its faces lie on it
-    /// and slide along each other, where those of other points would catch. What is not in the domain is left out.
+    /// Replace the points near the notch by two rows, `spacing` (m) apart from each other and along the notch. Its faces then lie on it and
+    /// slide along each other; faces of other points would interlock. Points outside the domain are left out.
     ///
     /// # Errors
     /// A spacing that is not positive and finite.
@@ -61,10 +61,10 @@ impl Notch<2> {
 }
 
 impl Notch<3> {
-    /// A convex polygon of a plane, m.
+    /// Create a notch from a convex plane polygon, m.
     ///
     /// # Errors
-    /// Fewer than three corners, or such that are not finite or enclose no area.
+    /// Fewer than three corners; corners that are not finite or enclose no area.
     pub fn polygon(corners: Vec<[f64; 3]>) -> Result<Self, CellsError> {
         Notch::of(corners)
     }
@@ -82,25 +82,25 @@ impl<const D: usize> Notch<D> {
         Ok(Notch { corners, normal, gap: 0.0 })
     }
 
-    /// The same, so wide (m): cells stay as they are, but its sides touch no earlier than when they have come so much closer. Without this they
-    /// touch from the start.
+    /// Set the width, m: cells are unchanged, but the sides are in contact only after an approach by this width. By default they are in
+    /// contact from the start.
     ///
     /// # Errors
-    /// Negative or not finite.
+    /// A negative or non-finite width.
     pub fn with_gap(self, gap: f64) -> Result<Self, CellsError> {
         Ok(Notch { gap: parameter(gap >= 0.0, "notch", "gap", gap, "zero or positive, and finite")?, ..self })
     }
 
-    /// How wide it is, m.
+    /// Width, m.
     pub(crate) fn gap(&self) -> f64 {
         self.gap
     }
 
-    /// Does the way from `a` to `b` go through it?
+    /// True if the segment from `a` to `b` crosses the notch.
     pub(crate) fn crosses(&self, a: &[f64; D], b: &[f64; D]) -> bool {
         let height = |x: &[f64; D]| dot(&self.normal, &difference(x, &self.corners[0]));
         let (at_a, at_b) = (height(a), height(b));
-        // What lies on it belongs to one side.
+        // A point on the notch belongs to one side.
         if (at_a < 0.0) == (at_b < 0.0) {
             return false;
         }

@@ -1,40 +1,40 @@
-//! Convex cells: polygons and polyhedra that planes cut.
+//! Convex cells: polygons and polyhedra, cut by planes.
 
 use crate::vector::{along, difference, dot, norm};
 
-/// What lies on the other side of a facet.
+/// Neighbour across a facet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Beyond {
     /// Another cell, by number.
     Cell(u32),
-    /// Nothing: it is on this plane of the domain.
+    /// No cell: the facet is on this plane of the domain.
     Outside(u32),
 }
 
-/// A facet of a cell: an edge of two corners in the plane, the cell on the left of it; a polygon in space, counter-clockwise from outside.
+/// Facet of a cell: in the plane an edge of two corners with the cell on its left; in space a polygon, counter-clockwise from outside.
 #[derive(Clone, Debug)]
 pub(crate) struct Facet<const D: usize> {
     pub beyond: Beyond,
     pub corners: Vec<[f64; D]>,
 }
 
-/// A convex cell, its facets in the plane one after the other.
+/// Convex cell; in the plane its facets are in sequence.
 #[derive(Clone, Debug)]
 pub(crate) struct Polytope<const D: usize> {
     pub facets: Vec<Facet<D>>,
 }
 
-/// A plane cuts only what is beyond it by more than this part of the size of a cell: corners where more than D + 1 cells meet stay corners.
+/// Tolerance of a cut over the size of a cell: corners where more than D + 1 cells meet stay corners.
 const ON_PLANE: f64 = 1e-12;
 
 impl<const D: usize> Facet<D> {
-    /// Area times outward normal (length in the plane), and centroid.
+    /// Return area times outward normal (length in the plane), and centroid.
     pub fn measure(&self) -> ([f64; D], [f64; D]) {
         measure(&self.corners)
     }
 }
 
-/// Area times normal of a facet of these corners, and its centroid.
+/// Return area times normal of a facet of these corners, and its centroid.
 pub(crate) fn measure<const D: usize>(corners: &[[f64; D]]) -> ([f64; D], [f64; D]) {
     let mut area = [0.0; D];
     let first = &corners[0];
@@ -43,7 +43,7 @@ pub(crate) fn measure<const D: usize>(corners: &[[f64; D]]) -> ([f64; D], [f64; 
         (area[0], area[1]) = (edge[1], -edge[0]);
         return (area, along(first, 0.5, &edge));
     }
-    // A fan about the first corner.
+    // Fan of triangles about the first corner.
     let triangles = || {
         corners[1..].windows(2).map(|pair| {
             let (a, b) = (difference(&pair[0], first), difference(&pair[1], first));
@@ -70,7 +70,7 @@ pub(crate) fn measure<const D: usize>(corners: &[[f64; D]]) -> ([f64; D], [f64; 
 }
 
 impl<const D: usize> Polytope<D> {
-    /// A box. Its facets are on planes 2 d (low) and 2 d + 1 (high) along axis d.
+    /// Create a box. Its facets are on planes 2 d (low) and 2 d + 1 (high) along axis d.
     pub fn cuboid(low: &[f64; D], high: &[f64; D]) -> Self {
         let corner = |bits: usize| -> [f64; D] {
             std::array::from_fn(|d| if bits >> d & 1 == 1 { high[d] } else { low[d] })
@@ -97,12 +97,12 @@ impl<const D: usize> Polytope<D> {
         self.facets.iter().flat_map(|f| &f.corners)
     }
 
-    /// The largest distance of a corner from `x`.
+    /// Return the largest distance of a corner from `x`.
     pub fn reach(&self, x: &[f64; D]) -> f64 {
         self.corners().map(|c| norm(&difference(c, x))).fold(0.0, f64::max)
     }
 
-    /// Volume and centroid, summed about `x`, which is best within.
+    /// Return volume and centroid, summed about `x`, preferably within the cell.
     pub fn volume_and_centroid(&self, x: &[f64; D]) -> (f64, [f64; D]) {
         let (mut volume, mut moment) = (0.0, [0.0; D]);
         for facet in &self.facets {
@@ -115,7 +115,7 @@ impl<const D: usize> Polytope<D> {
         (volume, along(x, 1.0 / volume, &moment))
     }
 
-    /// Keep what is before the plane, n . x <= offset, with `beyond` behind it. `size` is that of the cell, m.
+    /// Cut the cell: keep n . x <= offset, with `beyond` behind the plane. `size` is that of the cell, m.
     pub fn cut(&mut self, normal: &[f64; D], offset: f64, size: f64, beyond: Beyond) {
         let least = ON_PLANE * size * norm(normal);
         let height = |x: &[f64; D]| dot(normal, x) - offset;
@@ -127,7 +127,7 @@ impl<const D: usize> Polytope<D> {
         } else {
             self.cut_polyhedron(normal, height, least, beyond);
         }
-        // What a plane touches in a corner or an edge is no facet.
+        // Remove facets without area, where the plane touches a corner or an edge.
         let flat = ON_PLANE * size.powi(D as i32 - 1);
         self.facets.retain(|f| norm(&f.measure().0) > flat);
     }
@@ -179,7 +179,7 @@ impl<const D: usize> Polytope<D> {
                 if (at_a <= least) != (at_b <= least) {
                     let p = crossing(a, at_a, b, at_b);
                     facet.corners.push(p);
-                    // Each corner of the rim is where one facet goes out and another one comes back.
+                    // A corner of the rim is on two facets, and leaves the kept side on one of them only.
                     if at_a <= least {
                         rim.push(p);
                     }
@@ -194,11 +194,11 @@ impl<const D: usize> Polytope<D> {
     }
 }
 
-/// Where an edge meets the plane: the same bits from both its ends.
+/// Return the intersection of an edge with the plane, bitwise identical from both ends.
 fn crossing<const D: usize>(a: &[f64; D], at_a: f64, b: &[f64; D], at_b: f64) -> [f64; D] {
     let swap = at_a > at_b;
     let (a, at_a, b, at_b) = if swap { (b, at_b, a, at_a) } else { (a, at_a, b, at_b) };
-    // What counts as before the plane may be beyond it by rounding.
+    // A corner that is kept may be beyond the plane by rounding.
     let part = (-at_a / (at_b - at_a)).clamp(0.0, 1.0);
     along(a, part, &difference(b, a))
 }
@@ -207,7 +207,7 @@ fn crossing<const D: usize>(a: &[f64; D], at_a: f64, b: &[f64; D], at_b: f64) ->
 fn sort_around<const D: usize>(corners: &mut [[f64; D]], normal: &[f64; D]) {
     let mut middle = [0.0; D];
     corners.iter().for_each(|c| middle = along(&middle, 1.0 / corners.len() as f64, c));
-    // Two directions in its plane, right-handed with the normal.
+    // Two directions in the plane of the polygon, right-handed with the normal.
     let least = (0..D).min_by(|&i, &j| normal[i].abs().total_cmp(&normal[j].abs())).unwrap_or(0);
     let (mut u, mut v) = ([0.0; D], [0.0; D]);
     u[least] = 1.0;
@@ -232,7 +232,7 @@ mod tests {
     fn what_is_cut_off_a_box_is_missing() {
         let mut square = Polytope::cuboid(&[0.0; 2], &[2.0, 1.0]);
         assert_eq!(square.volume_and_centroid(&[0.5, 0.5]), (2.0, [1.0, 0.5]));
-        // A corner of area 1/8.
+        // Cut off a corner of area 1/8.
         square.cut(&[1.0, 1.0], 2.5, 1.0, Beyond::Cell(7));
         let (area, _) = square.volume_and_centroid(&[0.5, 0.5]);
         assert!((area - 1.875).abs() < 1e-15 && square.facets.len() == 5);
@@ -243,7 +243,7 @@ mod tests {
 
         let mut cube = Polytope::cuboid(&[0.0; 3], &[1.0; 3]);
         assert_eq!(cube.volume_and_centroid(&[0.2; 3]).0, 1.0);
-        // A corner tetrahedron of edges 1/2, then half of the rest.
+        // Cut off a corner tetrahedron of edges 1/2, then half of the rest.
         cube.cut(&[1.0, 1.0, 1.0], 2.5, 1.0, Beyond::Cell(1));
         let (volume, _) = cube.volume_and_centroid(&[0.2; 3]);
         assert!((volume - (1.0 - 1.0 / 48.0)).abs() < 1e-15, "{volume}");
@@ -252,7 +252,7 @@ mod tests {
         assert!((volume - 0.5).abs() < 1e-15 && (centre[2] - 0.25).abs() < 1e-15);
         let closed = cube.facets.iter().fold([0.0; 3], |sum, f| along(&sum, 1.0, &f.measure().0));
         assert!(norm(&closed) < 1e-15);
-        // Nothing is left.
+        // Cut off everything.
         cube.cut(&[0.0, 0.0, 1.0], -1.0, 1.0, Beyond::Cell(3));
         assert!(cube.facets.is_empty());
     }

@@ -1,17 +1,17 @@
-//! Points without order, from a seed.
+//! Random points, from a seed.
 
 use super::domain::Domain;
 use super::error::{CellsError, parameter};
 use super::voronoi::tessellate;
 use crate::vector::difference;
 
-/// No two points are nearer than this part of the spacing there.
+/// Smallest distance of two points over the local spacing.
 const NEAREST: f64 = 0.75;
-/// Throws a point, of those that its spacing lets through, before the set is as dense as it gets.
+/// Trials per point, of those accepted by the spacing, before the set counts as saturated.
 const THROWS: usize = 200;
 
-/// Points at random in a domain, about `spacing` (m, at a place) apart and none nearer to another than three quarters of that: as many as
-/// there would be on a lattice. The same for the same seed, on any machine. Spacings may differ from place to place.
+/// Return random points in a domain at distances of about `spacing` (m, at a place), at least three quarters of it. There are as many as on
+/// a lattice. They are identical for the same seed, on any machine. The spacing may vary in space.
 ///
 /// # Errors
 /// A spacing that is not positive and finite, or so small that there would be more than 2^31 points.
@@ -25,7 +25,7 @@ pub fn scattered<const D: usize>(
     let place = |random: &mut Random| -> [f64; D] {
         std::array::from_fn(|d| low[d] + random.next() * (high[d] - low[d]))
     };
-    // How many there should be, and the range of spacings, by places at random.
+    // Estimate their number and the range of spacings from random places.
     const TRIALS: usize = 4096;
     let (mut density, mut within, mut least, mut most) = (0.0, 0, f64::INFINITY, 0.0f64);
     for _ in 0..TRIALS {
@@ -57,7 +57,7 @@ pub fn scattered<const D: usize>(
             continue;
         }
         let s = checked(&spacing, x)?;
-        // As likely in each piece as it takes many.
+        // Accept with a probability proportional to the number density.
         if chance < (least / s).powi(D as i32) && buckets.free(&x, NEAREST * s, &points) {
             buckets.add(&x, points.len() as u32);
             points.push(x);
@@ -71,10 +71,10 @@ fn checked<const D: usize>(spacing: impl Fn([f64; D]) -> f64, x: [f64; D]) -> Re
     parameter(s > 0.0, "scattered points", "spacing", s, "positive and finite")
 }
 
-/// Points moved to the centroids of their Voronoi cells, `steps` times (Lloyd's algorithm): cells become rounder and more alike.
+/// Move points to the centroids of their Voronoi cells, `steps` times (Lloyd's algorithm): cells become rounder and more uniform.
 ///
 /// # Errors
-/// As [`Cells::voronoi`](super::Cells::voronoi).
+/// Errors of [`Cells::voronoi`](super::Cells::voronoi).
 pub fn relaxed<const D: usize>(
     mut points: Vec<[f64; D]>,
     domain: &Domain<D>,
@@ -89,11 +89,11 @@ pub fn relaxed<const D: usize>(
     Ok(points)
 }
 
-/// Random numbers that are the same everywhere: SplitMix64 \[Steele2014\].
+/// Portable random numbers: SplitMix64 \[Steele2014\].
 struct Random(u64);
 
 impl Random {
-    /// The next one, from 0 (included) to 1 (excluded).
+    /// Return the next number, from 0 (included) to 1 (excluded).
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -103,7 +103,7 @@ impl Random {
     }
 }
 
-/// Points by boxes of the largest spacing.
+/// Points in boxes of the largest spacing, for the neighbour search.
 struct Buckets<const D: usize> {
     low: [f64; D],
     edge: f64,
@@ -115,7 +115,7 @@ impl<const D: usize> Buckets<D> {
     fn new(low: [f64; D], high: [f64; D], edge: f64) -> Self {
         let counts: [usize; D] =
             std::array::from_fn(|d| (((high[d] - low[d]) / edge) as usize).clamp(1, 1 << 10));
-        // Where they are bounded in number, they are larger.
+        // A bound of their number makes boxes larger.
         let longest = (0..D).map(|d| (high[d] - low[d]) / counts[d] as f64).fold(edge, f64::max);
         let counts = std::array::from_fn(|d| ((high[d] - low[d]) / longest) as usize + 1);
         Buckets { low, edge: longest, counts, numbers: vec![Vec::new(); counts.iter().product()] }
@@ -131,7 +131,7 @@ impl<const D: usize> Buckets<D> {
         self.numbers[place].push(number);
     }
 
-    /// Is there none of the points within `radius`, at most the edge of a box?
+    /// True if no point is within `radius`, at most the edge of a box.
     fn free(&self, x: &[f64; D], radius: f64, points: &[[f64; D]]) -> bool {
         let at = self.along(x);
         let sides = 3usize.pow(D as u32);

@@ -1,4 +1,4 @@
-//! Voronoi cells in a convex domain: each is the domain, cut by the planes half way to its neighbours.
+//! Voronoi cells in a convex domain: the domain, cut by the bisecting planes of neighbours.
 
 use impactite_geometry::search::{BoxTree, NeighbourSearch, Points, Reach};
 
@@ -7,10 +7,10 @@ use super::error::CellsError;
 use super::polytope::{Beyond, Polytope};
 use crate::vector::{difference, dot, norm};
 
-/// The cells of points in a domain.
+/// Return the Voronoi cells of points in a domain.
 ///
 /// # Errors
-/// A point outside the domain, or where another one is.
+/// A point outside the domain; a duplicate point.
 pub(crate) fn tessellate<const D: usize>(
     points: &[[f64; D]],
     domain: &Domain<D>,
@@ -28,7 +28,7 @@ pub(crate) fn tessellate<const D: usize>(
             return Err(refused(i, x, "place", f64::NAN, allowed));
         }
         let mut cell = domain.polytope.clone();
-        // Points in order lie near each other mostly, so that the last reach is a guess of this one.
+        // Successive points are mostly near each other: the last reach is the first guess.
         let (mut seen, mut radius) = (0.0, 1.5 * reach.min(4.0 * spacing).max(1e-3 * spacing));
         loop {
             near.clear();

@@ -1,4 +1,4 @@
-//! What one task computes: some cells, with their states.
+//! Batch of cells, the work of one task, with their states.
 
 use impactite_scene::Exchange;
 use impactite_simd::Float;
@@ -6,27 +6,27 @@ use mpm_materials::Breakdown;
 
 use crate::vector::Tensor;
 
-/// Cells of a batch. A multiple of the lanes of every vector.
+/// Number of cells of a batch, a multiple of the lanes of every vector.
 pub(crate) const BATCH: usize = 128;
 /// Lanes of a group.
 pub(crate) const GROUP: usize = <f64 as Float>::GROUP;
 
 pub(crate) type Row = <f64 as Float>::Row;
 
-/// A face on the surface that something acts on.
+/// Face on the surface with a load.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Outer<const D: usize> {
-    /// Its cell, by number in the batch.
+    /// Cell of the face, by number in the batch.
     pub cell: u32,
-    /// What acts on it.
+    /// Number of the load.
     pub load: u32,
     /// Area times outward normal.
     pub area: [f64; D],
-    /// From the point of its cell to its centroid, m.
+    /// Arm from the point of the cell to the centroid of the face, m.
     pub arm: [f64; D],
-    /// Area times eta / l of the penalty, N/m.
+    /// Penalty stiffness, area times eta / l, N/m.
     pub stiffness: f64,
-    /// Force on the cell, N, and displacement of the centroid, m, as they stand.
+    /// Present force on the cell, N, and displacement of the centroid, m.
     pub force: [f64; D],
     pub moved: [f64; D],
 }
@@ -34,53 +34,53 @@ pub(crate) struct Outer<const D: usize> {
 /// A batch of cells.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch<const D: usize> {
-    /// States: groups of rows, one a number.
+    /// State variables: groups of rows, one row per number.
     pub rows: Vec<Row>,
-    /// The displacement gradient that the law saw last.
+    /// Displacement gradient in the last update of the law.
     pub gradient: Vec<Tensor<D>>,
-    /// Sums over faces of A/2 [u] (x) N: what jumps are of the gradient, times the volume.
+    /// Lifting: sums over faces of A/2 [u] (x) N, the part of jumps in the gradient times the volume.
     pub lifting: Vec<Tensor<D>>,
-    /// With the incomplete flux, that and P at the end of the last step.
+    /// With the incomplete flux: lifting and P at the end of the last step.
     pub before: Vec<[Tensor<D>; 2]>,
-    /// Cauchy stress, Pa, volume ratio, and the wave speed that steps are held by, m/s.
+    /// Cauchy stress, Pa, volume ratio, and wave speed of the time step limit, m/s.
     pub said: Vec<[f64; 8]>,
-    /// Squares of the highest frequency by bulk and by penalty, 1/s^2, as they are at rest: [`crate::pace`].
+    /// Squares of the highest frequency by bulk and by penalty at rest, 1/s^2: [`crate::pace`].
     pub rates: Vec<[f64; 2]>,
     /// Velocities at the start of the step, m/s.
     pub start: Vec<[f64; D]>,
-    /// Directions in which something else than neighbours moved a cell in the last step, a bit each.
+    /// Directions in which conditions or contact moved a cell in the last step, one bit each.
     pub held: Vec<u16>,
-    /// Faces on the surface that something acts on, by cell.
+    /// Faces on the surface with loads, by cell.
     pub outer: Vec<Outer<D>>,
-    /// Cells whose neighbours are too few, or in a line or plane, with their gradient, which stays.
+    /// Rigid cells, whose neighbours are too few, or in a line or plane, with their constant gradient.
     pub rigid: Vec<(u32, Tensor<D>)>,
-    /// Sides that are open, by cell: the cell, the crack, and which of its two sides.
+    /// Open sides, by cell: the cell, the crack, and the index of the cell in the crack.
     pub cracks: Vec<(u32, u32, u8)>,
-    /// Changes of gradients that came with new neighbours, and that the law has yet to see.
+    /// Changes of gradients by new neighbours, not yet passed to the law.
     pub jumps: Vec<(u32, Tensor<D>)>,
     pub report: Report,
 }
 
-/// What a sweep over a batch found.
+/// Results of a sweep over a batch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Report {
     /// Largest square of a frequency, 1/s^2.
     pub rate: f64,
-    /// The first cell that cannot go on: its number in the batch.
+    /// First cell whose law failed, by number in the batch, and the cause.
     pub trouble: Option<(usize, Breakdown)>,
-    /// The first whose velocity is no number.
+    /// First cell with a non-finite displacement.
     pub lost: Option<usize>,
-    /// What conditions and loads gave in a step.
+    /// Exchange with conditions and loads in a step.
     pub given: Exchange,
     /// Energy of the penalty, J.
     pub penalty: f64,
     /// Work of the flux on jumps in the last step, J.
     pub flux: f64,
-    /// Work of what acts on the surface, J.
+    /// Work of loads on the surface, J.
     pub work: f64,
-    /// Energy that new neighbours took or gave, J.
+    /// Energy change by new neighbours, J.
     pub jumped: f64,
-    /// Faces that may open.
+    /// Candidate faces for opening.
     pub candidates: Vec<u32>,
 }
 
@@ -100,21 +100,21 @@ impl<const D: usize> Batch<D> {
             + self.held.capacity()
     }
 
-    /// The state of a cell, in `out`.
+    /// Load the state of a cell into `out`.
     pub fn read(&self, i: usize, out: &mut [f64]) {
         let rows = &self.rows[i / GROUP * out.len()..];
         for (k, x) in out.iter_mut().enumerate() {
             *x = rows[k].as_ref()[i % GROUP];
         }
     }
-    /// Let it be this.
+    /// Store the state of a cell.
     pub fn write(&mut self, i: usize, state: &[f64]) {
         let rows = &mut self.rows[i / GROUP * state.len()..];
         for (k, x) in state.iter().enumerate() {
             rows[k].as_mut()[i % GROUP] = *x;
         }
     }
-    /// The gradient of a rigid cell.
+    /// Return the gradient of a rigid cell.
     pub fn rigid(&self, i: usize) -> Option<&Tensor<D>> {
         self.rigid.iter().find(|(n, _)| *n as usize == i).map(|(_, h)| h)
     }

@@ -5,7 +5,7 @@ use impactite_simd::{Arch, Kernel, Vectors};
 use crate::sides::Sides;
 use crate::vector::{Tensor, add_dyad, difference, zero};
 
-/// The trial function of a cell: u + H (X - X_0).
+/// Trial function of a cell: u + H (X - X_0).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Trace<const D: usize> {
     /// Displacement of the point, m.
@@ -21,7 +21,7 @@ impl<const D: usize> Default for Trace<D> {
 }
 
 impl<const D: usize> Trace<D> {
-    /// Displacement so far from the point, m.
+    /// Return the displacement at an arm from the point, m.
     #[inline(always)]
     pub fn at(&self, arm: &[f64; D]) -> [f64; D] {
         let mut at = self.u;
@@ -34,7 +34,7 @@ impl<const D: usize> Trace<D> {
     }
 }
 
-/// The trial functions of some cells: H = sum (u_m - u) (x) b_m.
+/// Trial functions of the cells of a batch: H = sum (u_m - u) (x) b_m.
 pub(crate) struct Deform<'a, const D: usize> {
     pub sides: &'a Sides<D>,
     pub displacement: &'a [[f64; D]],
@@ -55,7 +55,7 @@ impl<const D: usize> Kernel<f64> for Deform<'_, D> {
     }
 }
 
-/// The trial function of one.
+/// Return the trial function of a cell.
 #[inline(always)]
 pub(crate) fn trace<const D: usize>(sides: &Sides<D>, displacement: &[[f64; D]], cell: usize) -> Trace<D> {
     let u = displacement[cell];

@@ -5,7 +5,7 @@ use impactite_simd::{Arch, Kernel, Vectors};
 use super::traction::Load;
 use crate::sides::Sides;
 
-/// Forces on the points of some cells: r + sum (Q b_m - Q_m b), what tractions and the gradients of the cell and of its neighbours make.
+/// Forces on the points of some cells: r + sum (Q b_m - Q_m b), by tractions and the gradients of the cell and of its neighbours.
 pub(crate) struct Force<'a, const D: usize> {
     pub sides: &'a Sides<D>,
     pub loads: &'a [Load<D>],

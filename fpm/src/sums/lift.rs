@@ -1,4 +1,4 @@
-//! What jumps are of the gradient.
+//! Lifting: the part of jumps in the gradient.
 
 use impactite_simd::{Arch, Kernel, Vectors};
 
@@ -6,7 +6,7 @@ use super::deform::Trace;
 use crate::sides::{Sides, Surface};
 use crate::vector::{Tensor, add_dyad, zero};
 
-/// The jump of the displacement across a face, m: on the side of the cell, less that on the other one.
+/// Return the jump of the displacement across a face, m: on the side of the cell, minus that on the other one.
 #[inline(always)]
 pub(crate) fn jump<const D: usize>(own: &Trace<D>, other: &Trace<D>, surface: &Surface<D>) -> [f64; D] {
     let (mut here, there) = (own.at(&surface.own), other.at(&surface.other));
@@ -16,7 +16,7 @@ pub(crate) fn jump<const D: usize>(own: &Trace<D>, other: &Trace<D>, surface: &S
     here
 }
 
-/// For some cells the sum over intact faces of A/2 [u] (x) N.
+/// Lifting of some cells: sum over intact faces of A/2 [u] (x) N.
 pub(crate) struct Lift<'a, const D: usize> {
     pub sides: &'a Sides<D>,
     pub traces: &'a [Trace<D>],
@@ -37,7 +37,7 @@ impl<const D: usize> Kernel<f64> for Lift<'_, D> {
     }
 }
 
-/// That of one.
+/// Return the lifting of a cell.
 #[inline(always)]
 pub(crate) fn lifting<const D: usize>(sides: &Sides<D>, traces: &[Trace<D>], cell: usize) -> Tensor<D> {
     let mut sum = zero();

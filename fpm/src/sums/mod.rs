@@ -1,5 +1,5 @@
-//! Sums over the sides of cells: gradients, jumps, tractions, forces. Each cell takes what it needs from its neighbours and writes what is
-//! its own, so that results do not depend on threads.
+//! Sums over the sides of cells: gradients, jumps, tractions, forces. Each cell gathers from its neighbours and writes its own data only,
+//! so that results do not depend on threads.
 
 mod batch;
 mod deform;

@@ -1,4 +1,4 @@
-//! Tractions on faces, and what they make of a cell.
+//! Tractions on faces, and loads of cells.
 
 use std::marker::PhantomData;
 
@@ -12,12 +12,12 @@ use crate::method::Composition;
 use crate::sides::Sides;
 use crate::vector::{Tensor, add_dyad, dot};
 
-/// What acts on a cell: virtual work is r . du - Q : dH.
+/// Load of a cell, with the virtual work r . du - Q : dH.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Load<const D: usize> {
-    /// V P less the sum of t (x) arm, J.
+    /// V P minus the sum of t (x) arm, J.
     pub q: Tensor<D>,
-    /// The sum of forces t on its faces, N.
+    /// Sum of the forces t on the faces of the cell, N.
     pub r: [f64; D],
 }
 
@@ -28,7 +28,7 @@ impl<const D: usize> Default for Load<D> {
 }
 
 impl<const D: usize> Load<D> {
-    /// A force on a face, N, so far from the point, m.
+    /// Add a force on a face, N, at an arm from the point, m.
     #[inline(always)]
     pub fn add(&mut self, force: &[f64; D], arm: &[f64; D]) {
         add_dyad(&mut self.q, -1.0, force, arm);
@@ -38,7 +38,7 @@ impl<const D: usize> Load<D> {
     }
 }
 
-/// For some cells what intact faces make of them, t = A ({P} N - eta / l [u]).
+/// Loads of some cells by intact faces, t = A ({P} N - eta / l [u]).
 pub(crate) struct Traction<'a, const D: usize, M> {
     pub sides: &'a Sides<D>,
     pub traces: &'a [Trace<D>],
@@ -46,10 +46,10 @@ pub(crate) struct Traction<'a, const D: usize, M> {
     pub stress: &'a [Tensor<D>],
     pub volume: &'a [f64],
     pub first: usize,
-    /// The amount of a traction that may open a face, Pa.
+    /// Smallest magnitude of a traction that may open a face, Pa.
     pub least: f64,
     pub out: &'a mut [Load<D>],
-    /// Sums of A/2 [u] (x) N, where they are not known yet.
+    /// Sums of A/2 [u] (x) N; an output with the incomplete flux only.
     pub lifting: &'a mut [Tensor<D>],
     pub candidates: &'a mut Vec<u32>,
     pub method: PhantomData<M>,
@@ -93,7 +93,7 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Traction<'_, D, M> {
                 if !M::Flux::LIFTED {
                     add_dyad(&mut lifted, 0.5, &jump, &surface.area);
                 }
-                // Each face is asked from one side.
+                // Check each face from one side.
                 if M::Criterion::OPENS
                     && (j as usize) > cell
                     && dot(&force, &force) >= square * dot(&surface.area, &surface.area)

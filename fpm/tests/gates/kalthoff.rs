@@ -1,4 +1,4 @@
-//! The plate of Kalthoff and Winkler (case 2.3 of the method's paper): a crack runs up from a notch that is struck below.
+//! Plate of Kalthoff and Winkler (case 2.3 of the method's paper): a crack runs up from a notch, with the impact below it.
 
 use std::sync::Arc;
 
@@ -6,13 +6,13 @@ use fpm::{Cells, Cohesive, Domain, Fpm, Method, Notch, TipPath, relaxed, scatter
 use impactite_scene::{Boundary, PlaneStrain, Side, Solver};
 use mpm_materials::{LinearElastic, Moduli, PlaneStress};
 
-/// Fracture energy, J/m^2, and the speed of Rayleigh waves, m/s.
+/// Fracture energy, J/m^2, and Rayleigh wave speed, m/s.
 const WORK: f64 = 2.213e4;
 const RAYLEIGH: f64 = 2799.0;
 const TIP: [f64; 2] = [0.05, 0.025];
 
 struct Found {
-    /// When the crack had gone 2 mm, s, its chord after 60 mm, degrees, and the highest speed, m/s.
+    /// Time at a crack length of 2 mm, s, angle of the chord after 60 mm, degrees, and highest speed, m/s.
     begun: f64,
     chord: f64,
     fastest: f64,
@@ -20,8 +20,8 @@ struct Found {
     work: f64,
 }
 
-/// The half model of random cells of 1 mm, with rows of points along the notch of 0.3 mm, in plane stress. Of a notch whose sides press each other from
-/// the start the crack begins some 4 us earlier.
+/// Run the half model of random cells of 1 mm, with rows of points along the notch of 0.3 mm, in plane stress. If the sides of the notch
+/// are in contact from the start, the crack begins some 4 us earlier.
 fn run(seed: u64) -> Found {
     let (h, domain) = (1e-3, Domain::cuboid([0.0; 2], [0.1; 2]).unwrap());
     let notch = Notch::segment([0.0, TIP[1]], TIP).unwrap().with_gap(0.3e-3).unwrap();
@@ -37,7 +37,7 @@ fn run(seed: u64) -> Found {
     plate.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
     plate.run_until(90e-6).unwrap();
     let open: Vec<_> = plate.cracks().into_iter().filter(|c| c.damage > 0.99).collect();
-    // Nothing from the free edges that does not come from the notch: all of it is above.
+    // No cracks from the free edges: all come from the notch and are above it.
     assert!(
         open.iter().filter(|c| c.opened.is_some()).all(|c| c.reference[1] > 0.02 && c.reference[0] > 0.04)
     );

@@ -1,4 +1,4 @@
-//! The fragile points method against closed solutions and independent computations of cracks.
+//! The fragile points method against closed-form solutions and independent computations of cracks.
 #![allow(missing_docs)]
 
 mod kalthoff;

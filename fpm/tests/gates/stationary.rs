@@ -1,4 +1,4 @@
-//! A crack that stays, under a step of tension (gate 4.5): its stress intensity over time, before waves come back.
+//! Stationary crack under a step of tension (gate 4.5): stress intensity over time, before waves return.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use mpm_materials::{LinearElastic, Moduli};
 const YOUNG: f64 = 210e9;
 const POISSON: f64 = 0.3;
 const DENSITY: f64 = 8000.0;
-/// Half the height of the plate, and the length of the crack, half of that of the plate, m.
+/// Half the height of the plate, and crack length, half the length of the plate, m.
 const HEIGHT: f64 = 2.0;
 const CRACK: f64 = 5.0;
 const TENSION: f64 = 500e6;
@@ -21,13 +21,13 @@ fn speed() -> f64 {
     (Moduli::young_poisson(YOUNG, POISSON).unwrap().p_wave() / DENSITY).sqrt()
 }
 
-/// \[Freund1990\], Pa sqrt(m), after the wave from above came to the crack.
+/// Return the stress intensity \[Freund1990\], Pa sqrt(m), after the arrival of the wave from above at the crack.
 fn exact(t: f64) -> f64 {
     let since = t - HEIGHT / speed();
     2.0 * TENSION / (1.0 - POISSON) * (speed() * since * (1.0 - 2.0 * POISSON) / PI).sqrt()
 }
 
-/// The upper half of the plate, of rectangular cells that are as large as `h` at the tip and eight times as large at the ends.
+/// Return the upper half of the plate, of rectangular cells of size `h` at the tip and eight times as large at the ends.
 fn cells(h: f64) -> Cells<2> {
     let count = |length: f64| (length * 8f64.ln() / (7.0 * h)).round() as usize;
     let part = |from: f64, to: f64, ratio: f64| {
@@ -39,8 +39,9 @@ fn cells(h: f64) -> Cells<2> {
     Cells::of_mesh(&plate.welded(1e-6).unwrap()).unwrap()
 }
 
-/// Half the tension acts above and below, so that both waves together are the one of the closed solution. Stress intensities over the exact ones at 1.5, 2, 2.5 and 3 times the time that the wave
-/// takes to the crack: from the opening behind the tip, u_y = 4 (1 - nu^2) K / E sqrt(r / 2 pi), drawn out to the tip in a straight line.
+/// Return stress intensities over the exact ones at 1.5, 2, 2.5 and 3 times the travel time of the wave to the crack. Half the tension acts
+/// above and below, so that both waves together are that of the closed-form solution. K is from the opening behind the tip,
+/// u_y = 4 (1 - nu^2) K / E sqrt(r / 2 pi), extrapolated linearly to the tip.
 fn intensities(h: f64) -> [f64; 4] {
     let cells = cells(h);
     let law = LinearElastic::new(DENSITY, Moduli::young_poisson(YOUNG, POISSON).unwrap()).unwrap();

@@ -1,4 +1,4 @@
-//! Bars without a notch: stress is the same everywhere, and all faces across reach the strength together.
+//! Bars without a notch: stress is uniform, and all faces across reach the strength together.
 
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ const POISSON: f64 = 0.2;
 const DENSITY: f64 = 2450.0;
 const STRENGTH: f64 = 15e6;
 const WORK: f64 = 200.0;
-/// Of the bar, m.
+/// Length and width of the bar, m.
 const LENGTH: f64 = 20e-3;
 const WIDTH: f64 = 5e-3;
-/// Elongation at which a face in a bar that is slowly pulled bears nothing, 2 G / S, m.
+/// Elongation at which a face in a slowly pulled bar loses its tension, 2 G / S, m.
 const PART: f64 = 2.0 * WORK / STRENGTH;
-/// Of each end, m/s, until it is as fast, s.
+/// Speed of each end, m/s, and duration of its ramp, s.
 const SPEED: f64 = 0.05;
 const RAMP: f64 = 20e-6;
 
@@ -30,17 +30,17 @@ fn cracks() -> Cohesive {
     Cohesive::new(STRENGTH, WORK).unwrap()
 }
 
-/// What became of a bar.
+/// Results of a bar.
 #[derive(Debug)]
 struct Broken {
-    /// J/m^2: over the section, and over the area of all faces, each by its damage.
+    /// Work, J/m^2: over the section, and over the area of all faces, each weighted by its damage.
     work: f64,
     per_area: f64,
-    /// Area of faces that broke through over the section.
+    /// Area of broken faces over the section.
     area: f64,
 }
 
-/// Pull a bar along an axis, with the speed of both ends over time; `grips` hold them across, too.
+/// Pull a bar along an axis, with the speed of both ends over time. The ends are free across; with `grips` of `drive` they are fixed.
 fn pull<const D: usize, M: Composition<D>>(
     bar: &mut Fpm<D, M>,
     axis: [f64; D],
@@ -83,7 +83,7 @@ fn outcome<const D: usize, M: Composition<D>>(bar: &Fpm<D, M>, section: f64) -> 
     );
     assert!(error.abs() < 1e-4, "{error:e}");
     assert_eq!(bar.fragments().len(), 2, "{broken:?}");
-    // The traction that acts is the law's, but for what a step leaves.
+    // The acting traction is that of the cohesive law, up to the residual of a step.
     assert!((broken.per_area / WORK - 1.0).abs() < 0.005, "{broken:?}");
     broken
 }
@@ -91,11 +91,11 @@ fn outcome<const D: usize, M: Composition<D>>(bar: &Fpm<D, M>, section: f64) -> 
 fn steady(t: f64) -> f64 {
     SPEED * (t / RAMP).min(1.0)
 }
-/// Until the ends are apart by a half more than a crack needs.
+/// Time at which the elongation is 1.5 times that of a crack without tension, s.
 const END: f64 = 0.5 * RAMP + 1.5 * PART / (2.0 * SPEED);
 
-/// The same bar as a chain of points, with springs that bear up to the strength, within a thousandth, and soften then: work over the section,
-/// J/m^2. Openings follow from displacements in closed form, in steps a twentieth of what is stable.
+/// Return the work over the section, J/m^2, of the same bar as a chain of points, with springs that carry up to the strength, within a
+/// thousandth, and then soften. Openings follow from displacements in closed form, in steps of a twentieth of the stable one.
 fn chain(modulus: f64, h: f64, seed: u64) -> f64 {
     let count = (LENGTH / h).round() as usize;
     let (stiff, mass) = (modulus / h, DENSITY * h);
@@ -135,7 +135,7 @@ fn chain(modulus: f64, h: f64, seed: u64) -> f64 {
 #[test]
 fn a_bar_of_squares_or_cubes_takes_the_work_that_is_given() {
     let symmetric = Method::symmetric(PlaneStrain).with_cracks(cracks());
-    // Faces beside the crack began to open too: a part of the work is theirs, in the chain as well.
+    // Faces beside the crack began to open too and dissipate a part of the work, in the chain as well.
     let near = |broken: Broken, modulus: f64, h: f64| {
         let reference = (1..4).map(|seed| chain(modulus, h, seed)).sum::<f64>() / 3.0;
         println!("{:.1} and {reference:.1} J/m2", broken.work);
@@ -163,7 +163,7 @@ fn a_bar_of_squares_or_cubes_takes_the_work_that_is_given() {
     near(pull(&mut bar, [1.0, 0.0, 0.0], WIDTH * WIDTH, steady, END), YOUNG, h);
 }
 
-/// The way of a crack through random cells is longer than the section.
+/// A crack path through random cells is longer than the section.
 #[test]
 fn a_bar_of_random_cells_takes_it_on_its_way() {
     let method = Method::symmetric(PlaneStrain).with_cracks(cracks());
@@ -176,7 +176,7 @@ fn a_bar_of_random_cells_takes_it_on_its_way() {
     }
 }
 
-/// A bar that lies askew, of squares that do so, between grips.
+/// Inclined bar of inclined squares, between grips.
 #[test]
 fn a_bar_that_is_inclined_is_no_other() {
     let h = 1e-3;
@@ -199,13 +199,13 @@ fn a_bar_that_is_inclined_is_no_other() {
         bar.run_until(END).unwrap();
         let broken = outcome(&bar, WIDTH);
         assert!((broken.area - 1.0).abs() < 1e-12, "{broken:?}");
-        // What faces beside the crack take hangs on what tells them apart, rounding here: chains whose strengths differ by a millionth take up to
-        // 228 J/m^2.
+        // The dissipation of faces beside the crack depends on small differences between them, here rounding: chains whose strengths differ
+        // by a millionth dissipate up to 228 J/m^2.
         assert!((broken.work / WORK - 1.0).abs() < 0.15, "{broken:?}");
     }
 }
 
-/// A bar that is pressed first, and one that is let go while it softens, and pulled again.
+/// Bar that is compressed first, and bar that is unloaded while it softens, and loaded again.
 #[test]
 fn a_bar_may_be_pressed_and_let_go() {
     let cells = lattice([0.0; 2], [20, 5], 1e-3);
@@ -214,7 +214,7 @@ fn a_bar_may_be_pressed_and_let_go() {
     let pressed = |t: f64| if t < 60e-6 { -steady(t) } else { SPEED * ((t - 60e-6) / RAMP - 1.0).min(1.0) };
     let broken = pull(&mut new(), [1.0, 0.0], WIDTH, pressed, END + 140e-6);
     assert!((broken.work / WORK - 1.0).abs() < 0.1, "{broken:?}");
-    // To 18 um, back to 6 um, and on.
+    // Elongation to 18 um, back to 6 um, and on.
     let (back, again) = (190e-6, 310e-6);
     let to_and_fro = move |t: f64| {
         let turn = |from: f64| 2.0 * ((t - from) / RAMP).clamp(0.0, 1.0);
@@ -235,7 +235,7 @@ fn a_bar_may_be_pressed_and_let_go() {
     assert!((broken.work / WORK - 1.0).abs() < 0.15, "{broken:?}");
 }
 
-/// A bar that spins so fast that it breaks: openings turn with it.
+/// Bar that breaks by its spin: openings rotate with it.
 #[test]
 fn a_bar_that_spins_breaks_and_flies_apart() {
     let law = NeoHookean::new(DENSITY, Moduli::young_poisson(YOUNG, POISSON).unwrap()).unwrap();
@@ -245,7 +245,7 @@ fn a_bar_that_spins_breaks_and_flies_apart() {
     let method = Method::symmetric(PlaneStrain).with_cracks(cracks());
     let mut bar = Fpm::new(method, law, &cells, |[x, y]| [-spin * y, spin * x]).unwrap();
     let before = Solver::totals(&bar).angular_momentum[2];
-    // By a radian: openings become a hundred times as wide as those at which faces bear nothing.
+    // Rotation by a radian: openings become a hundred times as wide as at the loss of tension.
     bar.run_until(160e-6).unwrap();
     let after = Solver::totals(&bar).angular_momentum[2];
     let cracks = bar.cracks();

@@ -1,4 +1,4 @@
-//! A cantilever under an end shear pulse (case 2.2 of the method's paper) against finite elements of second order.
+//! Cantilever under an end shear pulse (case 2.2 of the method's paper) against second-order finite elements.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use mpm_materials::{LinearElastic, Moduli, PlaneStress};
 
 use crate::common::{lattice, random};
 
-/// The tip's path: its lowest place under load and when, displacement at 0.3 s and the frequency after release.
+/// Motion of the tip: lowest position under load and its time, displacement at 0.3 s, and frequency after release.
 struct Swing {
     lowest: f64,
     at: f64,
@@ -75,7 +75,7 @@ fn a_cantilever_swings_as_elements_say() {
     meets(Method::symmetric(PlaneStrain), &cells, 1.2, 0.005);
 }
 
-/// The incomplete flux makes noise on random cells, which is much after 0.6 s: ten thousand times what a wave takes through a cell.
+/// The incomplete flux produces noise on random cells, which is large after 0.6 s, ten thousand wave passages through a cell.
 #[test]
 fn a_cantilever_of_random_cells_swings_alike() {
     let cells = random([0.0, -6.0], [48.0, 6.0], 1.0, 21);

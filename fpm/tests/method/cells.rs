@@ -1,4 +1,4 @@
-//! Divisions into cells.
+//! Division into cells.
 
 use fpm::{Cells, Domain, Notch, relaxed, scattered};
 use impactite_geometry::structured::{Spacing, box_mesh};
@@ -12,7 +12,7 @@ fn cells_fill_their_domain_and_meet_at_faces() {
     let area: f64 = disordered.volumes().iter().sum();
     assert!((area - 2.0).abs() < 1e-13, "{area}");
     assert!((180..=210).contains(&disordered.len()), "{}", disordered.len());
-    // About six neighbours in the plane, and the surface is that of the domain.
+    // About six neighbours in the plane; the surface is that of the domain.
     let edge: f64 = disordered.outer().iter().map(|f| f.area).sum();
     assert!((edge - 6.0).abs() < 1e-12, "{edge}");
     let mean = 2.0 * disordered.faces().len() as f64 / disordered.len() as f64;
@@ -60,7 +60,7 @@ fn a_mesh_makes_the_same_cells_as_its_points() {
         cube.clone().mapped(|[x, y, z]| [x + 0.1 * y * z, y - 0.2 * x * z, z + 0.1 * x * y]).unwrap();
     let cells = Cells::of_mesh(&twisted).unwrap();
     assert_eq!(cells.len(), 36);
-    // Faces that are not flat are two triangles.
+    // Faces that are not flat are split into two triangles.
     assert!(cells.faces().len() > Cells::of_mesh(&cube).unwrap().faces().len());
     assert_eq!(Cells::of_mesh(&cube.split_to_tetrahedra().unwrap()).unwrap().volumes().len() % 36, 0);
 }
@@ -93,7 +93,7 @@ fn densities_follow_the_spacing() {
     assert!((coarse / 50.0 - 1.0).abs() < 0.2 && (fine / 555.6 - 1.0).abs() < 0.1, "{coarse} {fine}");
     assert_eq!(points, scattered(&domain, 11, spacing).unwrap());
     assert_ne!(points, scattered(&domain, 12, spacing).unwrap());
-    // Lloyd's steps make cells more alike.
+    // Lloyd's algorithm makes cells more uniform.
     let spread = |points: &[[f64; 2]]| {
         let cells = Cells::voronoi(points, &domain).unwrap();
         let mean = 1.0 / cells.len() as f64;
@@ -111,7 +111,7 @@ fn notches_open_the_faces_that_they_cross() {
     let open: Vec<_> = cut.faces().iter().filter(|f| f.open).collect();
     assert_eq!(open.len(), 4);
     assert!(open.iter().all(|f| f.normal[1] == 1.0 && (f.centroid[1] - 0.5).abs() < 1e-12));
-    // Points at random catch, those with rows do not.
+    // Notch faces of random points interlock; those of rows do not.
     let domain = Domain::cuboid([0.0; 2], [1.0; 2]).unwrap();
     let points = relaxed(scattered(&domain, 3, |_| 0.1).unwrap(), &domain, 2).unwrap();
     let off = |points: &[[f64; 2]]| {
@@ -134,6 +134,6 @@ fn points_that_cannot_be_are_refused_by_name() {
     assert!(said(&[[0.5, 0.5], [0.2, 0.5], [0.5, 0.5]]).contains("distance to another point"));
     assert!(said(&[[f64::NAN, 0.5]]).contains("NaN"));
     assert!(scattered(&domain, 1, |_| -1.0).unwrap_err().to_string().contains("spacing = -1"));
-    // One alone is the domain.
+    // The cell of a single point is the domain.
     assert_eq!(Cells::voronoi(&[[0.2, 0.3]], &domain).unwrap().volumes(), [1.0]);
 }

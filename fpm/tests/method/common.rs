@@ -17,7 +17,7 @@ pub fn rubber() -> impl IntoMaterial<f64> + Copy {
     NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).unwrap()).unwrap()
 }
 
-/// Voronoi cells of points on a lattice: squares or cubes.
+/// Return Voronoi cells of points on a lattice: squares or cubes.
 pub fn lattice<const D: usize>(low: [f64; D], counts: [usize; D], h: f64) -> Cells<D> {
     let high: [f64; D] = std::array::from_fn(|d| low[d] + counts[d] as f64 * h);
     let total = counts.iter().product();
@@ -32,14 +32,14 @@ pub fn lattice<const D: usize>(low: [f64; D], counts: [usize; D], h: f64) -> Cel
     Cells::voronoi(&points, &Domain::cuboid(low, high).unwrap()).unwrap()
 }
 
-/// Voronoi cells of points at random, `h` apart.
+/// Return Voronoi cells of random points at spacing `h`.
 pub fn random<const D: usize>(low: [f64; D], high: [f64; D], h: f64, seed: u64) -> Cells<D> {
     let domain = Domain::cuboid(low, high).unwrap();
     let points = relaxed(scattered(&domain, seed, |_| h).unwrap(), &domain, 2).unwrap();
     Cells::voronoi(&points, &domain).unwrap()
 }
 
-/// Numbers in -1..1 of a position.
+/// Return numbers in -1..1 from a position.
 pub fn noise<const D: usize>(x: [f64; D], seed: f64) -> [f64; D] {
     std::array::from_fn(|d| {
         let sum: f64 = x.iter().enumerate().map(|(k, c)| c * (12.9898 + 65.3 * k as f64)).sum();

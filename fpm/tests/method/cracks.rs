@@ -1,4 +1,4 @@
-//! Faces that open, close and rub.
+//! Opening, closure and friction of faces.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::common::{STEEL, lattice, linear, moduli, random};
 
 const WORK: f64 = 2e4;
 
-/// A strip with a notch from one side is drawn apart until it is in two. Returns the energy that cracks took over the area of the ligament.
+/// Pull a strip with an edge notch apart into two. Return the energy dissipated by cracks over the area of the ligament.
 fn strip<M: Composition<2>>(method: M, law: impl IntoMaterial<f64>, h: f64, random_cells: bool) -> f64 {
     let (length, width, depth) = (40e-3, 10e-3, 4e-3);
     let cells = if random_cells {
@@ -48,21 +48,21 @@ fn cohesive_faces_take_the_same_work_in_cells_of_any_size() {
         assert!((a / b - 1.0).abs() < 0.1 && (b / WORK - 1.0).abs() < 0.1, "{a} {b}");
         let a = strip(printed, linear(0.3), 1e-3, false);
         assert!((a / WORK - 1.0).abs() < 0.1, "{a}");
-        // The way of a crack through random cells is longer. Loose cells shake: a law in rates would lose count of its energy.
+        // The crack path through random cells is longer. Loose cells vibrate: a rate-form law would not conserve their energy.
         let law = NeoHookean::new(STEEL, moduli(0.3)).unwrap();
         let a = strip(symmetric, law, 1e-3, true);
         assert!(a / WORK > 0.95 && a / WORK < 1.5, "{a}");
     }
 }
 
-/// A bar in which waves of tension meet in the middle breaks there, and its ends fly apart with the momentum that they have.
+/// A bar breaks in the middle, where waves of tension superpose, and its ends fly apart with their momentum.
 #[test]
 fn a_bar_breaks_where_tension_reaches_the_strength() {
     let cells = lattice([0.0; 2], [60, 4], 1e-3);
     let method = Method::printed(PlaneStrain).with_cracks(MaximumTension::new(300e6).unwrap());
     let away = |speed: f64| move |[x, _]: [f64; 2]| [speed * ((x - 30e-3) / 6e-3).clamp(-1.0, 1.0), 0.0];
     let mut bar = Fpm::new(method, linear(0.0), &cells, away(5.0)).unwrap();
-    // 5 m/s makes rho c v = 198 MPa: too little.
+    // 5 m/s causes rho c v = 198 MPa, below the strength.
     bar.run_until(4e-6).unwrap();
     assert_eq!((bar.cracks().len(), bar.fragments().len()), (0, 1));
     let mut bar = Fpm::new(method, linear(0.0), &cells, away(10.0)).unwrap();
@@ -77,7 +77,7 @@ fn a_bar_breaks_where_tension_reaches_the_strength() {
     assert!(utilised < 1.0, "{utilised}");
 }
 
-/// A cut through a bar: what is pressed goes through as if there were none, what is drawn does not.
+/// Cut through a bar: compression is transmitted as without a cut, tension is not.
 #[test]
 fn a_closed_crack_bears_pressure_and_no_tension() {
     let notch = Notch::segment([30e-3, -1.0], [30e-3, 1.0]).unwrap();
@@ -86,7 +86,7 @@ fn a_closed_crack_bears_pressure_and_no_tension() {
     for (sign, wanted) in [(-1.0, 1.0), (1.0, 0.0)] {
         let mut bar = Fpm::new(Method::symmetric(PlaneStrain), linear(0.0), &cells, |_| [0.0; 2]).unwrap();
         assert_eq!((bar.fragments().len(), bar.cracks().len()), (2, 4));
-        // A smooth pulse, of 25 cells.
+        // Smooth pulse over 25 cells.
         const DURATION: f64 = 5e-6;
         let pulse = move |t: f64| {
             let part = (t / DURATION).clamp(0.0, 1.0);
@@ -104,7 +104,7 @@ fn a_closed_crack_bears_pressure_and_no_tension() {
     }
 }
 
-/// A block on another one, pressed together and pushed along: it slides when the push exceeds mu times the pressure, and not before.
+/// Block on another one under pressure and shear: it slides when the shear exceeds mu times the pressure, and not before.
 #[test]
 fn closed_cracks_rub() {
     let cut = Notch::segment([-1.0, 4e-3], [1.0, 4e-3]).unwrap();
@@ -115,7 +115,7 @@ fn closed_cracks_rub() {
         blocks.set_friction(0.3).unwrap();
         blocks.hold_faces(|f| f.normal[1] < -0.5, Arc::new(|_| [Some(0.0); 2])).unwrap();
         let push = move |t: f64| {
-            // Pressed first, then pushed along, slowly.
+            // Pressure first, then slow shear.
             let (down, along) = ((t / 30e-6).min(1.0), ((t - 30e-6) / 60e-6).clamp(0.0, 1.0));
             [0.3 * share * pressure * along, -pressure * down]
         };
@@ -130,7 +130,7 @@ fn closed_cracks_rub() {
     }
 }
 
-/// Cells all of whose faces opened fly on by themselves.
+/// Cells with open faces only move on as rigid bodies.
 #[test]
 fn single_cells_are_counted_and_move_as_rigid_ones() {
     let method = Method::printed(PlaneStrain).with_cracks(MaximumTension::new(1e6).unwrap());

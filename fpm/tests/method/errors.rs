@@ -1,4 +1,4 @@
-//! What is refused, and what is said.
+//! Invalid input and its error messages.
 
 use std::sync::Arc;
 

@@ -5,7 +5,7 @@ use impactite_scene::{PlaneStrain, Solver, TimeControl, Watch};
 
 use crate::common::{STEEL, lattice, linear, noise, random};
 
-/// By how much the energy of noise grew in so many steps of a size.
+/// Return the stable step, and the growth of the energy of noise in 800 steps of a part of it.
 fn growth<M: Composition<2>>(method: M, cells: &fpm::Cells<2>, poisson: f64, part: f64) -> (f64, f64) {
     let mut body = Fpm::new(method, linear(poisson), cells, |x| noise(x, 2.0).map(|v| 1e-3 * v)).unwrap();
     body.set_watch(Watch::off());
@@ -20,7 +20,7 @@ fn growth<M: Composition<2>>(method: M, cells: &fpm::Cells<2>, poisson: f64, par
     (limit, body.totals().kinetic / first)
 }
 
-/// 5 % below it nothing grows, 5 % above it noise does.
+/// Noise does not grow 5 % below the stable step, and grows 5 % above it. Return the stable step.
 fn brackets<M: Composition<2>>(method: M, cells: &fpm::Cells<2>, poisson: f64) -> f64 {
     let (limit, below) = growth(method, cells, poisson, 0.95);
     assert!(below < 20.0, "{method:?}: noise grows {below:e} times at 0.95 of the limit");
@@ -37,7 +37,7 @@ fn the_limit_is_bracketed_for_all_penalties() {
         let penalty = Penalty::new(eta).unwrap();
         let limit = brackets(Method::printed(PlaneStrain).with_penalty(penalty), &cells, 0.0);
         if eta >= 1.0 {
-            // h / (c sqrt(d eta)).
+            // Closed form: h / (c sqrt(d eta)).
             let closed = 1.0 / (speed * (2.0 * eta).sqrt());
             assert!((limit / closed - 1.0).abs() < 0.05, "eta {eta}: {limit:e} and {closed:e}");
         }
@@ -50,7 +50,7 @@ fn the_limit_is_bracketed_on_random_cells() {
     let cells = random([0.0; 2], [14.0; 2], 1.0, 3);
     for eta in [1.0, 5.0, 25.0] {
         let penalty = Penalty::new(eta).unwrap();
-        // With less the incomplete flux makes noise by itself.
+        // With a smaller penalty the incomplete flux produces noise by itself.
         if eta > 1.0 {
             brackets(Method::printed(PlaneStrain).with_penalty(penalty), &cells, 0.3);
         }

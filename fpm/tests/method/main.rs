@@ -1,4 +1,4 @@
-//! The fragile points method against plain sums, closed solutions and the contracts of the house.
+//! The fragile points method against plain sums, closed-form solutions and the conformance suites.
 #![allow(missing_docs)]
 
 mod bar;

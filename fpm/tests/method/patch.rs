@@ -1,4 +1,4 @@
-//! A uniform strain makes a uniform stress, and no forces.
+//! Patch test: a uniform strain causes a uniform stress and no forces.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::common::{STEEL, linear, random, rubber};
 
 const DT: f64 = 1e-6;
 
-/// The body after a step in which every point moved by G X; on its sides act the tractions of this stress then.
+/// Return the body after a step in which every point moved by G X; tractions of this stress then act on its sides.
 fn strained<const D: usize, M: Composition<D>>(
     method: M,
     law: impl IntoMaterial<f64>,
@@ -52,7 +52,7 @@ fn passes<const D: usize, M: Composition<D>>(
         assert!(off < 1e-11 * scale, "{off:e} of {scale:e}");
     }
     let body = strained(method, law, &cells, gradient, stress);
-    // Against that of a face with nothing on its other side.
+    // Relative to the acceleration by a face without a neighbour.
     let free = scale / (density * h);
     let most = body.accelerations().iter().flatten().fold(0.0f64, |m, a| m.max(a.abs()));
     assert!(most < 1e-10 * free, "{}: {most:e} of {free:e}", body.describe());

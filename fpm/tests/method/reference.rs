@@ -8,7 +8,7 @@ use crate::common::{noise, random, rubber};
 const DT: f64 = 1e-6;
 const YOUNG: f64 = 1e6;
 
-/// Rubber after a step in which points moved at random, by up to `amount` (m).
+/// Return rubber after a step of random motion of the points, by up to `amount` (m).
 fn stirred<const D: usize, M: Composition<D>>(
     method: M,
     cells: &Cells<D>,
@@ -31,7 +31,7 @@ fn stirred<const D: usize, M: Composition<D>>(
     body
 }
 
-/// Solve M x = b for a symmetric positive matrix.
+/// Solve M x = b for a symmetric positive definite matrix.
 fn solve<const D: usize>(mut m: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
     for i in 0..D {
         for k in i + 1..D {
@@ -51,7 +51,7 @@ fn solve<const D: usize>(mut m: [[f64; D]; D], mut b: [f64; D]) -> [f64; D] {
     b
 }
 
-/// By the formulas of the book, face after face.
+/// Return forces by the formulas of the book, face by face.
 fn plain<const D: usize>(cells: &Cells<D>, u: &[[f64; D]], p: &[[[f64; D]; D]], eta: f64) -> Vec<[f64; D]> {
     let (count, x) = (cells.len(), cells.points());
     let mut near = vec![Vec::new(); count];
@@ -63,7 +63,7 @@ fn plain<const D: usize>(cells: &Cells<D>, u: &[[f64; D]], p: &[[[f64; D]; D]], 
             area[i].push(face.area);
         }
     }
-    // b_m of each cell.
+    // Vectors b_m of each cell.
     let weights: Vec<Vec<[f64; D]>> = (0..count)
         .map(|i| {
             let arm = |m: usize| -> [f64; D] { std::array::from_fn(|d| x[m][d] - x[i][d]) };
@@ -80,7 +80,7 @@ fn plain<const D: usize>(cells: &Cells<D>, u: &[[f64; D]], p: &[[[f64; D]; D]], 
     let gradient = |i: usize, a: usize, c: usize| -> f64 {
         near[i].iter().zip(&weights[i]).map(|(&m, b)| (u[m][a] - u[i][a]) * b[c]).sum()
     };
-    // What a test function with a one at point j, along axis d, is in cell i: value at the point and gradient.
+    // Test function with a one at point j along axis d: its value at the point and its gradient in cell i.
     let mut force = vec![[0.0; D]; count];
     let mut virtual_work = |i: usize, at: Option<[f64; D]>, t: [f64; D], q: [[f64; D]; D], sign: f64| {
         for d in 0..D {
@@ -132,7 +132,7 @@ fn follows<const D: usize, M: Composition<D>>(method: M, h: f64, eta: f64) {
     for i in 0..cells.len() {
         for d in 0..D {
             let off = body.masses()[i] * body.accelerations()[i][d] - wanted[pick(i)][d];
-            // Young's modulus of the penalty is found by straining a point, to 1e-8.
+            // Young's modulus of the penalty is measured by straining a point, to 1e-8.
             assert!(off.abs() < 3e-8 * largest, "{}: {off:e} of {largest:e}", body.describe());
         }
     }
@@ -146,7 +146,7 @@ fn forces_are_the_plain_sums() {
     follows(Method::printed(FullSpace), 0.25, 5.0);
 }
 
-/// With the symmetric flux force is minus the derivative of the energy.
+/// With the symmetric flux, force is minus the derivative of the energy.
 fn derives<const D: usize, M: Composition<D>>(method: M, h: f64) {
     let cells = random([0.0; D], [1.0; D], h, 4);
     let energy = |more| {
@@ -172,7 +172,7 @@ fn symmetric_forces_are_derivatives_of_an_energy() {
     derives(Method::symmetric(FullSpace), 0.3);
 }
 
-/// Momentum to rounding with both fluxes, angular momentum with the symmetric one.
+/// Momentum is conserved to rounding with both fluxes, angular momentum with the symmetric one.
 #[test]
 fn momentum_is_kept() {
     let cells = random([0.0; 2], [1.0; 2], 0.1, 4);

@@ -1,4 +1,4 @@
-//! The fragile points method is a solver.
+//! Conformance of the fragile points method as a solver.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::common::{lattice, linear, noise, random};
 
 const H: f64 = 1e-3;
 
-/// A copper bar against a wall.
+/// Copper bar on a wall.
 fn bar() -> impl Solver {
     let cells = random([0.0, 0.0], [6.0 * H, 30.0 * H], H, 3);
     let mut bar =
@@ -21,7 +21,7 @@ fn bar() -> impl Solver {
     bar
 }
 
-/// A plate with a notch that is pulled apart, as printed, under its weight too.
+/// Notched plate under tension and its weight, in the original formulation.
 fn torn() -> impl Solver {
     let notch = Notch::segment([0.0, 8.0 * H], [10.0 * H, 8.0 * H]).unwrap();
     let cells = random([0.0, 0.0], [32.0 * H, 40.0 * H], H, 5).with_notch(&notch).unwrap();
@@ -39,7 +39,7 @@ fn cohesive(work: f64) -> Cohesive {
     Cohesive::new(300e6, work).unwrap()
 }
 
-/// Cubes of which one corner is drawn off, with cohesive faces and friction.
+/// Block of cubes with one corner pulled off, with cohesive faces and friction.
 fn corner(cracks: Cohesive) -> impl Solver {
     let cells = lattice([0.0; 3], [5, 5, 6], H);
     let method = Method::symmetric(FullSpace).with_cracks(cracks);
@@ -52,7 +52,7 @@ fn corner(cracks: Cohesive) -> impl Solver {
     block
 }
 
-/// A bar that is drawn apart everywhere, so that all faces across it soften, with enough cells for threads.
+/// Bar in uniform extension, in which all faces across it soften, with enough cells for threads.
 fn softening() -> impl Solver {
     let cells = random([0.0; 2], [52.0 * H, 20.0 * H], H, 6);
     let method = Method::symmetric(PlaneStrain).with_cracks(cohesive(3e3));
@@ -62,7 +62,7 @@ fn softening() -> impl Solver {
     bar
 }
 
-/// Two halves that fly through each other in one step.
+/// Two halves that penetrate each other in one step.
 fn broken() -> impl Solver {
     let speed = |[x, _]: [f64; 2]| [if x < 2.5 * H { 4.0e3 } else { -4.0e3 }, 0.0];
     let cells = lattice([0.0; 2], [5, 5], H);
@@ -79,7 +79,7 @@ solver_conforms! {
     parted: || super::corner(super::cohesive(100.0).parted()), SolverTests::until(2.0e-6).energy_within(2e-3);
 }
 
-/// The scenes do what they are there for.
+/// The scenes crack as intended.
 #[test]
 fn the_scenes_tear() {
     fn open<const D: usize, M: fpm::Composition<D>>(mut solver: impl Solver, end: f64) -> usize {

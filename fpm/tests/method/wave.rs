@@ -1,4 +1,4 @@
-//! A plate under end tension: waves in one dimension (case 2.1 of the method's paper) against the exact solution.
+//! Plate under end tension: one-dimensional waves (case 2.1 of the method's paper) against the exact solution.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -12,26 +12,26 @@ use crate::common::lattice;
 const LENGTH: f64 = 4.0;
 const YOUNG: f64 = 8e4;
 const DENSITY: f64 = 1.0;
-/// So little that strains are small.
+/// End tension, Pa, low enough for small strains.
 const PULL: f64 = 1e-3;
-/// Of the half sine, s: three quarters of the time that a wave takes there and back.
+/// Duration of the half sine, s: three quarters of the travel time of a wave there and back.
 const DURATION: f64 = 0.0212;
 
 fn speed() -> f64 {
     (YOUNG / DENSITY).sqrt()
 }
 
-/// The pull over time.
+/// End tension over time.
 #[derive(Clone, Copy, Debug)]
 enum Pull {
-    /// Half a sine: its rate jumps where it begins and ends, and errors fall with the power 5/3 of the spacing at best.
+    /// Half sine: its rate jumps at the start and the end, and errors fall with the power 5/3 of the spacing at best.
     HalfSine,
-    /// A sine squared: smooth.
+    /// Sine squared: smooth.
     Squared,
 }
 
 impl Pull {
-    /// Pa.
+    /// Return the tension at a time, Pa.
     fn at(self, t: f64) -> f64 {
         let sine = if (0.0..DURATION).contains(&t) { (PI * t / DURATION).sin() } else { 0.0 };
         PULL * match self {
@@ -39,7 +39,7 @@ impl Pull {
             Pull::Squared => sine * sine,
         }
     }
-    /// Its integral, Pa s.
+    /// Return the time integral of the tension, Pa s.
     fn sum(self, t: f64) -> f64 {
         let t = t.clamp(0.0, DURATION);
         PULL * match self {
@@ -49,7 +49,7 @@ impl Pull {
     }
 }
 
-/// Sum of images, with a plus or a minus between both of each.
+/// Return the sum over images, with `sign` between the two waves of each.
 fn images(x: f64, t: f64, sign: f64, of: impl Fn(f64) -> f64) -> f64 {
     let c = speed();
     (0..)
@@ -63,10 +63,10 @@ fn images(x: f64, t: f64, sign: f64, of: impl Fn(f64) -> f64) -> f64 {
 }
 
 struct Run {
-    /// Root mean square errors of displacement and stress, over the largest.
+    /// Relative root mean square errors of displacement and stress.
     displacement: f64,
     stress: f64,
-    /// Largest errors of the highest displacements at end and middle, and stresses at middle and clamp, over the exact ones.
+    /// Relative errors of the highest displacements at end and middle, and of the highest stresses at middle and clamp.
     peaks: [f64; 4],
     energy: f64,
 }
@@ -122,7 +122,7 @@ fn run<M: Composition<2>>(method: M, pull: Pull, along: usize) -> Run {
     }
 }
 
-/// Orders of displacement from 40 to 80 and 160 cells along.
+/// Convergence orders of displacement from 40 to 80 and 160 cells along the plate.
 fn orders<M: Composition<2>>(method: M, pull: Pull) -> [f64; 2] {
     let runs = [40, 80, 160].map(|along| run(method, pull, along));
     for run in &runs {
@@ -146,7 +146,7 @@ fn orders<M: Composition<2>>(method: M, pull: Pull) -> [f64; 2] {
     [order(&runs[0], &runs[1]), order(&runs[1], &runs[2])]
 }
 
-/// With the printed flux phase errors of both signs nearly cancel, so that what is left is small and falls unevenly.
+/// With the incomplete flux phase errors of both signs nearly cancel: the remaining error is small and falls unevenly.
 #[test]
 fn waves_converge_with_the_printed_flux() {
     let half = orders(Method::printed(PlaneStrain), Pull::HalfSine);

@@ -1,4 +1,4 @@
-//! Meshes moved, joined, welded, cut and extruded.
+//! Operations on meshes: mapping, joining, welding, selecting elements and extrusion.
 
 use std::collections::BTreeMap;
 
@@ -11,14 +11,14 @@ use crate::search::{NeighbourSearch, Points, Reach, SortedCells};
 use crate::transform::Rotated;
 use crate::vector::{add, along, sub};
 
-/// No new number: the node goes.
+/// New number of a node that is removed.
 const GONE: u32 = u32::MAX;
 
 impl<const D: usize> ElementMesh<D> {
-    /// The mesh with every node at `place` of where it was (m).
+    /// Map the position of every node (m) by `place`.
     ///
     /// # Errors
-    /// As [`check`](Self::check): a map that is not finite, or that folds, flattens or mirrors elements.
+    /// Errors of [`check`](Self::check): the map is not finite, or it folds, flattens or mirrors elements.
     pub fn mapped(mut self, place: impl Fn([f64; D]) -> [f64; D]) -> Result<Self, GeometryError> {
         for x in &mut self.nodes {
             *x = place(*x);
@@ -27,28 +27,28 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self)
     }
 
-    /// The mesh moved by `offset` (m).
+    /// Translate the mesh by `offset` (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless the offset is finite; as [`check`](Self::check).
+    /// [`GeometryError::Parameter`] unless the offset is finite; errors of [`check`](Self::check).
     pub fn translated(self, offset: [f64; D]) -> Result<Self, GeometryError> {
         Check("translated").point("offset", offset)?;
         self.mapped(|x| add(x, offset))
     }
 
-    /// The mesh rotated about the point `pivot` (m).
+    /// Rotate the mesh about the point `pivot` (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless the rotation is one (orthogonal, finite) and the pivot finite; as [`check`](Self::check).
+    /// [`GeometryError::Parameter`] unless the rotation is orthogonal and finite and the pivot finite; errors of [`check`](Self::check).
     pub fn rotated(self, rotation: Rotation<f64, D>, pivot: [f64; D]) -> Result<Self, GeometryError> {
         let turn = Rotated::new((), rotation, pivot)?;
         self.mapped(|x| turn.to_world(x))
     }
 
-    /// The mesh made `factor` times as large, the point `pivot` (m) staying where it is.
+    /// Scale the mesh by `factor` about the fixed point `pivot` (m).
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless the factor is positive and all is finite; as [`check`](Self::check).
+    /// [`GeometryError::Parameter`] unless the factor is positive and both are finite; errors of [`check`](Self::check).
     pub fn scaled(self, factor: f64, pivot: [f64; D]) -> Result<Self, GeometryError> {
         let check = Check("scaled");
         check.positive("factor", factor)?;
@@ -56,10 +56,10 @@ impl<const D: usize> ElementMesh<D> {
         self.mapped(|x| along(pivot, factor, sub(x, pivot)))
     }
 
-    /// The image of the mesh in the plane where coordinate `axis` is `at` (m). Elements are numbered the other way round.
+    /// Mirror the mesh in the plane where coordinate `axis` is `at` (m). Node orders are reversed to keep Jacobians positive.
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless there is such an axis and `at` is finite; as [`check`](Self::check).
+    /// [`GeometryError::Parameter`] unless there is such an axis and `at` is finite; errors of [`check`](Self::check).
     pub fn mirrored(mut self, axis: usize, at: f64) -> Result<Self, GeometryError> {
         let check = Check("mirrored");
         check.that(axis < D, "axis", axis as f64, "less than the number of dimensions")?;
@@ -75,11 +75,11 @@ impl<const D: usize> ElementMesh<D> {
         })
     }
 
-    /// This mesh and another one: its nodes and blocks after those of this one, sets of one name made one. Nodes at the same place
-    /// remain two: see [`welded`](Self::welded).
+    /// Join this mesh and another one: append the nodes and blocks of `other`, and merge sets of equal name. Coincident nodes
+    /// stay separate: see [`welded`](Self::welded).
     ///
     /// # Errors
-    /// [`MeshError`] if there are too many nodes, or numbers of nodes that do not exist.
+    /// [`MeshError`] if there are too many nodes or elements, or an index of a node that does not exist.
     pub fn joined(mut self, other: &Self) -> Result<Self, GeometryError> {
         self.check_numbers()?;
         other.check_numbers()?;
@@ -113,12 +113,12 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self)
     }
 
-    /// The mesh with nodes that lie within `tolerance` (m) of each other made one: each goes to the first node within reach that stays, so
-    /// that none moves farther than the tolerance.
+    /// Merge nodes within `tolerance` (m) of each other: each node is merged into the first kept node within the tolerance, so that
+    /// no node moves farther than the tolerance.
     ///
     /// # Errors
     /// [`GeometryError::Parameter`] unless the tolerance is finite and not negative, [`GeometryError::Search`] for positions that are not
-    /// finite or too many nodes within reach of each other, [`MeshError::RepeatedNode`] where the tolerance is so large that an element
+    /// finite or too many neighbours within the tolerance, [`MeshError::RepeatedNode`] where the tolerance is so large that an element
     /// would collapse.
     pub fn welded(mut self, tolerance: f64) -> Result<Self, GeometryError> {
         Check("welded").that(tolerance >= 0.0, "tolerance", tolerance, "zero or positive, and finite")?;
@@ -155,7 +155,7 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self)
     }
 
-    /// Gives nodes their new numbers; those that are gone leave the sets.
+    /// Renumber nodes; removed nodes are dropped from the sets.
     fn renumber(&mut self, number: &[u32]) {
         for node in self.blocks.iter_mut().flat_map(|b| &mut b.nodes) {
             *node = number[*node as usize];
@@ -167,10 +167,10 @@ impl<const D: usize> ElementMesh<D> {
         }
     }
 
-    /// The elements that `keep(block, element)` tells, with their nodes. Blocks keep their numbers, even those that are empty then.
+    /// Extract the elements for which `keep(block, element)` is true, with their nodes. Blocks keep their indices, even if empty.
     ///
     /// # Errors
-    /// [`MeshError`] if an element names a node that does not exist.
+    /// [`MeshError`] if an element refers to a node that does not exist.
     pub fn part(&self, keep: &dyn Fn(usize, usize) -> bool) -> Result<Self, GeometryError> {
         self.check_numbers()?;
         let blocks = self.blocks.iter().enumerate().map(|(b, block)| ElementBlock {
@@ -194,7 +194,7 @@ impl<const D: usize> ElementMesh<D> {
         Ok(part.without_unused_nodes())
     }
 
-    /// Element sets of a mesh in which every element is replaced by `counts` elements at its place: none, itself, or parts of it.
+    /// Element sets after every element is replaced by `counts` elements at its position: none, itself, or its subdivision.
     pub(super) fn element_sets_after(&self, counts: &[u32]) -> BTreeMap<String, Vec<u32>> {
         let mut first = 0;
         let new: Vec<std::ops::Range<u32>> = counts
@@ -208,7 +208,7 @@ impl<const D: usize> ElementMesh<D> {
         self.element_sets.iter().map(|(name, set)| (name.clone(), renumbered(set))).collect()
     }
 
-    /// Drops nodes that belong to no element: they would have no mass. The numbers must be in range.
+    /// Remove nodes that belong to no element: they would have no mass. Node indices must be in range.
     pub(super) fn without_unused_nodes(mut self) -> Self {
         let mut number = vec![GONE; self.nodes.len()];
         for &node in self.blocks.iter().flat_map(|b| &b.nodes) {
@@ -226,8 +226,8 @@ impl<const D: usize> ElementMesh<D> {
 }
 
 impl ElementMesh<2> {
-    /// The mesh drawn out along the third axis, with nodes at these `heights` (m), ascending: bricks of quadrilaterals. Sets reach through
-    /// all heights; `start` and `end` are those at the first and the last one.
+    /// Extrude the mesh along the third axis to bricks, with nodes at ascending `heights` (m). Sets extend through
+    /// all heights; node sets `start` and `end` are added at the first and the last height.
     ///
     /// ```
     /// use impactite_geometry::{Metric, Ring, structured};
@@ -238,8 +238,8 @@ impl ElementMesh<2> {
     /// ```
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless there are two heights at least that are finite and ascend, [`MeshError`] for elements that are no
-    /// quadrilaterals, too many nodes, and as [`check`](Self::check).
+    /// [`GeometryError::Parameter`] unless there are at least two heights, finite and ascending, [`MeshError`] for elements other than
+    /// quadrilaterals or too many nodes, and errors of [`check`](Self::check).
     pub fn extruded(&self, heights: &[f64]) -> Result<ElementMesh<3>, GeometryError> {
         self.check_numbers()?;
         let check = Check("extruded");
@@ -269,7 +269,7 @@ impl ElementMesh<2> {
             let through = (0..levels).flat_map(|l| nodes.iter().map(move |&n| at(l, n))).collect();
             solid.node_sets.insert(name.clone(), through);
         }
-        // Bricks of a block are numbered by layer, in each as the quadrilaterals.
+        // Bricks of a block are numbered layer by layer; each layer keeps the order of the quadrilaterals.
         let layers = levels - 1;
         let mut numbers: Vec<[usize; 2]> = Vec::new();
         if !self.element_sets.is_empty() {
@@ -293,12 +293,12 @@ impl ElementMesh<2> {
     }
 }
 
-/// The brick between two copies of a quadrilateral.
+/// Return the brick between two copies of a quadrilateral.
 fn brick(quad: &[u32], copies: impl Fn(u32) -> [u32; 2]) -> [u32; 8] {
     std::array::from_fn(|i| copies(quad[i % 4])[i / 4])
 }
 
-/// Numbers an element the other way round.
+/// Reverse the node order of an element.
 pub(super) fn reverse(kind: ElementKind, nodes: &mut [u32]) {
     let mut old = [0; super::reference::MOST_NODES];
     old[..nodes.len()].copy_from_slice(nodes);

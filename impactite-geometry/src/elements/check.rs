@@ -1,22 +1,22 @@
-//! Is a mesh of elements one?
+//! Validation of element meshes.
 
 use super::reference::{Element, Reference};
 use super::{ElementMesh, Facet, MeshError};
 use crate::error::GeometryError;
 
-/// A scaled Jacobian must exceed this: corners of less than some 1e-7 degrees are flat but for rounding.
+/// Lower limit of the scaled Jacobian: corners below some 1e-7 degrees are flat to within rounding.
 const FLAT: f64 = 1e-9;
 
 impl<const D: usize> ElementMesh<D> {
-    /// Refuses what is no mesh: positions that are not finite, elements of more dimensions than space, that name nodes which do not exist
-    /// or one of them twice, that are flat, inverted or numbered the wrong way round, and sets that are not ascending or name
+    /// Check the mesh. Rejected are positions that are not finite; elements of more dimensions than space, with nodes that do not exist,
+    /// with a repeated node, flat, inverted or with reversed node order; and sets that are not ascending or refer to
     /// nodes or elements that do not exist.
     ///
-    /// An element of as many dimensions as space must have positive Jacobians at its corners, a brick at its eight Gauss points too; one of
-    /// fewer dimensions (a bar in space) must not be flat.
+    /// An element of as many dimensions as space must have positive Jacobians at its corners, and a brick also at its eight Gauss points.
+    /// An element of fewer dimensions (a bar in space) must not be flat.
     ///
     /// # Errors
-    /// [`MeshError`], by block and element, with what is allowed.
+    /// [`MeshError`] with block, element and the allowed values.
     pub fn check(&self) -> Result<(), GeometryError> {
         self.check_numbers()?;
         self.check_positions()?;
@@ -42,7 +42,7 @@ impl<const D: usize> ElementMesh<D> {
         Ok(())
     }
 
-    /// Refuses numbers that would lead nowhere: what every method asks that follows them.
+    /// Check all counts and indices, a precondition of every method that uses indices.
     pub(super) fn check_numbers(&self) -> Result<(), MeshError> {
         let most = Facet::NONE - 1;
         let count = |what, count| {
@@ -124,7 +124,7 @@ fn check_shape<const D: usize>(
     }
 }
 
-/// A node that an element names twice.
+/// Return a node that occurs twice in an element.
 pub(super) fn repeated(nodes: &[u32]) -> Option<&u32> {
     nodes.iter().enumerate().find(|(i, n)| nodes[..*i].contains(n)).map(|(_, n)| n)
 }

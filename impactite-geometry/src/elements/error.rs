@@ -1,209 +1,209 @@
-//! What is refused about meshes of elements, and why.
+//! Errors of element meshes.
 
 use super::ElementKind;
 
-/// Why a mesh of elements is refused. Nodes, blocks and elements are counted from 0.
+/// Error of an element mesh. Nodes, blocks and elements are counted from 0.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// A position that is at no place.
+    /// Node position that is not finite.
     #[error("mesh: coordinate {axis} of node {node} = {value} is not allowed; it must be finite")]
     Position {
-        /// The node.
+        /// Node index.
         node: usize,
-        /// The coordinate axis.
+        /// Coordinate axis.
         axis: usize,
-        /// What was given (m).
+        /// Coordinate (m).
         value: f64,
     },
-    /// More nodes or elements than numbers of 32 bits can count.
+    /// More nodes, blocks or elements than 32-bit indices can count.
     #[error("mesh: {count} {what} are not allowed; at most {allowed} can be numbered")]
     Count {
-        /// Nodes, elements or blocks.
+        /// Counted objects: nodes, elements or blocks.
         what: &'static str,
-        /// How many there are.
+        /// Number of objects.
         count: usize,
-        /// The most that are allowed.
+        /// Maximum number.
         allowed: u32,
     },
-    /// A block whose list of nodes is no whole number of elements.
+    /// Block with a number of node indices that is no multiple of the nodes per element.
     #[error(
         "mesh: block {block} `{name}` lists {numbers} nodes; a {} has {}, so that a multiple is allowed",
         kind.name(), kind.nodes()
     )]
     BlockLength {
-        /// The block.
+        /// Block index.
         block: usize,
-        /// Its name.
+        /// Block name.
         name: String,
-        /// What its elements are.
+        /// Element type.
         kind: ElementKind,
-        /// How many nodes it lists.
+        /// Number of node indices in the block.
         numbers: usize,
     },
-    /// Elements of more dimensions than space has.
+    /// Elements of more dimensions than space.
     #[error(
         "mesh: block {block} `{name}` is of kind {}, of {} dimensions; in {space} dimensions at most {space} are allowed",
         kind.name(), kind.dimensions()
     )]
     Dimensions {
-        /// The block.
+        /// Block index.
         block: usize,
-        /// Its name.
+        /// Block name.
         name: String,
-        /// What its elements are.
+        /// Element type.
         kind: ElementKind,
-        /// Dimensions of space.
+        /// Number of space dimensions.
         space: usize,
     },
-    /// An element names a node that does not exist.
+    /// Element that refers to a node that does not exist.
     #[error(
         "mesh: element {element} of block {block} `{name}` names node {node}; allowed are numbers below {nodes}"
     )]
     NodeOutOfRange {
-        /// The block.
+        /// Block index.
         block: usize,
-        /// Its name.
+        /// Block name.
         name: String,
-        /// The element.
+        /// Element index in the block.
         element: usize,
-        /// The node it names.
+        /// Node index that does not exist.
         node: u32,
-        /// How many nodes there are.
+        /// Number of nodes.
         nodes: usize,
     },
-    /// An element with one node at two of its corners.
+    /// Collapsed element: two corners share one node.
     #[error(
         "mesh: element {element} of block {block} `{name}` names node {node} twice; its nodes must differ (elements that are collapsed to others are not allowed)"
     )]
     RepeatedNode {
-        /// The block.
+        /// Block index.
         block: usize,
-        /// Its name.
+        /// Block name.
         name: String,
-        /// The element.
+        /// Element index in the block.
         element: usize,
-        /// The node it names twice.
+        /// Node index that occurs twice.
         node: u32,
     },
-    /// An element that is flat, inverted or numbered the wrong way round.
+    /// Degenerate element: flat, inverted or with reversed node order.
     #[error(
         "mesh: the {} {element} of block {block} `{name}` has a scaled Jacobian of {value:e} {place}; above {allowed:e} is allowed: it is flat, inverted, or its nodes run the wrong way round",
         kind.name()
     )]
     Shape {
-        /// The block.
+        /// Block index.
         block: usize,
-        /// Its name.
+        /// Block name.
         name: String,
-        /// The element.
+        /// Element index in the block.
         element: usize,
-        /// What it is.
+        /// Element type.
         kind: ElementKind,
-        /// Which corner, or a point within.
+        /// Corner or quadrature point, in words.
         place: String,
-        /// Jacobian over the product of the lengths of its columns: 1 of a rectangle, negative if inverted.
+        /// Scaled Jacobian: Jacobian over the product of the lengths of its columns; 1 for a rectangle, negative if inverted.
         value: f64,
-        /// What it must exceed.
+        /// Lower limit of the scaled Jacobian.
         allowed: f64,
     },
-    /// A node set that names a node that does not exist.
+    /// Node set that refers to a node that does not exist.
     #[error("mesh: node set `{set}` names node {node}; allowed are numbers below {nodes}")]
     SetNode {
-        /// The set.
+        /// Name of the node set.
         set: String,
-        /// The node it names.
+        /// Node index that does not exist.
         node: u32,
-        /// How many nodes there are.
+        /// Number of nodes.
         nodes: usize,
     },
-    /// A node set out of order.
+    /// Node set that is not ascending.
     #[error("mesh: node set `{set}` has node {node} after node {before}; numbers must ascend, each one once")]
     SetOrder {
-        /// The set.
+        /// Name of the node set.
         set: String,
-        /// A node.
+        /// Node index out of order.
         node: u32,
-        /// The node before it.
+        /// Node index before it.
         before: u32,
     },
-    /// An element set that names an element that does not exist.
+    /// Element set that refers to an element that does not exist.
     #[error("mesh: element set `{set}` names element {element}; allowed are numbers below {elements}")]
     SetElement {
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// The element it names, counted through all blocks.
+        /// Element index that does not exist, counted through all blocks.
         element: u32,
         /// Number of elements of all blocks.
         elements: usize,
     },
-    /// An element set out of order.
+    /// Element set that is not ascending.
     #[error(
         "mesh: element set `{set}` has element {element} after element {before}; numbers must ascend, each one once"
     )]
     ElementSetOrder {
-        /// The set.
+        /// Name of the element set.
         set: String,
-        /// An element.
+        /// Element index out of order.
         element: u32,
-        /// The element before it.
+        /// Element index before it.
         before: u32,
     },
     /// No group of this name.
     #[error("mesh: no group of elements has the name `{name}`; {}", among(groups))]
     NoGroup {
-        /// The name.
+        /// Requested name.
         name: String,
         /// Names of all groups.
         groups: Vec<String>,
     },
-    /// A facet of more than two elements, or of two on the same side of it.
+    /// Non-manifold facet: shared by more than two elements, or by two on the same side of it.
     #[error(
         "mesh: the facet of nodes {nodes:?} belongs to {count} elements, among them {first:?} and {second:?} (block, element); allowed are one, or two on opposite sides"
     )]
     Facet {
-        /// Its nodes.
+        /// Nodes of the facet.
         nodes: Vec<u32>,
-        /// How many elements have it.
+        /// Number of elements that share the facet.
         count: usize,
-        /// Block and element of the first.
+        /// Block and element index of the first element.
         first: (u32, u32),
-        /// Block and element of another.
+        /// Block and element index of another element.
         second: (u32, u32),
     },
-    /// No block or element of this number.
+    /// Block or element index that does not exist.
     #[error("mesh: there is no element {element} in block {block}; allowed are {allowed}")]
     NoElement {
-        /// The block.
+        /// Block index.
         block: usize,
-        /// The element.
+        /// Element index in the block.
         element: usize,
-        /// What there is, in words.
+        /// Allowed indices, in words.
         allowed: String,
     },
-    /// Elements of a kind of which something cannot be made.
+    /// Element type that an operation does not support.
     #[error("mesh: block {block} `{name}` is of kind {}; {what} takes {allowed}", kind.name())]
     Kind {
-        /// What was asked for.
+        /// Requested operation.
         what: &'static str,
-        /// The block.
+        /// Block index.
         block: usize,
-        /// Its name.
+        /// Block name.
         name: String,
-        /// What its elements are.
+        /// Element type.
         kind: ElementKind,
-        /// What is allowed, in words.
+        /// Supported element types, in words.
         allowed: &'static str,
     },
-    /// A mesh without an element.
+    /// Mesh without elements.
     #[error("mesh: there is no element; {what} needs one at least")]
     Empty {
-        /// What was asked for.
+        /// Requested operation.
         what: &'static str,
     },
 }
 
-/// Names that are allowed, in words.
+/// List the available names, in words.
 fn among(names: &[String]) -> String {
     if names.is_empty() { "there is none".into() } else { format!("there are {}", names.join(", ")) }
 }

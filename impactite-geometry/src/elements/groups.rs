@@ -1,4 +1,4 @@
-//! Groups of elements: sets and blocks by name.
+//! Groups of elements: element sets and blocks by name.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use super::{ElementMesh, MeshError};
 use crate::error::GeometryError;
 
 impl<const D: usize> ElementMesh<D> {
-    /// Number of elements of every group, by its name: of every element set, and of the blocks of a name that no set has.
+    /// Number of elements of every group by name. Groups are all element sets, and blocks whose name no element set has.
     #[must_use]
     pub fn groups(&self) -> BTreeMap<&str, usize> {
         let sets = self.element_sets.iter();
@@ -19,8 +19,8 @@ impl<const D: usize> ElementMesh<D> {
         groups
     }
 
-    /// The elements of these [`groups`](Self::groups), each once, with their nodes: physical groups of a Gmsh file, element sets of an Abaqus
-    /// file. Names are compared as they are written, else without regard to case. Blocks and sets of which nothing is left are dropped.
+    /// Extract the elements of these [`groups`](Self::groups), each once, with their nodes: physical groups of a Gmsh file, element sets of
+    /// an Abaqus file. An exact match of a name precedes a match without regard to case. Empty blocks and sets are dropped.
     ///
     /// ```
     /// use impactite_geometry::structured::box_mesh;
@@ -39,8 +39,8 @@ impl<const D: usize> ElementMesh<D> {
     /// ```
     ///
     /// # Errors
-    /// [`MeshError::NoGroup`] with the names there are; [`MeshError::Empty`] if no element is in these groups; [`MeshError`] for numbers of nodes or
-    /// elements that do not exist.
+    /// [`MeshError::NoGroup`] with the available names; [`MeshError::Empty`] if no element is in these groups; [`MeshError`] for indices of
+    /// nodes or elements that do not exist.
     pub fn only_groups(&self, names: &[impl AsRef<str>]) -> Result<Self, GeometryError> {
         self.check_numbers()?;
         let groups = self.groups();
@@ -78,7 +78,7 @@ impl<const D: usize> ElementMesh<D> {
         Ok(part)
     }
 
-    /// The mesh with one element set more, or another one of this name. Elements are numbered through all blocks.
+    /// Add an element set, or replace the one of this name. Elements are numbered through all blocks.
     ///
     /// # Errors
     /// [`MeshError`] unless the elements exist and ascend.

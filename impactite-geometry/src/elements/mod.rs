@@ -1,4 +1,4 @@
-//! Meshes of elements: nodes, blocks of elements of one kind, named sets, and the facets of their surface.
+//! Finite element meshes: nodes, blocks of elements of one kind, named sets, and surface facets.
 
 mod change;
 mod check;
@@ -17,23 +17,23 @@ pub use error::MeshError;
 pub use reference::Quality;
 pub use select::EdgeLengths;
 
-/// Kinds of elements, with their nodes in the order of the VTK file format.
+/// Element types. Node order: VTK file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum ElementKind {
-    /// A bar of two nodes.
+    /// Bar of two nodes.
     Bar2,
-    /// A triangle, counter-clockwise.
+    /// Triangle of three nodes, counter-clockwise.
     Triangle3,
-    /// A quadrilateral, counter-clockwise.
+    /// Quadrilateral of four nodes, counter-clockwise.
     Quad4,
-    /// A tetrahedron: the fourth node on the side of the first three's right-handed normal.
+    /// Tetrahedron of four nodes: the fourth node is on the side of the right-handed normal of the first three.
     Tetra4,
-    /// A brick: four nodes of a face, then the four opposite to them.
+    /// Brick of eight nodes: four nodes of a face, then the four opposite to them.
     Hexa8,
 }
 
 impl ElementKind {
-    /// Nodes of an element.
+    /// Number of nodes of an element.
     #[must_use]
     pub fn nodes(self) -> usize {
         match self {
@@ -44,7 +44,7 @@ impl ElementKind {
         }
     }
 
-    /// Dimensions of an element itself: 1 of a bar.
+    /// Number of dimensions of the element itself: 1 for a bar.
     #[must_use]
     pub fn dimensions(self) -> usize {
         match self {
@@ -54,8 +54,8 @@ impl ElementKind {
         }
     }
 
-    /// Facets of an element with as many dimensions as space, by place among its nodes, outwards: from outside counter-clockwise in
-    /// space; in the plane with the element on the left. None of a bar.
+    /// Facets of an element with as many dimensions as space, by local node index, oriented outwards: counter-clockwise from outside in
+    /// space; in the plane with the element on the left. Empty for a bar.
     #[must_use]
     pub fn facets(self) -> &'static [&'static [usize]] {
         match self {
@@ -69,7 +69,7 @@ impl ElementKind {
         }
     }
 
-    /// Edges of an element, by place among its nodes.
+    /// Edges of an element, by local node index.
     #[must_use]
     pub fn edges(self) -> &'static [[usize; 2]] {
         match self {
@@ -94,7 +94,7 @@ impl ElementKind {
         }
     }
 
-    /// What it is called in messages.
+    /// Name of the element type in messages.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -106,7 +106,7 @@ impl ElementKind {
         }
     }
 
-    /// The place that each node takes when an element is numbered the other way round, as its image in a mirror is.
+    /// Local node indices of an element in reversed order, as in its mirror image.
     fn reversed(self) -> &'static [usize] {
         match self {
             ElementKind::Bar2 => &[1, 0],
@@ -118,50 +118,50 @@ impl ElementKind {
     }
 }
 
-/// Elements of one kind.
+/// Block of elements of one kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementBlock {
-    /// Its name; empty without one.
+    /// Name of the block; empty if it has none.
     pub name: String,
-    /// What the elements are.
+    /// Element type.
     pub kind: ElementKind,
-    /// Nodes of all elements, one element after the other, by number in the mesh.
+    /// Node indices of all elements (connectivity), one element after the other.
     pub nodes: Vec<u32>,
 }
 
 impl ElementBlock {
-    /// How many elements there are.
+    /// Number of elements.
     #[must_use]
     pub fn len(&self) -> usize {
         self.nodes.len() / self.kind.nodes()
     }
-    /// Is there none?
+    /// True if there is no element.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
-    /// Nodes of each element.
+    /// Node indices of each element.
     pub fn elements(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         self.nodes.chunks_exact(self.kind.nodes())
     }
 }
 
-/// A facet of the surface of a mesh.
+/// Facet of the surface of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Facet {
-    /// Its nodes by number in the mesh, as [`ElementKind::facets`] has them; of a triangle the last one is [`Facet::NONE`], of an edge
-    /// the last two.
+    /// Node indices in the mesh, in the order of [`ElementKind::facets`]. Unused entries are [`Facet::NONE`]: the last one of a triangle,
+    /// the last two of an edge.
     pub nodes: [u32; 4],
-    /// The block of its element.
+    /// Block of the element.
     pub block: u32,
-    /// Its element, by number in the block.
+    /// Index of the element in the block.
     pub element: u32,
 }
 
 impl Facet {
-    /// No node.
+    /// Placeholder of an unused node entry.
     pub const NONE: u32 = u32::MAX;
-    /// The nodes that are there.
+    /// Node indices without unused entries.
     #[must_use]
     pub fn nodes(&self) -> &[u32] {
         let count = self.nodes.iter().position(|&n| n == Facet::NONE).unwrap_or(4);
@@ -169,21 +169,21 @@ impl Facet {
     }
 }
 
-/// A mesh of elements in `D` dimensions.
+/// Finite element mesh in `D` dimensions.
 ///
-/// The fields are public, so that a program may make a mesh of its own; [`check`](ElementMesh::check) says whether it is one. The functions
-/// of [`structured`](crate::structured) and the readers give meshes that are checked.
+/// The fields are public, so that a program can build a mesh; [`check`](ElementMesh::check) validates it. The functions
+/// of [`structured`](crate::structured) and the readers return valid meshes.
 ///
 /// | | |
 /// |---|---|
-/// | sound? | [`check`](ElementMesh::check), [`quality`](ElementMesh::quality) |
+/// | validity | [`check`](ElementMesh::check), [`quality`](ElementMesh::quality) |
 /// | size | [`measure`](ElementMesh::measure), [`measure_of`](ElementMesh::measure_of), [`bounds`](ElementMesh::bounds), [`edge_lengths`](ElementMesh::edge_lengths) |
 /// | surface | [`surface`](ElementMesh::surface), [`surface_of`](ElementMesh::surface_of) |
 /// | nodes | [`nodes_where`](ElementMesh::nodes_where), [`nodes_in`](ElementMesh::nodes_in), [`with_node_set`](ElementMesh::with_node_set) |
 /// | place | [`translated`](ElementMesh::translated), [`rotated`](ElementMesh::rotated), [`scaled`](ElementMesh::scaled), [`mirrored`](ElementMesh::mirrored), [`mapped`](ElementMesh::mapped) |
 /// | build | [`joined`](ElementMesh::joined), [`welded`](ElementMesh::welded), [`part`](ElementMesh::part), [`extruded`](ElementMesh::extruded) |
 /// | groups | [`groups`](ElementMesh::groups), [`only_groups`](ElementMesh::only_groups), [`with_element_set`](ElementMesh::with_element_set) |
-/// | other elements | [`split_to_triangles`](ElementMesh::split_to_triangles), [`split_to_tetrahedra`](ElementMesh::split_to_tetrahedra) |
+/// | subdivide | [`split_to_triangles`](ElementMesh::split_to_triangles), [`split_to_tetrahedra`](ElementMesh::split_to_tetrahedra) |
 #[cfg_attr(
     feature = "mesh",
     doc = "| files | [`read_gmsh`](ElementMesh::read_gmsh), [`read_abaqus`](ElementMesh::read_abaqus) |"
@@ -209,12 +209,12 @@ impl Facet {
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ElementMesh<const D: usize> {
-    /// Positions of the nodes, m.
+    /// Node positions, m.
     pub nodes: Vec<[f64; D]>,
-    /// Blocks of elements.
+    /// Element blocks.
     pub blocks: Vec<ElementBlock>,
-    /// Named sets of nodes, ascending.
+    /// Node sets by name, indices ascending.
     pub node_sets: BTreeMap<String, Vec<u32>>,
-    /// Named sets of elements, ascending. Elements are numbered through all blocks, from 0 in the first; an element may be in several sets.
+    /// Element sets by name, indices ascending. Elements are numbered through all blocks from 0; an element may be in several sets.
     pub element_sets: BTreeMap<String, Vec<u32>>,
 }

@@ -1,14 +1,14 @@
-//! Elements as images of reference elements: Jacobians, measures, quality.
+//! Isoparametric mapping of reference elements: Jacobians, measures, quality.
 
 use super::{ElementKind, ElementMesh, MeshError};
 use crate::error::GeometryError;
 use crate::shape::Metric;
 use crate::vector::{dot, sum};
 
-/// Most nodes of an element.
+/// Maximum number of nodes of an element.
 pub(super) const MOST_NODES: usize = 8;
 
-/// Signs of the natural coordinates of the nodes of a brick; of a quadrilateral the first four, of a bar the first two.
+/// Signs of the natural coordinates of the nodes of a brick; the first four are those of a quadrilateral, the first two those of a bar.
 const SIGNS: [[f64; 3]; MOST_NODES] = [
     [-1.0, -1.0, -1.0],
     [1.0, -1.0, -1.0],
@@ -21,14 +21,15 @@ const SIGNS: [[f64; 3]; MOST_NODES] = [
 ];
 
 impl ElementKind {
-    /// Is it a bar, a triangle or a tetrahedron, whose Jacobian is the same everywhere?
+    /// True for a bar, a triangle or a tetrahedron, whose Jacobian is constant.
     #[must_use]
     pub fn is_simplex(self) -> bool {
         self.nodes() == self.dimensions() + 1
     }
 
-    /// Points and weight of a rule that integrates the Jacobian of the element exactly, and r times it: two Gauss points an axis. The
-    /// Jacobian of a brick is of second degree in every coordinate, r times that of a quadrilateral too, and the rule takes the third.
+    /// Quadrature points and weight of a rule that integrates the Jacobian of the element and r times the Jacobian exactly: two Gauss
+    /// points per axis. The Jacobian of a brick is quadratic in every coordinate, r times that of a quadrilateral too; the rule is exact to
+    /// degree 3.
     fn rule(self) -> (impl Iterator<Item = [f64; 3]>, f64) {
         let place = 3.0f64.sqrt().recip();
         let (points, scale, middle, weight) = match self {
@@ -40,8 +41,8 @@ impl ElementKind {
         (SIGNS[..points].iter().map(move |s| s.map(|c| scale * c + middle)), weight)
     }
 
-    /// Values of the shape functions of the nodes at the natural coordinates `xi`: -1 to 1 along the axes of bricks, quadrilaterals and bars; of
-    /// triangles and tetrahedra they are the shares of all nodes but the first. Of nodes that it has not, zero.
+    /// Values of the shape functions of the nodes at the natural coordinates `xi`: -1 to 1 along the axes of bricks, quadrilaterals and
+    /// bars; barycentric coordinates of all nodes but the first for triangles and tetrahedra. Entries of unused nodes are zero.
     #[must_use]
     pub fn shape_functions(self, xi: [f64; 3]) -> [f64; MOST_NODES] {
         let (nodes, dimensions) = (self.nodes(), self.dimensions());
@@ -58,7 +59,7 @@ impl ElementKind {
         values
     }
 
-    /// Derivatives of the [shape functions](Self::shape_functions) by the natural coordinates at `xi`.
+    /// Derivatives of the [shape functions](Self::shape_functions) with respect to the natural coordinates at `xi`.
     #[must_use]
     pub fn shape_gradients(self, xi: [f64; 3]) -> [[f64; 3]; MOST_NODES] {
         let (nodes, dimensions) = (self.nodes(), self.dimensions());
@@ -86,19 +87,19 @@ struct Point {
     gradients: [[f64; 3]; MOST_NODES],
 }
 
-/// What all elements of a kind have in common: shape functions at the corners and at the points of integration.
+/// Reference element of a kind: shape functions at the corners and at the quadrature points.
 pub(super) struct Reference {
     kind: ElementKind,
     corners: Vec<Point>,
     within: Vec<Point>,
-    /// Of each point of integration.
+    /// Weight of each quadrature point.
     weight: f64,
 }
 
 impl Reference {
     pub fn new(kind: ElementKind) -> Self {
         let point = |xi| Point { values: kind.shape_functions(xi), gradients: kind.shape_gradients(xi) };
-        // The Jacobian of a simplex is the same at all.
+        // The Jacobian of a simplex is constant: one corner suffices.
         let corners = if kind.is_simplex() { 1 } else { kind.nodes() };
         let (within, weight) = kind.rule();
         Self {
@@ -109,7 +110,7 @@ impl Reference {
         }
     }
 
-    /// An element whose nodes are in range.
+    /// Return an element of the mesh. Its nodes must be in range.
     pub fn element<const D: usize>(&self, mesh: &ElementMesh<D>, nodes: &[u32]) -> Element<'_, D> {
         let mut x = [[0.0; D]; MOST_NODES];
         for (x, &node) in x.iter_mut().zip(nodes) {
@@ -119,13 +120,13 @@ impl Reference {
     }
 }
 
-/// An element with the positions of its nodes.
+/// Element with the positions of its nodes.
 pub(super) struct Element<'a, const D: usize> {
     reference: &'a Reference,
     x: [[f64; D]; MOST_NODES],
 }
 
-/// A Jacobian, and the same over the product of the lengths of its columns.
+/// Jacobian, and scaled Jacobian: the Jacobian over the product of the lengths of its columns.
 #[derive(Clone, Copy)]
 pub(super) struct Jacobian {
     pub value: f64,
@@ -133,8 +134,8 @@ pub(super) struct Jacobian {
 }
 
 impl<const D: usize> Element<'_, D> {
-    /// The Jacobian at a point: of an element with as many dimensions as space the determinant, else the root of that of Gram, which
-    /// has no sign.
+    /// Jacobian at a point: the determinant if the element has as many dimensions as space, else the square root of the Gram
+    /// determinant, which has no sign.
     fn jacobian(&self, point: &Point) -> Jacobian {
         let kind = self.reference.kind;
         let dimensions = kind.dimensions();
@@ -155,17 +156,17 @@ impl<const D: usize> Element<'_, D> {
         Jacobian { value, scaled: value / squares.sqrt() }
     }
 
-    /// Jacobians at the corners, that of a simplex once.
+    /// Jacobians at the corners; one only for a simplex.
     pub fn corners(&self) -> impl Iterator<Item = Jacobian> + '_ {
         self.reference.corners.iter().map(|point| self.jacobian(point))
     }
 
-    /// Jacobians at the points of integration.
+    /// Jacobians at the quadrature points.
     pub fn within(&self) -> impl Iterator<Item = Jacobian> + '_ {
         self.reference.within.iter().map(|point| self.jacobian(point))
     }
 
-    /// Length, area or volume; per radian if revolved.
+    /// Length, area or volume; per radian in an axisymmetric metric.
     pub fn measure(&self, metric: Metric) -> f64 {
         let terms = self.reference.within.iter().map(|point| {
             let radius = match metric {
@@ -190,19 +191,19 @@ fn determinant(rows: usize, m: impl Fn(usize, usize) -> f64) -> f64 {
     }
 }
 
-/// How well elements are shaped: the worst of a mesh.
+/// Element quality: the worst values of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Smallest over largest Jacobian at the corners of one element: 1 of parallelepipeds and simplices, zero or negative where an
-    /// element folds over.
+    /// Smallest over largest Jacobian at the corners of one element: 1 for parallelepipeds and simplices, zero or negative for an
+    /// element that folds over.
     pub jacobian_ratio: f64,
-    /// Smallest Jacobian at a corner over the product of the lengths of its columns: 1 of rectangles, zero of flat corners. Of simplices it
-    /// is that of the first node's edges.
+    /// Smallest scaled Jacobian at a corner, the Jacobian over the product of the lengths of its columns: 1 for rectangles, zero for flat
+    /// corners. For simplices it is that of the edges of the first node.
     pub scaled_jacobian: f64,
 }
 
 impl<const D: usize> ElementMesh<D> {
-    /// What `ask` finds of all elements, block by block. Numbers of nodes must be in range.
+    /// Evaluate `ask` for all elements, block by block. Node indices must be in range.
     fn each<T>(&self, ask: impl Fn(&Element<D>) -> T) -> Vec<T> {
         let mut found = Vec::with_capacity(self.elements());
         for block in &self.blocks {
@@ -212,11 +213,11 @@ impl<const D: usize> ElementMesh<D> {
         found
     }
 
-    /// Volume (m3), area (m2) or length (m) of one element, exactly but for rounding (a quadrilateral in space that is not plane: by four
-    /// Gauss points); with [`Metric::Axisymmetric`] the integral of the first coordinate over it. Negative of elements that are inverted.
+    /// Volume (m3), area (m2) or length (m) of one element, exact to rounding (a warped quadrilateral in space: by four
+    /// Gauss points); with [`Metric::Axisymmetric`] the integral of the first coordinate over the element. Negative for inverted elements.
     ///
     /// # Errors
-    /// [`MeshError`] if there is no such element, or any names a node that does not exist.
+    /// [`MeshError`] if there is no such element, or any element refers to a node that does not exist.
     pub fn measure_of(&self, block: usize, element: usize, metric: Metric) -> Result<f64, GeometryError> {
         self.check_numbers()?;
         let found = self.blocks.get(block).and_then(|b| Some((b.kind, b.elements().nth(element)?)));
@@ -231,28 +232,28 @@ impl<const D: usize> ElementMesh<D> {
         Ok(Reference::new(kind).element(self, nodes).measure(metric))
     }
 
-    /// The measures of all elements, block by block, as [`measure_of`](Self::measure_of) has them.
+    /// Measures of all elements, block by block, as defined by [`measure_of`](Self::measure_of).
     ///
     /// # Errors
-    /// [`MeshError`] if an element names a node that does not exist.
+    /// [`MeshError`] if an element refers to a node that does not exist.
     pub fn measures(&self, metric: Metric) -> Result<Vec<f64>, GeometryError> {
         self.check_numbers()?;
         Ok(self.each(|e| e.measure(metric)))
     }
 
-    /// Their sum, by compensated summation: volume of bricks and tetrahedra (m3), area of plane elements (m2), length of bars (m), or what
-    /// they measure together.
+    /// Sum of the [`measures`](Self::measures) of all elements, by compensated summation: volume of bricks and tetrahedra (m3), area of
+    /// plane elements (m2), length of bars (m), or the sum of these in a mixed mesh.
     ///
     /// # Errors
-    /// As [`measures`](Self::measures).
+    /// Errors of [`measures`](Self::measures).
     pub fn measure(&self, metric: Metric) -> Result<f64, GeometryError> {
         Ok(sum(self.measures(metric)?))
     }
 
-    /// The worst shapes of elements.
+    /// Worst element quality of the mesh.
     ///
     /// # Errors
-    /// [`MeshError`] if an element names a node that does not exist, or there is none.
+    /// [`MeshError`] if an element refers to a node that does not exist, or if there is no element.
     pub fn quality(&self) -> Result<Quality, GeometryError> {
         self.check_numbers()?;
         let worst = self.each(|e| {
@@ -260,7 +261,7 @@ impl<const D: usize> ElementMesh<D> {
             for j in e.corners() {
                 (low, high, scaled) = (low.min(j.value), high.max(j.value), scaled.min(j.scaled));
             }
-            // Where all corners are inverted, the ratio of two negative numbers would look sound.
+            // The modulus: if all corners are inverted, the ratio of two negative Jacobians would be positive.
             Quality { jacobian_ratio: low / high.abs(), scaled_jacobian: scaled }
         });
         let least = worst.into_iter().reduce(|a, b| Quality {

@@ -1,4 +1,4 @@
-//! Bounds, nodes by place, and lengths of edges.
+//! Bounding box, node selection by position, and edge lengths.
 
 use super::{ElementMesh, MeshError};
 use crate::bounds::Bounds;
@@ -6,38 +6,38 @@ use crate::error::{Check, GeometryError};
 use crate::shape::Shape;
 use crate::vector::{norm, sub, sum};
 
-/// Lengths of the edges of elements (m), each edge once: what a time step, a contact or a grid compares with its own.
+/// Lengths of the edges of elements (m), each edge once: the mesh size for a time step limit, a contact search or a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EdgeLengths {
-    /// The shortest.
+    /// Shortest edge length, m.
     pub min: f64,
-    /// The mean.
+    /// Mean edge length, m.
     pub mean: f64,
-    /// The longest.
+    /// Longest edge length, m.
     pub max: f64,
 }
 
 impl<const D: usize> ElementMesh<D> {
-    /// The smallest box around all nodes.
+    /// Bounding box of all nodes.
     #[must_use]
     pub fn bounds(&self) -> Bounds<D> {
         Bounds::around(self.nodes.iter().copied())
     }
 
-    /// How many elements there are in all blocks.
+    /// Number of elements in all blocks.
     #[must_use]
     pub fn elements(&self) -> usize {
         self.blocks.iter().map(super::ElementBlock::len).sum()
     }
 
-    /// The nodes at whose position (m) `holds`, ascending.
+    /// Select the nodes for whose position (m) `holds` is true, ascending.
     #[must_use]
     pub fn nodes_where(&self, holds: impl Fn([f64; D]) -> bool) -> Vec<u32> {
         (0u32..).zip(&self.nodes).filter(|(_, x)| holds(**x)).map(|(node, _)| node).collect()
     }
 
-    /// The nodes within a shape or nearer to it than `margin` (m), which may be zero: then nodes on the surface are among them as far as
-    /// rounding allows.
+    /// Select the nodes within a shape or at a distance of at most `margin` (m) from it. With a margin of zero, nodes on the surface are
+    /// selected to within rounding.
     ///
     /// # Errors
     /// [`GeometryError::Parameter`] unless the margin is finite and not negative.
@@ -46,7 +46,7 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self.nodes_where(|x| shape.signed_distance(x) <= margin))
     }
 
-    /// The mesh with one node set more, or another one of this name.
+    /// Add a node set, or replace the one of this name.
     ///
     /// # Errors
     /// [`MeshError`] unless the nodes exist and ascend.
@@ -56,10 +56,10 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self)
     }
 
-    /// Mean of the nodes of an element (m).
+    /// Centroid of the nodes of an element (m).
     ///
     /// # Panics
-    /// If there is no such element, or it names a node that does not exist.
+    /// Panics if there is no such element, or it refers to a node that does not exist.
     pub(crate) fn centre(&self, block: usize, element: usize) -> [f64; D] {
         let block = &self.blocks[block];
         let count = block.kind.nodes();
@@ -68,10 +68,10 @@ impl<const D: usize> ElementMesh<D> {
         std::array::from_fn(|d| sum(d) / count as f64)
     }
 
-    /// Lengths of edges.
+    /// Minimum, mean and maximum edge length.
     ///
     /// # Errors
-    /// [`MeshError`] if there is no element, or one names a node that does not exist.
+    /// [`MeshError`] if there is no element, or one refers to a node that does not exist.
     pub fn edge_lengths(&self) -> Result<EdgeLengths, GeometryError> {
         self.check_numbers()?;
         let mut edges: Vec<[u32; 2]> = Vec::new();

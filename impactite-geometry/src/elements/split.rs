@@ -1,10 +1,10 @@
-//! Quadrilaterals split to triangles, bricks to tetrahedra.
+//! Subdivision of quadrilaterals into triangles and of bricks into tetrahedra.
 
 use super::{ElementBlock, ElementKind, ElementMesh, MeshError};
 use crate::error::GeometryError;
 
 impl<const D: usize> ElementMesh<D> {
-    /// Blocks of elements `to`, where those of kind `from` are split by `split`, and those of kind `to` stay.
+    /// Replace elements of kind `from` by their subdivision into kind `to`; elements of kind `to` are kept.
     fn split(
         mut self,
         what: &'static str,
@@ -37,10 +37,10 @@ impl<const D: usize> ElementMesh<D> {
 }
 
 impl ElementMesh<2> {
-    /// The same mesh of triangles: every quadrilateral is split by the diagonal through its smallest node number.
+    /// Split every quadrilateral into two triangles by the diagonal through its smallest node number.
     ///
     /// # Errors
-    /// As [`check`](Self::check), before and after.
+    /// Errors of [`check`](Self::check), before and after.
     pub fn split_to_triangles(self) -> Result<Self, GeometryError> {
         let kinds = [ElementKind::Quad4, ElementKind::Triangle3];
         self.split("to split to triangles", kinds, |quad, out| {
@@ -50,11 +50,11 @@ impl ElementMesh<2> {
 }
 
 impl ElementMesh<3> {
-    /// The same mesh of tetrahedra, conforming: every face is split by the diagonal through its smallest node number, so that neighbours
-    /// agree, and every brick into five tetrahedra where its diagonals allow that, else into six.
+    /// Split every brick into tetrahedra, conforming: every face is split by the diagonal through its smallest node number, so that
+    /// neighbours agree. A brick becomes five tetrahedra where its face diagonals allow that, else six.
     ///
-    /// A brick is cut into pyramids from its smallest node to the three faces that do not have it, of which each is two tetrahedra. If no
-    /// diagonal of these meets the node opposite, the three tetrahedra at that one are two in truth. After
+    /// A brick is cut into pyramids from its smallest node to the three faces that do not contain it; each pyramid is two tetrahedra. If
+    /// none of the diagonals of these faces ends at the opposite node, two tetrahedra replace the three at that node. After
     /// \[Dompierre1999\].
     ///
     /// ```
@@ -67,7 +67,7 @@ impl ElementMesh<3> {
     /// ```
     ///
     /// # Errors
-    /// As [`check`](Self::check), before and after: a brick that is bent much may have a tetrahedron that is inverted.
+    /// Errors of [`check`](Self::check), before and after: a strongly distorted brick may contain an inverted tetrahedron.
     pub fn split_to_tetrahedra(self) -> Result<Self, GeometryError> {
         let kinds = [ElementKind::Hexa8, ElementKind::Tetra4];
         self.split("to split to tetrahedra", kinds, |brick, out| {
@@ -77,7 +77,7 @@ impl ElementMesh<3> {
                 ElementKind::Hexa8.facets().iter().map(|p| face(p)).filter(|f| !f.contains(&tip)).collect();
             let opposite = far[0].iter().find(|n| far[1].contains(n) && far[2].contains(n));
             let split: Vec<[[u32; 3]; 2]> = far.iter().map(|f| halves(*f)).collect();
-            // The corner at the opposite node, seen from outside, if every face has a triangle of its own there.
+            // Triangles at the opposite node, seen from outside, if every face has exactly one there.
             let triangle_at = |halves: &[[u32; 3]; 2]| {
                 let mut with = halves.iter().filter(|t| opposite.is_some_and(|o| t.contains(o)));
                 with.next().copied().xor(with.next().copied())
@@ -97,8 +97,8 @@ impl ElementMesh<3> {
     }
 }
 
-/// Tetrahedra of a wedge or pyramid of these facets, seen from outside counter-clockwise: every quadrilateral is split by the diagonal through
-/// its smallest node number, as [`split_to_tetrahedra`](ElementMesh::split_to_tetrahedra) does.
+/// Split a wedge or pyramid into tetrahedra. Facets are counter-clockwise from outside; every quadrilateral is split by the diagonal
+/// through its smallest node number, like [`split_to_tetrahedra`](ElementMesh::split_to_tetrahedra).
 #[cfg(feature = "mesh")]
 pub(super) fn tetrahedra(nodes: &[u32], facets: &[&[usize]]) -> Vec<[u32; 4]> {
     let Some(&tip) = nodes.iter().min() else { return Vec::new() };
@@ -110,14 +110,14 @@ pub(super) fn tetrahedra(nodes: &[u32], facets: &[&[usize]]) -> Vec<[u32; 4]> {
     split.map(|t| outside(t, tip)).collect()
 }
 
-/// The tetrahedron below a triangle that is seen from outside counter-clockwise.
+/// Return the tetrahedron of a triangle, counter-clockwise from outside, and a tip below it.
 fn outside(t: [u32; 3], tip: u32) -> [u32; 4] {
     [t[0], t[2], t[1], tip]
 }
 
-/// The triangle of three nodes next to `opposite`, seen from there counter-clockwise, of the three triangles around it.
+/// Return the triangle of the three neighbours of `opposite`, counter-clockwise from there, given the three triangles around it.
 fn base(corner: &[[u32; 3]], opposite: u32) -> [u32; 3] {
-    // Around the node, each triangle runs from one neighbour to the next.
+    // Each triangle around the node runs from one neighbour to the next.
     let edge = |t: &[u32; 3]| {
         let at = t.iter().position(|&n| n == opposite).unwrap_or(0);
         [t[(at + 1) % 3], t[(at + 2) % 3]]
@@ -127,7 +127,7 @@ fn base(corner: &[[u32; 3]], opposite: u32) -> [u32; 3] {
     [a, b, next]
 }
 
-/// The halves of a quadrilateral on both sides of the diagonal through its smallest node.
+/// Split a quadrilateral by the diagonal through its smallest node.
 fn halves(q: [u32; 4]) -> [[u32; 3]; 2] {
     if q[0].min(q[2]) < q[1].min(q[3]) {
         [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]

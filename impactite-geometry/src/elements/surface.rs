@@ -1,19 +1,19 @@
-//! The surface of a mesh.
+//! Surface extraction.
 
 use super::{ElementMesh, Facet, MeshError};
 use crate::error::GeometryError;
 
-/// Facets by the smallest of their nodes.
+/// Facets sorted by their smallest node.
 struct ByNode {
     facets: Vec<Facet>,
-    /// Where the facets of each node begin in `order`, and the end of the last.
+    /// Offsets of the facets of each node in `order`, and the total number.
     starts: Vec<u32>,
-    /// Numbers of facets.
+    /// Indices of facets.
     order: Vec<u32>,
 }
 
 impl ByNode {
-    /// A counting sort: as fast as the elements are read, and facets of a node stay in the order of elements.
+    /// Sort by counting: linear in the number of facets, and stable, so that facets of a node stay in the order of elements.
     fn new(facets: Vec<Facet>, nodes: usize) -> Self {
         let mut starts = vec![0u32; nodes + 1];
         for facet in &facets {
@@ -32,7 +32,7 @@ impl ByNode {
         Self { facets, starts, order }
     }
 
-    /// Which facets belong to one element only.
+    /// Mark the facets that belong to one element only.
     fn single(&self) -> Result<Vec<bool>, MeshError> {
         let mut single = vec![true; self.facets.len()];
         for range in self.starts.windows(2) {
@@ -77,7 +77,7 @@ fn same_nodes(a: &Facet, b: &Facet) -> bool {
     sorted(a) == sorted(b)
 }
 
-/// Do two facets of the same nodes run through them in opposite directions?
+/// True if two facets of the same nodes run through them in opposite directions.
 fn opposite(a: &[u32], b: &[u32]) -> bool {
     let count = a.len();
     if count < 3 {
@@ -88,22 +88,22 @@ fn opposite(a: &[u32], b: &[u32]) -> bool {
 }
 
 impl<const D: usize> ElementMesh<D> {
-    /// The facets that belong to one element only, in the order of their elements: edges in the plane, triangles and quadrilaterals in
-    /// space. Elements of fewer dimensions than space (bars, shells) have none.
+    /// Return the facets that belong to one element only, in the order of their elements: edges in the plane, triangles and quadrilaterals
+    /// in space. Elements of fewer dimensions than space (bars, shells) have no facets.
     ///
-    /// Facets meet where they have the same nodes: weld meshes that only touch. Neighbours that divide a face differently (a brick beside
-    /// two tetrahedra, a node on another's edge) leave both facets in the surface.
+    /// Two elements share a facet only if it has the same nodes in both: weld meshes that merely touch. Non-conforming neighbours (a brick
+    /// beside two tetrahedra, a hanging node) leave both facets in the surface.
     ///
     /// # Errors
-    /// [`MeshError`] if a facet belongs to three elements or to two on the same side of it, or an element names a node that does not exist.
+    /// [`MeshError`] if a facet belongs to three elements or to two on the same side of it, or an element refers to a missing node.
     pub fn surface(&self) -> Result<Vec<Facet>, GeometryError> {
         self.surface_of(&|_, _| true)
     }
 
-    /// The surface of those elements that are `alive(block, element)`, as of a mesh that has no others.
+    /// Return the surface of the elements for which `alive(block, element)` is true, as if the others did not exist.
     ///
     /// # Errors
-    /// As [`surface`](Self::surface).
+    /// Errors of [`surface`](Self::surface).
     pub fn surface_of(&self, alive: &dyn Fn(usize, usize) -> bool) -> Result<Vec<Facet>, GeometryError> {
         self.check_numbers()?;
         let sorted = ByNode::new(self.facets(alive)?, self.nodes.len());
@@ -111,7 +111,7 @@ impl<const D: usize> ElementMesh<D> {
         Ok(sorted.facets.into_iter().zip(single).filter_map(|(f, single)| single.then_some(f)).collect())
     }
 
-    /// All facets of elements that are alive.
+    /// Facets of all elements that are alive.
     fn facets(&self, alive: &dyn Fn(usize, usize) -> bool) -> Result<Vec<Facet>, MeshError> {
         let solid = || self.blocks.iter().enumerate().filter(|(_, block)| block.kind.dimensions() == D);
         let count = solid().map(|(_, block)| block.len() * block.kind.facets().len()).sum();

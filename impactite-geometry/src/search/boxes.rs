@@ -1,4 +1,4 @@
-//! Points in a box: every coordinate sorted by itself, and what lies in all ranges.
+//! Point-in-box search: coordinates sorted along every axis, and intersection of the ranges.
 
 use std::ops::Range;
 
@@ -10,33 +10,33 @@ use super::lists::{NeighbourLists, collect};
 use super::points::{Points, Reach, bounds_of, distance_squared, half_box};
 use super::{Nearest, NeighbourSearch};
 
-/// Width of a strip in ranges of the largest pair. That of the paper is lost; 2 was the fastest in two dimensions.
+/// Width of a strip over the range of the largest pair. The value of the paper is not known; 2 was the fastest in two dimensions.
 const WIDTH: f64 = 2.0;
 
-/// Point in box \[Attaway1993\]: points are sorted along every axis; of the ranges of a box along the axes the shortest is walked, and
-/// ranks tell what lies in the others. Boxes are as wide as the largest radius asks for. Fast where a body is thin; O(N^(2 - 1/D)) where it is
-/// not, and more where radii differ.
+/// Point-in-box search \[Attaway1993\]: points are sorted along every axis. Of the index ranges of a box along the axes, the shortest is
+/// traversed; ranks test membership in the others. The box size follows from the largest radius. Fast for thin bodies; O(N^(2 - 1/D)) for
+/// others, and more for unequal radii.
 #[derive(Clone, Debug)]
 pub struct PointInBox<const D: usize>(Strips<D>);
 
-/// Point in box in strips \[Xiao2015\]: a plane is cut into strips along its longer side (space into square columns along its longest), two
-/// ranges of the largest pair wide, and every strip is sorted by itself. Strips that lie within a box are walked without asking for ranks.
+/// Point-in-box search in strips \[Xiao2015\]: the plane is divided into strips along its longer side (space into square columns along its
+/// longest), two ranges of the largest pair wide, and every strip is sorted separately. Strips inside the box need no rank test.
 #[derive(Clone, Debug)]
 pub struct StripPointInBox<const D: usize>(Strips<D>);
 
-/// Some points, sorted along all axes.
+/// Points of a strip, sorted along all axes.
 #[derive(Clone, Debug)]
 struct Sorted<const D: usize> {
-    /// Numbers by rank, an axis each.
+    /// Point indices by rank, per axis.
     order: [Vec<u32>; D],
-    /// Coordinates by rank.
+    /// Coordinates by rank, per axis.
     places: [Vec<f64>; D],
-    /// Ranks along all axes of the point that has a rank along one.
+    /// Ranks along all axes of the point with a rank along one axis.
     ranks: [Vec<[u32; D]>; D],
 }
 
 impl<const D: usize> Sorted<D> {
-    /// Sort the points `numbers`. `rank` is memory, one a point of all.
+    /// Sort the points `numbers`. `rank` is scratch memory with one entry per point of the set.
     fn new(positions: &[[f64; D]], numbers: &[u32], rank: &mut [[u32; D]]) -> Self {
         let mut sorted = Sorted {
             order: [const { Vec::new() }; D],
@@ -59,13 +59,13 @@ impl<const D: usize> Sorted<D> {
         sorted
     }
 
-    /// Ranks within a range along an axis.
+    /// Range of ranks with coordinates from `low` to `high` along an axis.
     fn range(&self, d: usize, low: f64, high: f64) -> Range<u32> {
         let places = &self.places[d];
         places.partition_point(|&x| x < low) as u32..places.partition_point(|&x| x <= high) as u32
     }
 
-    /// The points in the box around `x`.
+    /// Visit the points in the box around `x`.
     #[inline(always)]
     fn visit(&self, x: &[f64; D], half: f64, visit: &mut impl FnMut(u32)) {
         let mut ranges = [const { 0..0 }; D];
@@ -81,7 +81,7 @@ impl<const D: usize> Sorted<D> {
         }
     }
 
-    /// The points in a range along one axis.
+    /// Visit the points in a range along one axis.
     #[inline(always)]
     fn along(&self, d: usize, low: f64, high: f64, visit: &mut impl FnMut(u32)) {
         let Range { start, end } = self.range(d, low, high);
@@ -89,7 +89,7 @@ impl<const D: usize> Sorted<D> {
     }
 }
 
-/// Points in strips, or all in one.
+/// Points in strips, or all in one strip.
 #[derive(Clone, Debug)]
 struct Strips<const D: usize> {
     reach: Reach,
@@ -98,7 +98,7 @@ struct Strips<const D: usize> {
     largest: f64,
     low: [f64; D],
     high: [f64; D],
-    /// The axis of the strips, and how many there are along each; one along their own.
+    /// Axis of the strips, and number of strips along each axis; 1 along their own axis.
     axis: usize,
     counts: [usize; D],
     width: f64,
@@ -116,7 +116,7 @@ impl<const D: usize> Strips<D> {
         let mut counts = [1; D];
         let mut width = f64::INFINITY;
         if cut && !points.is_empty() {
-            // As many strips as points, at most.
+            // At most as many strips as points.
             let shortest = extent(axis) / points.len() as f64;
             width = (WIDTH * reach.of(largest, largest)).max(shortest).max(f64::MIN_POSITIVE);
             let along = |d: usize, width: f64| (extent(d) / width).floor() + 1.0;
@@ -142,11 +142,11 @@ impl<const D: usize> Strips<D> {
     }
 
     fn strip(&self, d: usize, x: f64) -> usize {
-        // Numbers below zero become zero.
+        // A saturating cast maps negative numbers to zero.
         (((x - self.low[d]) / self.width) as usize).min(self.counts[d] - 1)
     }
 
-    /// The points in the box around `x`, and some of its strips.
+    /// Visit the points in the box around `x`; strips are a superset.
     #[inline(always)]
     fn visit(&self, x: &[f64; D], half: f64, mut visit: impl FnMut(u32)) {
         let (mut first, mut last) = ([0; D], [0; D]);
@@ -219,7 +219,7 @@ impl<const D: usize> Strips<D> {
         check_place(x)?;
         let mut best = Best::none();
         if !self.positions.is_empty() {
-            // About a spacing.
+            // Estimate of the mean spacing.
             let extent = (0..D).map(|d| self.high[d] - self.low[d]).fold(0.0, f64::max);
             let step = extent / (self.positions.len() as f64).powf(1.0 / D as f64);
             best.among_boxes(x, &self.low, &self.high, step, |half, best| {

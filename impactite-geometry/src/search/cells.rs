@@ -1,4 +1,4 @@
-//! Cells on several levels, filled by a counting sort.
+//! Multilevel cell lists, filled by a counting sort.
 
 use std::ops::Range;
 
@@ -9,35 +9,35 @@ use super::lists::{CHUNK, Limit, NeighbourLists, Rows, assemble};
 use super::points::{Pair, Points, Reach, bounds_of, distance_squared, distance_to_box, for_pair, half_box};
 use super::{Nearest, NeighbourSearch};
 
-/// Most cells a point: memory stays proportional to the number of points however far they fly apart.
+/// Maximum number of cells per point: memory is proportional to the number of points, whatever their extent.
 const CELLS_PER_POINT: usize = 4;
-/// Cells that even few points may have.
+/// Number of cells that is always allowed.
 const FEWEST_CELLS: usize = 64;
-/// Most levels. Points whose range is smaller than that of the largest by 2^32 share the cells of the last.
+/// Maximum number of levels. Points whose range is smaller than the largest by 2^32 or more share the cells of the last level.
 const LEVELS: usize = 32;
-/// The extent of all points in cells, at most: differences of coordinates tell such cells apart.
+/// Maximum extent of all points in cells: such cells are resolved in double precision.
 const MOST_ALONG: f64 = (1u64 << 40) as f64;
-/// No edge is smaller (m), so that its inverse is finite.
+/// Minimum cell edge (m), so that its inverse is finite.
 const SHORTEST_EDGE: f64 = 1e-150;
-/// Cells that hold fewer points each on average, empty ones not counted, are made larger where there are too many of them. Points
-/// thrown at four times as many cells give 1.13.
+/// Minimum average number of points per occupied cell: below this, cells are enlarged if some are folded. Points
+/// thrown at random at four times as many cells give 1.13.
 const FULL_ENOUGH: f64 = 1.25;
 
-/// Cell lists for points of any dimension and of very different radii.
+/// Multilevel cell lists for points of any dimension and of very different radii.
 ///
-/// Points are put on levels, one for each power of two of the range of a pair of their kind, R(r, r), those of alike
-/// radii on one. A level has cells of the largest range of its points, and is filled by a counting sort, so that the
-/// points of a cell, and of cells side by side, are neighbours in memory (cell lists \[Feng2014\]; a grid for each
-/// size \[OgarkoLuding2012\]). A point looks for its neighbours on its own level and on those of larger points, in 3^D
-/// cells of each at most; what it finds there is handed back to the larger one. The cost is O(N) a level, however small the
+/// Points are assigned to levels, one for each power of two of the range R(r, r) of a pair of equal radii; points of similar
+/// radii share one level. The cells of a level are as large as the largest range of its points. A level is filled by a counting sort, so
+/// that the points of a cell, and of adjacent cells, are contiguous in memory (cell lists \[Feng2014\]; a grid for each
+/// size \[OgarkoLuding2012\]). A point searches its own level and those of larger points, at most 3^D
+/// cells of each; a pair across levels is also added to the list of the larger point. The cost is O(N) a level, however small the
 /// smallest points are.
 ///
-/// Cells of a level that are more than four times as many as its points are folded onto each other, as on a torus: memory
-/// stays proportional to the number of points however far they fly apart, and a crowd keeps its small cells whatever flies off
-/// elsewhere (as hashing does \[Teschner2003\], but in the order of cells). Cells that share a place cost candidates that are too far away, and
+/// If a level has more than four times as many cells as points, its cells are folded onto each other, as on a torus. Memory
+/// then stays proportional to the number of points whatever their extent, and dense regions keep their small cells whatever flies off
+/// elsewhere (similar to hashing \[Teschner2003\], but in the order of cells). Folded cells add distant candidates and
 /// change no list.
 ///
-/// [`nearest`](NeighbourSearch::nearest) looks into boxes that double until one holds a point.
+/// [`nearest`](NeighbourSearch::nearest) searches boxes of doubling size until one contains a point.
 ///
 /// ```
 /// use impactite_geometry::search::{NeighbourSearch, Points, Reach, SearchError, SortedCells};
@@ -55,9 +55,9 @@ const FULL_ENOUGH: f64 = 1.25;
 #[derive(Clone, Debug)]
 pub struct SortedCells<const D: usize> {
     reach: Reach,
-    /// Those of the largest points first.
+    /// Levels, largest points first.
     levels: Vec<Level<D>>,
-    /// Level by level, cell by cell.
+    /// Points by level and cell.
     sorted: Vec<Entry<D>>,
 }
 
@@ -68,29 +68,29 @@ struct Entry<const D: usize> {
     number: u32,
 }
 
-/// The cells of points of about one size.
+/// Cells of the points of similar size.
 #[derive(Clone, Debug)]
 struct Level<const D: usize> {
-    /// Largest radius.
+    /// Largest radius of the level.
     largest: f64,
-    /// Of a pair of the largest.
+    /// Range of a pair of the largest radius.
     range: f64,
     low: [f64; D],
     high: [f64; D],
-    /// One over the edge of a cell.
+    /// Inverse of the cell edge.
     inverse: f64,
-    /// Cells along each axis,
+    /// Unfolded number of cells along each axis.
     natural: [u64; D],
-    /// and how many are kept: the rest is folded onto them.
+    /// Number of cells along each axis after folding.
     counts: [usize; D],
-    /// Where each cell begins in the list of all points.
+    /// Offset of each cell in the sorted points of all levels.
     starts: Vec<u32>,
-    /// Its points in that list.
+    /// Range of this level in the sorted points of all levels.
     places: Range<usize>,
 }
 
 impl<const D: usize> Level<D> {
-    /// Sort the points `numbers` by cell, to the end of `sorted`.
+    /// Sort the points `numbers` by cell and append them to `sorted`.
     fn sort(
         points: &Points<'_, D>,
         numbers: impl ExactSizeIterator<Item = u32> + Clone,
@@ -147,7 +147,7 @@ impl<const D: usize> Level<D> {
         level
     }
 
-    /// Cells along the axes for the present edge, `most` altogether. Are some folded?
+    /// Compute the number of cells along each axis for the current cell edge, at most `most` in total. True if cells are folded.
     fn lay_out(&mut self, most: usize) -> bool {
         for d in 0..D {
             self.natural[d] = ((self.high[d] - self.low[d]) * self.inverse) as u64 + 1;
@@ -173,7 +173,7 @@ impl<const D: usize> Level<D> {
 
     #[inline(always)]
     fn cell(&self, d: usize, x: f64) -> u64 {
-        // Numbers below zero become zero.
+        // A saturating cast maps negative numbers to zero.
         (((x - self.low[d]) * self.inverse) as u64).min(self.natural[d] - 1)
     }
     #[inline(always)]
@@ -185,7 +185,7 @@ impl<const D: usize> Level<D> {
         (0..D).rev().fold(0, |n, d| n * self.counts[d] + self.fold(d, self.cell(d, x[d])))
     }
 
-    /// `act` on the ranges of places that hold all points in the box around `x`, and others.
+    /// Call `act` on ranges of the sorted points that contain all points in the box around `x`, and others.
     #[inline(always)]
     fn rows(&self, x: &[f64; D], half: f64, mut act: impl FnMut(usize, usize)) {
         let (mut first, mut span) = ([0; D], [1; D]);
@@ -195,11 +195,11 @@ impl<const D: usize> Level<D> {
                 return;
             }
             let (a, b) = (self.cell(d, from), self.cell(d, to));
-            // No folded cell is visited twice.
+            // Limit the span so that no folded cell is visited twice.
             span[d] = (b - a + 1).min(self.counts[d] as u64) as usize;
             first[d] = self.fold(d, a);
         }
-        // Cells along the first axis are one after the other; beyond the last one of a folded axis comes the first.
+        // Cells along the first axis are contiguous; on a folded axis, the first cell follows the last.
         let end = first[0] + span[0];
         let beyond = end.saturating_sub(self.counts[0]);
         let mut offset = [0; D];
@@ -230,19 +230,19 @@ impl<const D: usize> Level<D> {
     }
 }
 
-/// The largest prime that is not above `most`, which is 2 or more: points at regular distances then fold onto all cells
-/// and not on a few.
+/// Return the largest prime up to `most`, which is at least 2. With a prime number of cells, points at regular distances fold onto
+/// all cells and not onto a few.
 fn prime_below(most: usize) -> usize {
     let is_prime = |n: usize| (2..).take_while(|k| k * k <= n).all(|k| !n.is_multiple_of(k));
     (2..=most.max(2)).rev().find(|&n| is_prime(n)).unwrap_or(2)
 }
 
 impl<const D: usize> SortedCells<D> {
-    /// Points on so many levels at most, 1 to 32: on the last one are all that are smaller. [`NeighbourSearch::new`] takes
-    /// as many as there are powers of two.
+    /// Sort points into at most `most` levels, 1 to 32; the last level contains all smaller points. [`NeighbourSearch::new`] uses
+    /// a level for each power of two.
     ///
     /// # Errors
-    /// As [`NeighbourSearch::new`], and another number of levels.
+    /// Errors of [`NeighbourSearch::new`], and another number of levels.
     pub fn with_levels(points: &Points<'_, D>, reach: Reach, most: usize) -> Result<Self, SearchError> {
         if !(1..=LEVELS).contains(&most) {
             let (field, allowed) = ("number of levels", "1 to 32");
@@ -258,7 +258,7 @@ impl<const D: usize> SortedCells<D> {
         } else if count > 0 {
             let mut members = vec![Vec::new(); most];
             for i in 0..count {
-                // The exponent of how many times smaller its range is; a range of zero is infinitely smaller.
+                // Binary exponent of the ratio of ranges; a range of zero has an infinite ratio.
                 let times = top / range(points.radius(i as usize));
                 let exponent = (times.to_bits() >> 52).saturating_sub(1023) as usize;
                 members[exponent.min(most - 1)].push(i);
@@ -273,16 +273,16 @@ impl<const D: usize> SortedCells<D> {
         Ok(cells)
     }
 
-    /// How many levels there are: one where radii are alike, none without points.
+    /// Number of levels: one for similar radii, zero without points.
     pub fn levels(&self) -> usize {
         self.levels.len()
     }
-    /// How many cells there are on all levels.
+    /// Number of cells on all levels.
     pub fn cells(&self) -> usize {
         self.levels.iter().map(|level| level.starts.len() - 1).sum()
     }
 
-    /// `visit` on every pair within reach, once, in any order: for callers that keep few of many, or need no lists.
+    /// Call `visit` once on every pair within reach, in any order: for callers that keep few of many pairs, or need no lists.
     pub fn each_pair(&self, mut visit: impl FnMut(u32, u32)) {
         for_pair!(self.reach, pair => {
             let mut found = Vec::new();
@@ -290,7 +290,7 @@ impl<const D: usize> SortedCells<D> {
                 for entry in &self.sorted[level.places.clone()] {
                     for (n, among) in self.levels[..=own].iter().enumerate() {
                         let count = self.search(pair, entry, among, entry.number, &mut found, 0);
-                        // Two on one level find each other.
+                        // Two points on one level find each other: keep one of the two pairs.
                         let once = |j: &&u32| n < own || **j > entry.number;
                         found[..count].iter().filter(once).for_each(|&j| visit(entry.number, j));
                     }
@@ -299,8 +299,7 @@ impl<const D: usize> SortedCells<D> {
         });
     }
 
-    /// Write the points of a level within reach of `of`, but for number `but`, into `found` from place `count` on. Returns the place
-    /// behind them.
+    /// Write the points of a level within reach of `of`, except for index `but`, into `found` from `count` on. Returns the end position.
     #[inline(always)]
     fn search<P: Pair>(
         &self,
@@ -319,7 +318,7 @@ impl<const D: usize> SortedCells<D> {
             }
             let out = &mut found[count..count + row.len()];
             let mut here = 0;
-            // Always written and sometimes kept: whether a pair is in range is a toss that branches lose.
+            // Branch-free: always written and kept if in range, since branch prediction fails for random pairs.
             for entry in row {
                 let range = pair.range(of.radius, entry.radius);
                 let near = distance_squared(&of.position, &entry.position) <= range * range;
@@ -331,7 +330,7 @@ impl<const D: usize> SortedCells<D> {
         count
     }
 
-    /// `task` on every chunk of places: on each point of it, with the number of its level.
+    /// Call `task` on every point of every chunk, with the index of its level.
     fn each_chunk(
         &self,
         limit: &Limit,
@@ -357,7 +356,7 @@ impl<const D: usize> SortedCells<D> {
         rows
     }
 
-    /// What points find on their own level and on those of larger points, to which they are handed back.
+    /// Find the neighbours of points on their own level and on the levels of larger points; return the latter pairs to the larger points.
     fn rows<P: Pair>(&self, pair: P, limit: &Limit, team: &Team) -> Vec<Rows> {
         self.each_chunk(limit, team, |entry, own, row, before| {
             let Rows { ends, found, returned } = row;
@@ -375,7 +374,7 @@ impl<const D: usize> SortedCells<D> {
         })
     }
 
-    /// What the points of `self` find on those levels of `others` that are not finer than their own.
+    /// Find the neighbours of the points of `self` on those levels of `others` that are not finer than their own.
     fn rows_of_larger<P: Pair>(&self, pair: P, others: &Self, limit: &Limit, team: &Team) -> Vec<Rows> {
         self.each_chunk(limit, team, |entry, own, row, before| {
             let Rows { ends, found, .. } = row;
@@ -389,7 +388,7 @@ impl<const D: usize> SortedCells<D> {
         })
     }
 
-    /// What the points of `self` find on those levels of `others` that are coarser than their own, all handed back.
+    /// Find the neighbours of the points of `self` on those levels of `others` that are coarser than their own, all returned.
     fn rows_for_larger<P: Pair>(&self, pair: P, others: &Self, limit: &Limit, team: &Team) -> Vec<Rows> {
         self.each_chunk(limit, team, |entry, own, row, _| {
             let Rows { found, returned, .. } = row;
@@ -470,7 +469,7 @@ impl<const D: usize> NeighbourSearch<D> for SortedCells<D> {
     }
 }
 
-/// The nearest point so far; of those equally near, the one with the lowest number.
+/// Nearest point so far; at equal distances the one of lowest index.
 pub(super) struct Best {
     pub square: f64,
     number: u32,
@@ -489,8 +488,8 @@ impl Best {
     pub(super) fn point(&self) -> Option<Nearest> {
         (self.number != u32::MAX).then(|| Nearest { point: self.number, distance: self.square.sqrt() })
     }
-    /// Look, by `offer_box`, at all points in boxes around `x` that double, beginning a `step` beyond the bounds of the
-    /// points, until none can be nearer.
+    /// Search boxes around `x` by `offer_box` until no point can be nearer. The first box extends a `step` beyond the bounds of the
+    /// points; the size doubles.
     pub(super) fn among_boxes<const D: usize>(
         &mut self,
         x: &[f64; D],
@@ -517,7 +516,7 @@ impl Best {
 mod tests {
     use super::*;
 
-    /// Points of the cell that a point shares, itself among them, on average over all.
+    /// Average number of points per cell, as seen by a point, including the point itself.
     fn crowding<const D: usize>(positions: &[[f64; D]], radii: &[f64]) -> f64 {
         let points = Points::new(positions, radii).expect("points");
         let cells = SortedCells::new(&points, Reach::sum(0.0)).expect("cells");
@@ -528,13 +527,13 @@ mod tests {
         cells.levels.iter().map(ends).sum::<f64>() / points.len() as f64
     }
 
-    /// What a crowd costs must not depend on points that flew off, on gaps, nor on a few small ones: it would all share a cell.
+    /// The cost of a dense region must not depend on points that flew off, on gaps, or on a few small points that all share a cell.
     #[test]
     fn few_points_share_a_cell_however_they_lie() {
         fn check<const D: usize>() {
             let side = (20_000f64).powf(1.0 / D as f64).round() as usize;
             let count = side.pow(D as u32);
-            // A lattice with some disorder, radii 0.4 to 0.6 of the spacing: one to two a cell.
+            // Disturbed lattice, radii 0.4 to 0.6 of the spacing: one to two points per cell.
             let mut positions: Vec<[f64; D]> = (0..count)
                 .map(|n| {
                     std::array::from_fn(|d| {
@@ -547,7 +546,7 @@ mod tests {
                 (0..count).map(|n| 0.4 + 0.2 * (n as f64 * 0.618_034).fract()).collect();
             let plain = crowding(&positions, &radii);
             assert!(plain < 5.0, "{plain} points in {D} dimensions");
-            // With cells at random, one more on average.
+            // One more point on average for random cells.
             let limit = plain + 2.0;
             positions[7] = [-1e12; D];
             positions[9][0] = 1e9;
@@ -558,7 +557,7 @@ mod tests {
             let parted = crowding(&positions, &radii);
             radii[..5].fill(1e-12);
             let small = crowding(&positions, &radii);
-            // Far smaller than their spacing: cells grow until they hold a few.
+            // Radii far below the spacing: cells grow until they contain a few points.
             let sparse = crowding(&positions, &radii.iter().map(|r| 1e-5 * r).collect::<Vec<_>>());
             let none = crowding(&positions, &vec![0.0; count]);
             for (what, points) in [("flown", flown), ("parted", parted), ("small", small)] {

@@ -1,32 +1,32 @@
-//! What a search refuses, and why.
+//! Errors of neighbour searches.
 
-/// Why points, a reach or a place is refused by a search.
+/// Error of a neighbour search: invalid points, reach or position.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SearchError {
-    /// A coordinate or a radius of one point that no search can use.
+    /// Invalid coordinate or radius of a point.
     #[error("search: {field} of point {point} = {value} is not allowed; it must be {allowed}")]
     Point {
-        /// The coordinate or the radius.
+        /// Name of the coordinate or the radius.
         field: &'static str,
-        /// Number of the point.
+        /// Point index.
         point: usize,
-        /// What was given (m).
+        /// Value (m).
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A number that belongs to no point.
+    /// Invalid parameter of a search.
     #[error("search: {field} = {value} is not allowed; it must be {allowed}")]
     Parameter {
-        /// The number.
+        /// Name of the parameter.
         field: &'static str,
-        /// What was given.
+        /// Value of the parameter.
         value: f64,
-        /// What is allowed, in words.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// Radii that do not belong to the positions.
+    /// Different numbers of positions and radii.
     #[error("search: there are {radii} radii for {positions} positions; there must be one a position")]
     Lengths {
         /// Number of positions.
@@ -34,13 +34,13 @@ pub enum SearchError {
         /// Number of radii.
         radii: usize,
     },
-    /// More points than a search can number.
+    /// Too many points.
     #[error("search: {points} points are too many; at most {} are allowed", super::MOST_POINTS)]
     Points {
         /// Number of points.
         points: usize,
     },
-    /// Lists longer than memory should hold.
+    /// Neighbour lists above the memory limit.
     #[error(
         "search: {points} points have more than {allowed} neighbours together, the most that lists may hold (a reach too large, or \
          units mixed up?)"
@@ -48,14 +48,14 @@ pub enum SearchError {
     Neighbours {
         /// Number of points.
         points: usize,
-        /// The most neighbours of all points together.
+        /// Maximum number of neighbours of all points together.
         allowed: usize,
     },
 }
 
 const COORDINATES: [&str; 3] = ["x", "y", "z"];
 
-/// What a coordinate, a radius or a reach may be.
+/// True if a coordinate, a radius or a reach is at least `least` and at most [`FARTHEST`](super::FARTHEST).
 pub(super) fn within_bounds(value: f64, least: f64) -> bool {
     value >= least && value <= super::FARTHEST
 }
@@ -63,7 +63,7 @@ pub(super) fn within_bounds(value: f64, least: f64) -> bool {
 pub(super) const ALLOWED_COORDINATE: &str = "finite, between -1e150 and 1e150";
 pub(super) const ALLOWED_LENGTH: &str = "zero or positive, and at most 1e150";
 
-/// Refuses a place that is not finite.
+/// Check that a position is finite and within the allowed range.
 pub(super) fn check_place<const D: usize>(x: &[f64; D]) -> Result<(), SearchError> {
     for (d, &value) in x.iter().enumerate() {
         if !within_bounds(value, -super::FARTHEST) {
@@ -74,7 +74,7 @@ pub(super) fn check_place<const D: usize>(x: &[f64; D]) -> Result<(), SearchErro
     Ok(())
 }
 
-/// Refuses a length that is negative or not finite.
+/// Check that a length is finite, not negative and within the allowed range.
 pub(super) fn check_length(field: &'static str, value: f64) -> Result<(), SearchError> {
     if within_bounds(value, 0.0) {
         Ok(())
@@ -83,7 +83,7 @@ pub(super) fn check_length(field: &'static str, value: f64) -> Result<(), Search
     }
 }
 
-/// Refuses the first coordinate that is not finite.
+/// Check all coordinates; the error names the first invalid point.
 pub(super) fn check_positions<const D: usize>(positions: &[[f64; D]]) -> Result<(), SearchError> {
     for (point, x) in positions.iter().enumerate() {
         for (d, &value) in x.iter().enumerate() {
@@ -96,7 +96,7 @@ pub(super) fn check_positions<const D: usize>(positions: &[[f64; D]]) -> Result<
     Ok(())
 }
 
-/// Refuses the first radius that is negative or not finite.
+/// Check all radii; the error names the first invalid point.
 pub(super) fn check_radii(radii: &[f64]) -> Result<(), SearchError> {
     match radii.iter().position(|&r| !within_bounds(r, 0.0)) {
         None => Ok(()),

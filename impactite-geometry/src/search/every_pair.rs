@@ -1,4 +1,4 @@
-//! Every pair, looked at.
+//! Brute-force search over all pairs.
 
 use impactite_simd::Team;
 
@@ -8,7 +8,7 @@ use super::lists::{NeighbourLists, collect};
 use super::points::{Points, Reach, distance_squared};
 use super::{Nearest, NeighbourSearch};
 
-/// No order at all: every question looks at every point, O(N^2) for all neighbours. What other searches are held against.
+/// Brute-force search: every query tests every point, O(N^2) for all neighbours. Reference for the other searches.
 #[derive(Clone, Debug)]
 pub struct EveryPair<const D: usize> {
     reach: Reach,

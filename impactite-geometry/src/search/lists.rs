@@ -1,4 +1,4 @@
-//! Lists of neighbours, one after the other.
+//! Neighbour lists in compressed rows.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -6,16 +6,16 @@ use impactite_simd::Team;
 
 use super::error::SearchError;
 
-/// Points that a task looks after. Fixed, so that nothing depends on the number of threads.
+/// Points per task. Constant, so that results do not depend on the number of threads.
 pub(super) const CHUNK: usize = 512;
-/// Neighbours a point that lists may hold on average, for sets with more than [`ALWAYS`] neighbours.
+/// Maximum average number of neighbours per point, for sets with more than [`ALWAYS`] neighbours in total.
 const MOST_EACH: usize = 1024;
-/// Neighbours that lists may always hold.
+/// Total number of neighbours that is always allowed.
 const ALWAYS: usize = 1 << 26;
 
-/// The neighbours of every point in compressed rows: all lists one after the other, and where each begins.
+/// Neighbour lists of all points in compressed sparse rows: all lists in one array, and the offset of each.
 ///
-/// Every list is in ascending order, so that sums over it come in one order whatever search, cells or threads found it.
+/// Every list is in ascending order, so that the order of summation does not depend on search, cells or threads.
 ///
 /// ```
 /// use impactite_geometry::search::{NeighbourSearch, Points, Reach, SearchError, SortedCells};
@@ -30,46 +30,45 @@ const ALWAYS: usize = 1 << 26;
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NeighbourLists {
-    /// One more than there are lists, or none at all.
+    /// Offsets of the lists: one more than the number of lists, or empty.
     starts: Vec<u32>,
     list: Vec<u32>,
 }
 
 impl NeighbourLists {
-    /// No lists.
+    /// Create an empty object without lists.
     pub fn new() -> Self {
         Self::default()
     }
-    /// Bytes of memory.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         4 * (self.starts.capacity() + self.list.capacity())
     }
-    /// How many lists there are.
+    /// Number of lists.
     pub fn len(&self) -> usize {
         self.starts.len().saturating_sub(1)
     }
-    /// Are there no lists?
+    /// True if there are no lists.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// The neighbours of point `i`, in ascending order.
+    /// Neighbours of point `i`, in ascending order.
     ///
     /// # Panics
-    /// No such point.
+    /// Panics if there is no such point.
     #[inline]
     pub fn of(&self, i: usize) -> &[u32] {
         &self.list[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
-    /// Where each list begins, and where the last one ends: one more than there are lists, or nothing if there never
-    /// were any.
+    /// Offset of each list and end of the last one: one more than the number of lists, or empty if no lists were made.
     pub fn starts(&self) -> &[u32] {
         &self.starts
     }
-    /// All lists, one after the other.
+    /// Concatenated lists of all points.
     pub fn list(&self) -> &[u32] {
         &self.list
     }
-    /// `points` empty lists.
+    /// Reset to `points` empty lists.
     pub(super) fn clear(&mut self, points: usize) {
         self.list.clear();
         self.starts.clear();
@@ -77,7 +76,7 @@ impl NeighbourLists {
     }
 }
 
-/// How many neighbours were found, to stop before they fill the memory.
+/// Count of the neighbours found, with a limit of memory.
 pub(super) struct Limit {
     points: usize,
     allowed: usize,
@@ -89,11 +88,11 @@ impl Limit {
         let allowed = points.saturating_mul(MOST_EACH).clamp(ALWAYS, u32::MAX as usize);
         Limit { points, allowed, found: AtomicUsize::new(0) }
     }
-    /// Count some more. Whether the limit is passed in the end does not depend on the order.
+    /// Add a number of neighbours. The result of the final check does not depend on the order.
     pub(super) fn add(&self, found: usize) {
         self.found.fetch_add(found, Ordering::Relaxed);
     }
-    /// Is there no room for what was found and these?
+    /// True if the neighbours found and `more` exceed the limit.
     #[inline]
     pub(super) fn passed(&self, more: usize) -> bool {
         self.found.load(Ordering::Relaxed).saturating_add(more) > self.allowed
@@ -107,17 +106,17 @@ impl Limit {
     }
 }
 
-/// What a task found, point after point.
+/// Neighbours found by a task, point by point.
 #[derive(Clone, Default)]
 pub(super) struct Rows {
-    /// Where the list of each point ends.
+    /// End of the list of each point in `found`.
     pub ends: Vec<u32>,
     pub found: Vec<u32>,
-    /// Pairs found from one side alone: to be written into the list of the first as well.
+    /// Pairs found from one side only, to be added to the list of the first point.
     pub returned: Vec<[u32; 2]>,
 }
 
-/// Lists of `points` points from rows of [`CHUNK`] places each. `number` tells which point is at a place.
+/// Assemble the lists of `points` points from rows of [`CHUNK`] sorted points each. `number` maps a sorted position to a point.
 pub(super) fn assemble(
     points: usize,
     rows: &[Rows],
@@ -128,7 +127,7 @@ pub(super) fn assemble(
     let NeighbourLists { starts, list } = lists;
     starts.clear();
     starts.resize(points + 1, 0);
-    // Chunk and place in it where the list of each point is.
+    // Chunk of each point, and the start of its list in that chunk.
     let mut sources = vec![[0u32; 2]; points];
     let mut place = 0;
     for (chunk, row) in rows.iter().enumerate() {
@@ -141,7 +140,7 @@ pub(super) fn assemble(
         }
     }
     let mixed = rows.iter().any(|row| !row.returned.is_empty());
-    // How much of each list comes from its own search.
+    // Number of neighbours in each list from the search of its own point.
     let mut own = Vec::new();
     if mixed {
         own.extend_from_slice(&starts[1..]);
@@ -180,7 +179,7 @@ pub(super) fn assemble(
     });
 }
 
-/// Lists of `points` points, each filled by `search`, which may leave it in any order.
+/// Build the lists of `points` points by `search`, which may append the neighbours of a point in any order.
 pub(super) fn collect(
     points: usize,
     team: &Team,

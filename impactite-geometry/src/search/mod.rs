@@ -1,19 +1,20 @@
-//! Neighbour search: which points of a set, or of two, are within reach of each other.
+//! Neighbour search: pairs of points within reach, in one set or between two.
 //!
-//! Points have positions in one, two or three dimensions and radii ([`Points`]); a [`Reach`] says which pairs are
-//! neighbours. A search sorts the points once and then answers four questions ([`NeighbourSearch`]): the neighbours of all its points,
+//! Points have positions in one, two or three dimensions and radii ([`Points`]); a [`Reach`] defines which pairs are
+//! neighbours. A search sorts the points once and then answers four queries ([`NeighbourSearch`]): the neighbours of all its points,
 //! its points within reach of those of another set, its points within a ball, and the nearest one. All
-//! searches give the same lists, in ascending order, the same for any number of threads.
+//! searches return the same lists, in ascending order, for any number of threads.
 //!
-//! | search | sorted by | suits |
+//! | search | data structure | suitable for |
 //! |---|---|---|
-//! | [`SortedCells`] | cells, a level for each power of two of the range | all: O(N) a level |
-//! | [`BoxTree`] | a balanced tree of boxes, cut at medians \[Bentley1975\] | places far from all points, few questions; O(N log N) |
-//! | [`PointInBox`] | every coordinate by itself \[Attaway1993\] | thin bodies, alike radii; O(N^(2 - 1/D)) |
-//! | [`StripPointInBox`] | the same in strips \[Xiao2015\] | alike radii |
-//! | [`EveryPair`] | nothing | a few points; what the others are held against |
+//! | [`SortedCells`] | cell lists, a level for each power of two of the range | all: O(N) a level |
+//! | [`BoxTree`] | k-d tree with bounding boxes \[Bentley1975\] | remote query points, few queries; O(N log N) |
+//! | [`PointInBox`] | sorted coordinates per axis \[Attaway1993\] | thin bodies, similar radii; O(N^(2 - 1/D)) |
+//! | [`StripPointInBox`] | sorted coordinates in strips \[Xiao2015\] | similar radii |
+//! | [`EveryPair`] | none | a few points; reference for the others |
 //!
-//! [`VerletLists`] keep the lists of any of them over steps, by a skin; [`VerletListsBetween`] those between two sets. [`SearchMethod`] chooses one at run time.
+//! [`VerletLists`] reuse the lists of any search over steps, by a skin; [`VerletListsBetween`] those between two sets. [`SearchMethod`]
+//! selects a search at run time.
 //!
 //! ```
 //! use impactite_geometry::search::{NeighbourSearch, Points, Reach, SearchError, SearchMethod, SortedCells};
@@ -61,12 +62,12 @@ pub use points::{Points, Reach};
 pub use tree::BoxTree;
 pub use verlet::{VerletLists, VerletListsBetween};
 
-/// The largest coordinate, radius or range of a search (m): squares of distances beyond are not finite.
+/// Largest coordinate, radius or range of a search (m): squares of larger distances overflow.
 pub const FARTHEST: f64 = 1e150;
-/// The most points of a set, 2^29: cells, of which there are up to four a point, have numbers of 32 bits.
+/// Maximum number of points of a set, 2^29: cells, up to four per point, have 32-bit indices.
 pub const MOST_POINTS: usize = 1 << 29;
 
-/// Points sorted so that those near a place are found without looking at all.
+/// Search structure: points sorted so that neighbours are found without a test of all points.
 ///
 /// ```
 /// use impactite_geometry::search::{BoxTree, NeighbourSearch, Points, Reach, SearchError, SortedCells};
@@ -86,49 +87,49 @@ pub const MOST_POINTS: usize = 1 << 29;
     label = "takes `SortedCells<{D}>`, `BoxTree<{D}>`, or another type that implements `NeighbourSearch<{D}>`"
 )]
 pub trait NeighbourSearch<const D: usize>: Send + Sync {
-    /// These points, sorted for questions about pairs within `reach`.
+    /// Sort these points for queries of pairs within `reach`.
     ///
     /// # Errors
-    /// Numbers of `reach` that are negative, not finite or too large.
+    /// Parameters of `reach` that are negative, not finite or too large.
     fn new(points: &Points<'_, D>, reach: Reach) -> Result<Self, SearchError>
     where
         Self: Sized;
 
-    /// How many points there are.
+    /// Number of points.
     fn len(&self) -> usize;
 
-    /// Are there no points?
+    /// True if there are no points.
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// For every point the others within reach of it, written over `lists`, whose memory is used again. Symmetric: where j is in
+    /// Find the neighbours of every point and write them to `lists`, whose memory is reused. Symmetric: if j is in
     /// the list of i, i is in that of j.
     ///
     /// # Errors
-    /// More than 1024 neighbours a point on average (and more than 2^26 altogether): what `lists` then hold is nothing to use.
+    /// More than 1024 neighbours per point on average (and more than 2^26 in total); the contents of `lists` are then unspecified.
     fn neighbours_into(&self, team: &Team, lists: &mut NeighbourLists) -> Result<(), SearchError>;
 
-    /// For every point the others within reach of it.
+    /// Find the neighbours of every point.
     ///
     /// # Errors
-    /// As [`neighbours_into`](NeighbourSearch::neighbours_into).
+    /// Errors of [`neighbours_into`](NeighbourSearch::neighbours_into).
     fn neighbours(&self, team: &Team) -> Result<NeighbourLists, SearchError> {
         let mut lists = NeighbourLists::new();
         self.neighbours_into(team, &mut lists)?;
         Ok(lists)
     }
 
-    /// A list for every point of another set: the points of this one within reach of it.
+    /// Find the neighbours of every point of another set: the points of this set within reach.
     ///
     /// # Errors
-    /// As [`neighbours_into`](NeighbourSearch::neighbours_into), and a range that becomes too large by the radii of the others.
+    /// Errors of [`neighbours_into`](NeighbourSearch::neighbours_into), and a range that becomes too large by the radii of the others.
     fn neighbours_of(&self, others: &Points<'_, D>, team: &Team) -> Result<NeighbourLists, SearchError>;
 
-    /// `visit` on the number and the distance (m) of every point within `radius` (m) of `x`, whatever its own radius, in any order.
+    /// Call `visit` with index and distance (m) of every point within `radius` (m) of `x`, whatever its own radius, in any order.
     ///
     /// # Errors
-    /// A place that is not finite, a radius that is negative or not finite, or either beyond 1e150 m.
+    /// A position that is not finite, a radius that is negative or not finite, or either beyond 1e150 m.
     fn visit_within(
         &self,
         x: &[f64; D],
@@ -136,10 +137,10 @@ pub trait NeighbourSearch<const D: usize>: Send + Sync {
         visit: &mut dyn FnMut(u32, f64),
     ) -> Result<(), SearchError>;
 
-    /// The points within `radius` (m) of `x`, whatever their own radii, in ascending order.
+    /// Find the points within `radius` (m) of `x`, whatever their own radii, in ascending order.
     ///
     /// # Errors
-    /// As [`visit_within`](NeighbourSearch::visit_within).
+    /// Errors of [`visit_within`](NeighbourSearch::visit_within).
     fn within(&self, x: &[f64; D], radius: f64) -> Result<Vec<u32>, SearchError> {
         let mut found = Vec::new();
         self.visit_within(x, radius, &mut |i, _| found.push(i))?;
@@ -147,23 +148,23 @@ pub trait NeighbourSearch<const D: usize>: Send + Sync {
         Ok(found)
     }
 
-    /// The point nearest to `x`, whatever the radii; of several at the same distance the first. `None` without points.
+    /// Find the point nearest to `x`, whatever the radii; at equal distances the one of lowest index. `None` without points.
     ///
     /// # Errors
-    /// A place that is not finite or beyond 1e150 m.
+    /// A position that is not finite or beyond 1e150 m.
     fn nearest(&self, x: &[f64; D]) -> Result<Option<Nearest>, SearchError>;
 }
 
-/// The point nearest to a place.
+/// Nearest point of a query.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nearest {
-    /// Its number.
+    /// Point index.
     pub point: u32,
-    /// How far it is (m).
+    /// Distance (m).
     pub distance: f64,
 }
 
-/// The searches there are, to choose one at run time.
+/// Search methods, for selection at run time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum SearchMethod {
@@ -181,7 +182,7 @@ pub enum SearchMethod {
 }
 
 impl SearchMethod {
-    /// All of them.
+    /// All search methods.
     pub const ALL: [SearchMethod; 5] = [
         SearchMethod::SortedCells,
         SearchMethod::BoxTree,
@@ -189,7 +190,7 @@ impl SearchMethod {
         SearchMethod::StripPointInBox,
         SearchMethod::EveryPair,
     ];
-    /// A name for tables.
+    /// Name for tables.
     pub fn name(self) -> &'static str {
         match self {
             SearchMethod::SortedCells => "cells",
@@ -199,10 +200,10 @@ impl SearchMethod {
             SearchMethod::EveryPair => "every pair",
         }
     }
-    /// The points, sorted by this search.
+    /// Sort the points for this search.
     ///
     /// # Errors
-    /// As [`NeighbourSearch::new`].
+    /// Errors of [`NeighbourSearch::new`].
     pub fn sort<const D: usize>(
         self,
         points: &Points<'_, D>,

@@ -1,9 +1,9 @@
-//! Points with radii, and which pairs of them are neighbours.
+//! Points with radii, and the criterion for neighbours.
 
 use super::MOST_POINTS;
 use super::error::{SearchError, check_length, check_positions, check_radii};
 
-/// Positions and radii of points, checked: every search takes its points in this form.
+/// Validated positions and radii of points, the input of every search.
 ///
 /// ```
 /// use impactite_geometry::search::{Points, SearchError};
@@ -27,10 +27,10 @@ enum Radii<'a> {
 }
 
 impl<'a, const D: usize> Points<'a, D> {
-    /// Points at `positions` (m) with `radii` (m), one a point.
+    /// Points at `positions` (m) with `radii` (m), one per point.
     ///
     /// # Errors
-    /// Another number of radii than of positions, more than 2^29 points, a coordinate that is not finite or beyond
+    /// Different numbers of positions and radii, more than 2^29 points, a coordinate that is not finite or beyond
     /// 1e150 m, a radius that is negative, not finite or beyond 1e150 m.
     pub fn new(positions: &'a [[f64; D]], radii: &'a [f64]) -> Result<Self, SearchError> {
         if positions.len() != radii.len() {
@@ -42,7 +42,7 @@ impl<'a, const D: usize> Points<'a, D> {
     /// Points at `positions` (m), of radius zero.
     ///
     /// # Errors
-    /// As [`Points::new`].
+    /// Errors of [`Points::new`].
     pub fn of_positions(positions: &'a [[f64; D]]) -> Result<Self, SearchError> {
         if positions.len() > MOST_POINTS {
             return Err(SearchError::Points { points: positions.len() });
@@ -50,11 +50,11 @@ impl<'a, const D: usize> Points<'a, D> {
         check_positions(positions)?;
         Ok(Points { positions, radii: Radii::None })
     }
-    /// How many there are.
+    /// Number of points.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
-    /// Are there none?
+    /// True if there are no points.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -70,7 +70,7 @@ impl<'a, const D: usize> Points<'a, D> {
             Radii::None => 0.0,
         }
     }
-    /// Smallest and largest radius (m); zeros of no points.
+    /// Smallest and largest radius (m); zero without points.
     pub(super) fn radii_range(&self) -> [f64; 2] {
         match self.radii {
             Radii::Each(radii) if !radii.is_empty() => {
@@ -81,36 +81,36 @@ impl<'a, const D: usize> Points<'a, D> {
     }
 }
 
-/// Which pairs are neighbours: those no farther apart than this, by their radii R_i and R_j.
+/// Criterion for neighbours: maximum distance of a pair as a function of the radii R_i and R_j.
 ///
 /// | | range of a pair |
 /// |---|---|
-/// | [`Reach::sum`] | factor (R_i + R_j) + tolerance: surfaces that touch |
-/// | [`Reach::larger`] | factor max(R_i, R_j) + tolerance: supports of kernels of which the wider one counts |
-/// | [`Reach::uniform`] | one distance, whatever the radii |
+/// | [`Reach::sum`] | factor (R_i + R_j) + tolerance: surfaces in contact |
+/// | [`Reach::larger`] | factor max(R_i, R_j) + tolerance: kernel supports, of which the wider one counts |
+/// | [`Reach::uniform`] | constant distance, whatever the radii |
 ///
-/// A pair at exactly its range is one of neighbours. A range grows with both radii and with nothing else: on that rest
-/// all searches.
+/// A pair at exactly its range counts as neighbours. All searches rely on this: the range is monotonic in both radii and
+/// depends on nothing else.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Reach {
     /// factor (R_i + R_j) + tolerance.
     Sum {
-        /// Of the sum of radii, zero or positive.
+        /// Factor of the sum of radii, zero or positive.
         factor: f64,
-        /// m, zero or positive.
+        /// Tolerance, m, zero or positive.
         tolerance: f64,
     },
     /// factor max(R_i, R_j) + tolerance.
     Larger {
-        /// Of the larger radius, zero or positive.
+        /// Factor of the larger radius, zero or positive.
         factor: f64,
-        /// m, zero or positive.
+        /// Tolerance, m, zero or positive.
         tolerance: f64,
     },
-    /// The same for all pairs.
+    /// Constant range for all pairs.
     Uniform {
-        /// m, zero or positive.
+        /// Range, m, zero or positive.
         distance: f64,
     },
 }
@@ -128,7 +128,7 @@ impl Reach {
     pub fn uniform(distance: f64) -> Self {
         Reach::Uniform { distance }
     }
-    /// The range of a pair with radii `a` and `b` (m).
+    /// Range of a pair with radii `a` and `b` (m).
     #[inline]
     pub fn of(&self, a: f64, b: f64) -> f64 {
         match *self {
@@ -137,7 +137,7 @@ impl Reach {
             Reach::Uniform { distance } => distance,
         }
     }
-    /// The same, wider by `skin` (m).
+    /// Increase the range by `skin` (m).
     pub fn widened(self, skin: f64) -> Self {
         match self {
             Reach::Sum { factor, tolerance } => Reach::Sum { factor, tolerance: tolerance + skin },
@@ -145,14 +145,14 @@ impl Reach {
             Reach::Uniform { distance } => Reach::Uniform { distance: distance + skin },
         }
     }
-    /// How much wider the range of a pair becomes, at most, for every metre that one of its radii grows.
+    /// Maximum derivative of the range of a pair with respect to one of its radii.
     pub(super) fn slope(&self) -> f64 {
         match *self {
             Reach::Sum { factor, .. } | Reach::Larger { factor, .. } => factor,
             Reach::Uniform { .. } => 0.0,
         }
     }
-    /// Refuses negative numbers, what is not finite, and ranges beyond what distances can be.
+    /// Check that all parameters are finite and not negative, and that ranges of radii up to `largest` are representable.
     pub(super) fn check(&self, largest: f64) -> Result<(), SearchError> {
         let numbers = match *self {
             Reach::Sum { factor, tolerance } | Reach::Larger { factor, tolerance } => {
@@ -167,18 +167,18 @@ impl Reach {
     }
 }
 
-/// A [`Reach`] as a type of its own, so that inner loops do not ask which.
+/// [`Reach`] as a type parameter, to avoid branches in inner loops.
 pub(super) trait Pair: Copy + Send + Sync {
     fn range(&self, a: f64, b: f64) -> f64;
 }
 
-/// A variant of [`Reach`].
+/// Variant `Sum` of [`Reach`]: factor and tolerance.
 #[derive(Clone, Copy)]
 pub(super) struct Sum(pub f64, pub f64);
-/// A variant of [`Reach`].
+/// Variant `Larger` of [`Reach`]: factor and tolerance.
 #[derive(Clone, Copy)]
 pub(super) struct Larger(pub f64, pub f64);
-/// A variant of [`Reach`].
+/// Variant `Uniform` of [`Reach`]: distance.
 #[derive(Clone, Copy)]
 pub(super) struct Uniform(pub f64);
 
@@ -201,7 +201,7 @@ impl Pair for Uniform {
     }
 }
 
-/// `$work` with `$pair` standing for the variant of a reach.
+/// Expand `$work` for each variant of a reach, with `$pair` of the type of that variant.
 macro_rules! for_pair {
     ($reach:expr, $pair:ident => $work:expr) => {
         match $reach {
@@ -231,14 +231,14 @@ pub(super) fn distance_squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f6
     sum
 }
 
-/// Half the edge of a box around a point that holds all that rounding lets pass as within `range`: differences and squares are
-/// rounded by parts of 1e-16, and squares vanish below 1e-154.
+/// Half the edge of a box that contains all points which pass as within `range` in spite of rounding: differences and squares have
+/// relative rounding errors of 1e-16, and squares underflow below 1e-154.
 #[inline(always)]
 pub(super) fn half_box(range: f64) -> f64 {
     range * (1.0 + 1e-14) + 1e-150
 }
 
-/// Least and largest coordinates; infinite the wrong way round of no points.
+/// Smallest and largest coordinates; +infinity and -infinity without points.
 pub(super) fn bounds_of<'a, const D: usize>(
     positions: impl Iterator<Item = &'a [f64; D]>,
 ) -> ([f64; D], [f64; D]) {
@@ -252,7 +252,7 @@ pub(super) fn bounds_of<'a, const D: usize>(
     (low, high)
 }
 
-/// Distance from `x` to the box; zero within.
+/// Distance from `x` to the box; zero inside.
 pub(super) fn distance_to_box<const D: usize>(x: &[f64; D], low: &[f64; D], high: &[f64; D]) -> f64 {
     let mut sum = 0.0;
     for d in 0..D {

@@ -1,4 +1,4 @@
-//! Search by a tree of boxes.
+//! Search by a k-d tree of bounding boxes.
 
 use impactite_simd::Team;
 
@@ -8,19 +8,19 @@ use super::lists::{NeighbourLists, collect};
 use super::points::{Points, Reach, bounds_of, distance_squared, distance_to_box, half_box};
 use super::{Nearest, NeighbourSearch};
 
-/// Points of a leaf, at most.
+/// Maximum number of points of a leaf.
 const LEAF: usize = 8;
-/// Nodes that wait at most: each of at most 30 levels leaves one waiting.
+/// Size of the traversal stack: each of at most 30 levels adds one node.
 const WAITING: usize = 64;
 
-/// A balanced k-d tree \[Bentley1975\]: every node is the box of its points, cut at the median of its longest side. Nodes know their largest
-/// radius, so that small points are found by their own range. O(N log N) to sort, O(log N) a question.
+/// Balanced k-d tree \[Bentley1975\]: every node is the bounding box of its points, divided at the median of its longest side. Nodes store
+/// their largest radius, so that small points are searched by their own range. O(N log N) to sort, O(log N) per query.
 #[derive(Clone, Debug)]
 pub struct BoxTree<const D: usize> {
     reach: Reach,
-    /// Children of node n are 2 n + 1 and 2 n + 2.
+    /// Nodes in heap order: the children of node n are 2 n + 1 and 2 n + 2.
     nodes: Vec<Node<D>>,
-    /// Leaf by leaf.
+    /// Points (position, radius, index), leaf by leaf.
     points: Vec<([f64; D], f64, u32)>,
 }
 
@@ -52,7 +52,7 @@ impl<const D: usize> BoxTree<D> {
         }
     }
 
-    /// `visit` on the points of leaves that no box `half_of` the largest radius around `x` misses.
+    /// Visit the points of all leaves that intersect the box around `x` of half width `half_of` the largest radius of the node.
     #[inline(always)]
     fn visit(
         &self,
@@ -80,7 +80,7 @@ impl<const D: usize> BoxTree<D> {
         }
     }
 
-    /// The points within reach of one with this radius at `x`, but for number `but`.
+    /// Find the points within reach of a point with this radius at `x`, except for index `but`.
     fn find(&self, x: &[f64; D], radius: f64, but: u32, found: &mut Vec<u32>) {
         let half_of = |largest: f64| half_box(self.reach.of(radius, largest));
         self.visit(x, half_of, |(y, r, i)| {
@@ -169,7 +169,7 @@ impl<const D: usize> NeighbourSearch<D> for BoxTree<D> {
             }
             let child = |n: usize| (distance_to_box(x, &self.nodes[n].low, &self.nodes[n].high), n);
             let (a, b) = (child(2 * index + 1), child(2 * index + 2));
-            // The nearer one is looked at first.
+            // Visit the nearer child first.
             let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
             waiting[height] = far;
             waiting[height + 1] = near;

@@ -1,4 +1,4 @@
-//! Lists kept over steps.
+//! Verlet lists: neighbour lists with a skin, reused over steps.
 
 use std::marker::PhantomData;
 
@@ -10,12 +10,12 @@ use super::lists::NeighbourLists;
 use super::points::{Points, Reach, distance_squared};
 use super::{NeighbourSearch, SearchMethod};
 
-/// Neighbour lists with a skin \[Verlet1967\]: made for pairs as much farther apart as the skin is thick, and kept until some point has
-/// used up half of it, by its motion beside the mean one of all and by the growth of its radius together, or the number of points has
-/// changed. What flies as a whole is searched once.
+/// Verlet neighbour lists with a skin \[Verlet1967\]: built for the reach plus the skin, and reused until one point has consumed half of
+/// the skin, by its displacement relative to the mean displacement and the growth of its radius together, or until the number of points
+/// changes. A rigid translation of all points needs no new search.
 ///
-/// Until then every list holds all that are within reach of its point, in ascending order, and some that are not: by up to two skins,
-/// less what radii have shrunk.
+/// Until then every list contains all points within reach, in ascending order, and some beyond it: by up to two skins,
+/// plus the shrinkage of radii.
 ///
 /// ```
 /// use impactite_geometry::search::{Points, Reach, SearchError, VerletLists};
@@ -44,10 +44,10 @@ pub struct VerletLists<const D: usize, S = SortedCells<D>> {
 }
 
 impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
-    /// Lists of pairs within `reach`, with a skin (m).
+    /// Create lists of pairs within `reach`, with a skin (m).
     ///
     /// # Errors
-    /// Numbers of the reach, or a skin, that are negative, not finite or too large.
+    /// Parameters of the reach, or a skin, that are negative, not finite or too large.
     pub fn new(reach: Reach, skin: f64) -> Result<Self, SearchError> {
         check_length("skin", skin)?;
         reach.check(0.0)?;
@@ -62,53 +62,53 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
         })
     }
 
-    /// Which pairs are neighbours, without the skin.
+    /// Criterion for neighbours, without the skin.
     pub fn reach(&self) -> Reach {
         self.reach
     }
-    /// Thickness of the skin (m).
+    /// Skin thickness (m).
     pub fn skin(&self) -> f64 {
         self.skin
     }
-    /// The neighbours of point `i` and some farther away, in ascending order.
+    /// Neighbours of point `i` and some points beyond reach, in ascending order.
     ///
     /// # Panics
-    /// No such point at the last update.
+    /// Panics if there was no such point at the last update.
     #[inline]
     pub fn of(&self, i: usize) -> &[u32] {
         self.lists.of(i)
     }
-    /// The lists of all points.
+    /// Neighbour lists of all points.
     pub fn lists(&self) -> &NeighbourLists {
         &self.lists
     }
-    /// How many searches were made.
+    /// Number of searches so far.
     pub fn searches(&self) -> u64 {
         self.searches
     }
-    /// Search at the next update, whatever the points do.
+    /// Invalidate the lists: the next update searches.
     pub fn forget(&mut self) {
         self.valid = false;
     }
-    /// Empty lists of so many points, until the next update, which searches: for points that cannot be used.
+    /// Replace the lists by empty ones for this number of points and invalidate them: for points that cannot be searched.
     pub fn clear(&mut self, points: usize) {
         self.valid = false;
         self.lists.clear(points);
     }
 
-    /// Search again if the lists may miss a pair. Says whether it did.
+    /// Search again if the lists may miss a pair. Returns true after a search.
     ///
     /// # Errors
-    /// As [`NeighbourSearch::neighbours_into`] and [`NeighbourSearch::new`]; all lists are then empty, and the next update
+    /// Errors of [`NeighbourSearch::neighbours_into`] and [`NeighbourSearch::new`]; all lists are then empty, and the next update
     /// searches.
     pub fn update(&mut self, points: &Points<'_, D>, team: &Team) -> Result<bool, SearchError> {
         self.update_by(points, |points, wide, lists| S::new(points, wide)?.neighbours_into(team, lists))
     }
 
-    /// The same, by a search that is chosen at run time.
+    /// Update the lists by a search method chosen at run time: see [`update`](VerletLists::update).
     ///
     /// # Errors
-    /// As [`update`](VerletLists::update).
+    /// Errors of [`update`](VerletLists::update).
     pub fn update_with(
         &mut self,
         method: SearchMethod,
@@ -138,14 +138,14 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
         Ok(true)
     }
 
-    /// Do the lists miss no pair of points that are now at these positions with these radii (m)? To ask without copying; an
-    /// [`update`](VerletLists::update) asks by itself.
+    /// True if the lists miss no pair of points at these positions with these radii (m). A check without copying;
+    /// [`update`](VerletLists::update) includes it.
     pub fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)> + Clone) -> bool {
         self.valid && self.seen.hold(points, 0.5 * self.skin, self.reach.slope())
     }
 }
 
-/// Points as a search found them.
+/// Positions and radii at the last search.
 #[derive(Clone, Debug)]
 struct Seen<const D: usize> {
     positions: Vec<[f64; D]>,
@@ -170,7 +170,7 @@ impl<const D: usize> Seen<D> {
         self.radii.extend((0..points.len()).map(|i| points.radius(i)));
     }
 
-    /// Has none of the points used up `slack` (m), by its motion beside `drift` (m) and `slope` times the growth of its radius?
+    /// True if no point has consumed `slack` (m), by its displacement relative to `drift` (m) and `slope` times the growth of its radius.
     fn hold_beside(
         &self,
         points: impl ExactSizeIterator<Item = ([f64; D], f64)>,
@@ -185,7 +185,7 @@ impl<const D: usize> Seen<D> {
             })
     }
 
-    /// The same, whatever all have moved by together.
+    /// True if no point has consumed `slack` (m), relative to zero or to the mean displacement of all points.
     fn hold(
         &self,
         points: impl ExactSizeIterator<Item = ([f64; D], f64)> + Clone,
@@ -203,8 +203,8 @@ impl<const D: usize> Seen<D> {
     }
 }
 
-/// Lists between two sets with a skin, as [`VerletLists`] within one: for every point of the others those of the first set within
-/// reach, and some that are not.
+/// Verlet neighbour lists between two sets, with a skin like [`VerletLists`]: for every point of the second set the points of the first
+/// set within reach, and some beyond.
 ///
 /// ```
 /// use impactite_geometry::search::{Points, Reach, SearchError, VerletListsBetween};
@@ -222,7 +222,7 @@ impl<const D: usize> Seen<D> {
 pub struct VerletListsBetween<const D: usize, S = SortedCells<D>> {
     reach: Reach,
     skin: f64,
-    /// Of the lists that there are.
+    /// Skin of the current lists (m).
     skin_then: f64,
     lists: NeighbourLists,
     seen: [Seen<D>; 2],
@@ -232,10 +232,10 @@ pub struct VerletListsBetween<const D: usize, S = SortedCells<D>> {
 }
 
 impl<const D: usize, S: NeighbourSearch<D>> VerletListsBetween<D, S> {
-    /// Lists of pairs within `reach`, with a skin (m).
+    /// Create lists of pairs within `reach`, with a skin (m).
     ///
     /// # Errors
-    /// As [`VerletLists::new`].
+    /// Errors of [`VerletLists::new`].
     pub fn new(reach: Reach, skin: f64) -> Result<Self, SearchError> {
         check_length("skin", skin)?;
         reach.check(0.0)?;
@@ -245,44 +245,44 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletListsBetween<D, S> {
         Ok(VerletListsBetween { reach, skin, skin_then, lists, seen, valid, searches, search })
     }
 
-    /// Thickness of the skin (m).
+    /// Skin thickness (m).
     pub fn skin(&self) -> f64 {
         self.skin
     }
-    /// Another thickness of the skin (m), for the searches from now on.
+    /// Set the skin thickness (m) of future searches.
     ///
     /// # Errors
-    /// One that is negative, not finite or too large.
+    /// A skin that is negative, not finite or too large.
     pub fn set_skin(&mut self, skin: f64) -> Result<(), SearchError> {
         check_length("skin", skin)?;
         self.skin = skin;
         Ok(())
     }
-    /// The points of the first set near point `i` of the others, in ascending order.
+    /// Points of the first set near point `i` of the second set, in ascending order.
     ///
     /// # Panics
-    /// No such point at the last update.
+    /// Panics if there was no such point at the last update.
     #[inline]
     pub fn of(&self, i: usize) -> &[u32] {
         self.lists.of(i)
     }
-    /// Bytes of memory.
+    /// Memory in bytes.
     pub fn bytes(&self) -> usize {
         self.lists.bytes() + self.seen.iter().map(Seen::bytes).sum::<usize>()
     }
-    /// How many searches were made.
+    /// Number of searches so far.
     pub fn searches(&self) -> u64 {
         self.searches
     }
-    /// Search at the next update, whatever the points do.
+    /// Invalidate the lists: the next update searches.
     pub fn forget(&mut self) {
         self.valid = false;
     }
 
-    /// Search again if the lists may miss a pair of `points` and `others`. Says whether it did.
+    /// Search again if the lists may miss a pair of `points` and `others`. Returns true after a search.
     ///
     /// # Errors
-    /// As [`VerletLists::update`].
+    /// Errors of [`VerletLists::update`].
     pub fn update(
         &mut self,
         points: &Points<'_, D>,
@@ -290,7 +290,7 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletListsBetween<D, S> {
         team: &Team,
     ) -> Result<bool, SearchError> {
         let (half, slope) = (0.5 * self.skin_then, self.reach.slope());
-        // The two sets do not move together.
+        // No mean displacement is subtracted: the two sets move independently.
         let hold = |seen: &Seen<D>, now: &Points<'_, D>| {
             let now = (0..now.len()).map(|i| (now.positions()[i], now.radius(i)));
             seen.hold_beside(now, (half, slope), &[0.0; D])

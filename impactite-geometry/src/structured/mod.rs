@@ -1,18 +1,18 @@
-//! Structured meshes of simple shapes: boxes, and round bodies of mapped blocks without collapsed elements.
+//! Structured meshes of simple shapes: boxes, and block-structured round bodies without collapsed elements.
 //!
 //! | function | body | elements |
 //! |---|---|---|
 //! | [`box_mesh`] | [`Cuboid`] in one to three dimensions | bars, quadrilaterals, bricks |
 //! | [`ball_mesh`] | [`Ball`](crate::Ball): disc, sphere | quadrilaterals, bricks |
-//! | [`half_disc_mesh`] | a ball by its section (r, z) | quadrilaterals |
+//! | [`half_disc_mesh`] | section (r, z) of a ball | quadrilaterals |
 //! | [`ring_mesh`], [`tube_mesh`] | [`Ring`](crate::Ring), [`Tube`](crate::Tube) | quadrilaterals, bricks |
 //! | [`cylinder_mesh`] | [`Cylinder`](crate::Cylinder) | bricks |
 //! | [`ogive_rod_mesh`] | [`OgiveRod`](crate::OgiveRod), also with a hemispherical nose | bricks |
-//! | [`ogive_rod_section_mesh`] | the same by its section (r, z) | quadrilaterals |
+//! | [`ogive_rod_section_mesh`] | section (r, z) of an [`OgiveRod`](crate::OgiveRod) | quadrilaterals |
 //! | [`wedge_mesh`] | a triangle | quadrilaterals, triangles |
 //!
-//! Round bodies are meshed as a butterfly ([`Butterfly`]): a core of squares, and rings of elements around it up to the surface, on which
-//! all outer nodes lie. Chords cut off a little: area and volume converge with the square of the size of elements, from below. Split
+//! Round bodies have a butterfly mesh ([`Butterfly`], O-grid): a core of squares, and rings of elements around it up to the surface, with
+//! all outer nodes on the surface. Chords underestimate area and volume; the error converges with the square of the element size. Split
 //! the meshes for simplices ([`split_to_triangles`](crate::ElementMesh::split_to_triangles)), extrude sections
 //! ([`extruded`](crate::ElementMesh::extruded)), and join and weld them for other bodies.
 //!
@@ -43,32 +43,32 @@ use crate::elements::{ElementBlock, ElementKind, ElementMesh, Facet};
 use crate::error::{Check, GeometryError};
 use crate::primitives::Cuboid;
 
-/// How an axis is divided: so many elements, evenly (as a plain number converts) or in a geometric series.
+/// Division of an axis into elements: uniform (a plain number converts) or in a geometric series.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spacing {
     /// Number of elements.
     count: usize,
-    /// Length of the last element over that of the first.
+    /// Growth ratio: length of the last element over that of the first.
     ratio: f64,
 }
 
 impl Spacing {
-    /// `count` elements of the same length.
+    /// Create `count` elements of equal length.
     #[must_use]
     pub fn uniform(count: usize) -> Self {
         Self { count, ratio: 1.0 }
     }
-    /// `count` elements, the last one `ratio` times as long as the first, each longer or shorter than the one before by the same factor.
+    /// Create `count` elements in geometric progression, the last one `ratio` times as long as the first.
     #[must_use]
     pub fn graded(count: usize, ratio: f64) -> Self {
         Self { count, ratio }
     }
-    /// How many elements.
+    /// Number of elements.
     #[must_use]
     pub fn count(&self) -> usize {
         self.count
     }
-    /// Refuses what gives no mesh.
+    /// Check count and ratio.
     fn check(self, owner: &'static str) -> Result<Self, GeometryError> {
         let check = Check(owner);
         check.that(self.count > 0, "count", self.count as f64, "at least 1")?;
@@ -81,17 +81,17 @@ impl Spacing {
         room(self.count as f64, self.count as f64, 2)?;
         Ok(self)
     }
-    /// The fraction of the length at node `i`.
+    /// Return the fraction of the length at node `i`.
     fn fraction(self, i: usize) -> f64 {
         let (i, count) = (i as f64, self.count as f64);
         if self.ratio == 1.0 || self.count == 1 {
             return i / count;
         }
-        // Lengths are powers of q = ratio^(1 / (count - 1)); expm1 keeps ratios near 1 exact.
+        // Lengths are powers of q = ratio^(1 / (count - 1)); expm1 avoids cancellation for ratios near 1.
         let log = self.ratio.ln() / (count - 1.0);
         (i * log).exp_m1() / (count * log).exp_m1()
     }
-    /// Nodes from `start` to `end`, which are met exactly.
+    /// Return the node coordinates from `start` to `end`, both exact.
     fn nodes(self, start: f64, end: f64) -> Vec<f64> {
         let at = |i| {
             if i == self.count { end } else { start + self.fraction(i) * (end - start) }
@@ -106,7 +106,7 @@ impl From<usize> for Spacing {
     }
 }
 
-/// Refuses meshes that cannot be numbered, or that take more memory than is allowed.
+/// Check that the mesh can be indexed and that its memory is within the limit.
 pub(crate) fn room(nodes: f64, elements: f64, nodes_of_element: usize) -> Result<(), GeometryError> {
     let most = f64::from(Facet::NONE - 1);
     Check("mesh").that(nodes.max(elements) <= most, "nodes", nodes.max(elements), "at most 4294967294")?;
@@ -115,7 +115,7 @@ pub(crate) fn room(nodes: f64, elements: f64, nodes_of_element: usize) -> Result
     Ok(())
 }
 
-/// A box of bars, quadrilaterals or bricks, `counts` of them along the axes: numbers, or [`Spacing`] for graded meshes. Nodes and
+/// Mesh a box with bars, quadrilaterals or bricks, `counts` of them along the axes: numbers, or [`Spacing`] for graded meshes. Nodes and
 /// elements are numbered along the first axis first. The node sets `x_min`, `x_max`, `y_min`, ... are the faces.
 ///
 /// ```
@@ -154,7 +154,7 @@ pub fn box_mesh<const D: usize>(
         strides[d] = strides[d - 1] * size[d - 1];
     }
     let number = |i: [usize; D]| (0..D).map(|d| i[d] * strides[d]).sum::<usize>();
-    // Of a brick the nodes go round each face.
+    // The nodes of a brick run around each face.
     const CORNERS: [[usize; 3]; 8] =
         [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]];
     let corner = |i, c: &[usize; 3]| number(i) + (0..D).map(|d| c[d] * strides[d]).sum::<usize>();
@@ -176,7 +176,7 @@ pub fn box_mesh<const D: usize>(
     Ok(mesh)
 }
 
-/// All tuples below `size`, the first number running fastest.
+/// Iterate over all tuples below `size`; the first index varies fastest.
 fn indices<const D: usize>(size: [usize; D]) -> impl Iterator<Item = [usize; D]> {
     (0..size.iter().product()).map(move |mut n| {
         size.map(|s| {

@@ -1,4 +1,4 @@
-//! Rods with ogive noses.
+//! Meshes of rods with ogive noses.
 
 use super::round::{Butterfly, placed, positive};
 use super::{Spacing, box_mesh};
@@ -7,14 +7,14 @@ use crate::error::{Check, GeometryError};
 use crate::primitives::{Cuboid, OgiveRod};
 use crate::vector::norm;
 
-/// Nodes of shank and nose that belong together differ by rounding; this share of the shortest edge is more.
+/// Welding tolerance over the shortest edge: above the rounding differences between nodes of shank and nose.
 const WELD: f64 = 1e-6;
 
-/// The nose of a rod as the image of half a ball.
+/// Mapping of half a ball to the nose of a rod.
 struct Nose {
     radius: f64,
     length: f64,
-    /// Radius of the arc of the meridian, and how far its centre lies beyond the axis.
+    /// Radius of the arc of the meridian; `beyond` is the distance of its centre beyond the axis.
     arc: f64,
     beyond: f64,
 }
@@ -24,8 +24,8 @@ impl Nose {
         Self { radius: rod.radius, length: rod.nose, arc: rod.arc, beyond: rod.beyond() }
     }
 
-    /// Where a point of the unit half ball goes, whose last coordinate is along the axis: spheres become ogives at the surface and ellipsoids
-    /// in the middle, which have no point.
+    /// Map a point of the unit half ball, whose last coordinate is along the axis: spheres become ogives at the surface and ellipsoids
+    /// towards the centre, where ellipsoids avoid the pointed tip.
     fn place<const D: usize>(&self, x: [f64; D], start: f64) -> [f64; D] {
         let mut across = x;
         across[D - 1] = 0.0;
@@ -47,25 +47,25 @@ impl Nose {
     }
 }
 
-/// Shank and nose made one.
+/// Join shank and nose into one body.
 fn weld<const D: usize>(
     shank: ElementMesh<D>,
     nose: &ElementMesh<D>,
 ) -> Result<ElementMesh<D>, GeometryError> {
     let shortest = shank.edge_lengths()?.min.min(nose.edge_lengths()?.min);
     let mut rod = shank.joined(nose)?.welded(WELD * shortest)?;
-    // The two are one block of one body.
+    // Merge both blocks into one.
     let nose = rod.blocks.split_off(1);
     rod.blocks[0].nodes.extend(nose.into_iter().flat_map(|b| b.nodes));
     Ok(rod)
 }
 
-/// A rod with an ogive or hemispherical nose, of bricks: the shank a disc extruded with `shank` elements along it (a number, or a graded
-/// [`Spacing`]; of no account to a rod that is all nose), the nose the image of half a ball. All outer nodes lie on the rod's
-/// surface, one at its tip. Node sets: `start` (the tail), `side` (the shank's) and `nose`.
+/// Mesh a rod with an ogive or hemispherical nose by bricks. The shank is an extruded disc with `shank` elements along it (a number, or a
+/// graded [`Spacing`]; ignored for a rod without shank), the nose the image of half a ball. All outer nodes are on the surface of
+/// the rod, one at its tip. Node sets: `start` (the tail), `side` (of the shank) and `nose`.
 ///
 /// # Errors
-/// [`GeometryError::Parameter`] unless counts are positive, that of the core even; [`GeometryError::Memory`] for too many elements.
+/// [`GeometryError::Parameter`] unless counts are positive and that of the core even; [`GeometryError::Memory`] for too many elements.
 pub fn ogive_rod_mesh(
     rod: &OgiveRod<3>,
     section: Butterfly,
@@ -88,9 +88,9 @@ pub fn ogive_rod_mesh(
     placed(weld(body, &nose)?, &rod.axis)
 }
 
-/// The section r > 0 of a rod with an ogive or hemispherical nose in axisymmetric coordinates (r, z), of quadrilaterals of which none is
-/// collapsed: half of what [`ogive_rod_mesh`] shows on a cut along its axis, with half of the core's elements across. Node sets: `axis`,
-/// `start` (the tail), `side` (the shank's) and `nose`.
+/// Mesh the section r > 0 of a rod with an ogive or hemispherical nose in axisymmetric coordinates (r, z) by quadrilaterals, none of them
+/// collapsed: half of the axial section of [`ogive_rod_mesh`], with half the core elements across. Node sets: `axis`,
+/// `start` (the tail), `side` (of the shank) and `nose`.
 ///
 /// ```
 /// use impactite_geometry::structured::{Butterfly, ogive_rod_section_mesh};
@@ -103,7 +103,7 @@ pub fn ogive_rod_mesh(
 /// ```
 ///
 /// # Errors
-/// As [`ogive_rod_mesh`], and unless the rod lies on the axis r = 0.
+/// Errors of [`ogive_rod_mesh`], and a rod that is not on the axis r = 0.
 pub fn ogive_rod_section_mesh(
     rod: &OgiveRod<2>,
     section: Butterfly,
@@ -127,7 +127,7 @@ pub fn ogive_rod_section_mesh(
         let across = radii.len() - 1;
         let size = Cuboid::new([0.0; 2], [across as f64, rod.shank])?;
         let mut body = box_mesh(&size, [Spacing::uniform(across), along])?;
-        // The radii of the nose's base instead of even ones.
+        // Replace uniform radii by those of the base of the nose.
         for x in &mut body.nodes {
             x[0] = radii[x[0].round() as usize];
         }

@@ -1,4 +1,4 @@
-//! Discs, balls, cylinders, rings and tubes.
+//! Meshes of discs, balls, cylinders, rings and tubes.
 
 use std::f64::consts::{FRAC_PI_4, TAU};
 
@@ -8,26 +8,26 @@ use crate::error::{Check, GeometryError};
 use crate::primitives::{Axis, Ball, Cuboid, Cylinder, Disc, Ring, Tube};
 use crate::vector::{along, cross, dot, norm};
 
-/// Half the width of the core over the radius.
+/// Half width of the core over the radius.
 const CORE: f64 = 0.6;
-/// How far the core bulges: 0 leaves it a square, 1 makes it a disc, whose corners would be straight.
+/// Bulge of the core: 0 for a square, 1 for a disc, whose corners would be straight angles.
 const BULGE: f64 = 0.6;
 
-/// How a round section is divided: a core of squares in the middle, and rings of elements between it and the surface.
+/// Butterfly mesh (O-grid) of a round section: a core of squares in the middle, and rings of elements between it and the surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Butterfly {
-    /// Elements along each edge of the core: four times as many are around the section.
+    /// Elements along each edge of the core: four times as many around the section.
     pub core: usize,
     /// Elements between core and surface.
     pub rings: usize,
 }
 
 impl Butterfly {
-    /// Elements of about this `edge` (m) for a section of this `radius` (m); the core has an even number of elements an edge, so that there
-    /// are nodes on the axis.
+    /// Choose the numbers of elements for an element `edge` (m) and a section `radius` (m); the core has an even number of elements per
+    /// edge, so that there are nodes on the axis.
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless both are positive and the radius at most 1e6 edges.
+    /// [`GeometryError::Parameter`] unless both are positive and the radius is at most 1e6 edges.
     pub fn of_edge(radius: f64, edge: f64) -> Result<Self, GeometryError> {
         let check = Check("Butterfly");
         check.positive("radius", radius)?;
@@ -45,14 +45,14 @@ impl Butterfly {
         Ok(())
     }
 
-    /// Bodies that end on the axis need nodes there.
+    /// Check for an even core, which places nodes on the axis for bodies that end there.
     pub(super) fn check_even(self, owner: &'static str) -> Result<(), GeometryError> {
         let even = self.core > 0 && self.core.is_multiple_of(2);
         Check(owner).that(even, "core", self.core as f64, "even, and at least 2")?;
         self.check(owner)
     }
 
-    /// The unit disc or ball; its node set `side` is on the surface.
+    /// Mesh the unit disc or ball; its node set `side` is on the surface.
     pub(super) fn ball<const D: usize>(self, owner: &'static str) -> Result<ElementMesh<D>, GeometryError> {
         self.check(owner)?;
         let counts = [self.core, self.rings].map(|c| c as f64);
@@ -62,7 +62,7 @@ impl Butterfly {
         let mut mesh = box_mesh(&Cuboid::new([-1.0; D], [1.0; D])?, [self.core; D])?;
         mesh.node_sets.clear();
         let facets = mesh.surface()?;
-        // Nodes of the core's surface, each once, and the number of each among them.
+        // Nodes of the surface of the core, each once, and the index of each among them.
         let mut inner: Vec<u32> = facets.iter().flat_map(|f| f.nodes().iter().copied()).collect();
         inner.sort_unstable();
         inner.dedup();
@@ -107,7 +107,7 @@ impl Butterfly {
     }
 }
 
-/// A point of the core by its place `u` in the cube from -1 to 1: between the cube and the ball to which the root makes it.
+/// Map a point `u` of the cube from -1 to 1 to the core: between the cube and the ball; the bulge is under the root.
 fn core<const D: usize>(u: [f64; D]) -> [f64; D] {
     std::array::from_fn(|i| {
         let (mut squares, mut product) = (0.0, 1.0);
@@ -120,7 +120,7 @@ fn core<const D: usize>(u: [f64; D]) -> [f64; D] {
     })
 }
 
-/// The point of the unit ball's surface that belongs to a place on the surface of the cube, at even angles along its edges.
+/// Map a point of the surface of the cube to the surface of the unit ball, at equal angles along the edges of the cube.
 fn surface<const D: usize>(u: [f64; D]) -> [f64; D] {
     let t = u.map(|c| (c * FRAC_PI_4).tan());
     let length = norm(t);
@@ -131,7 +131,7 @@ pub(super) fn between<const D: usize>(a: [f64; D], b: [f64; D], t: f64) -> [f64;
     std::array::from_fn(|i| (1.0 - t) * a[i] + t * b[i])
 }
 
-/// Elements whose centre lies where coordinate `axis` is positive.
+/// Extract the elements whose centre has a positive coordinate along `axis`.
 pub(super) fn positive<const D: usize>(
     mesh: &ElementMesh<D>,
     axis: usize,
@@ -139,10 +139,10 @@ pub(super) fn positive<const D: usize>(
     mesh.part(&|block, element| mesh.centre(block, element)[axis] > 0.0)
 }
 
-/// A disc of quadrilaterals, or a ball of bricks. The node set `side` is its surface.
+/// Mesh a disc by quadrilaterals, or a ball by bricks. The node set `side` is its surface.
 ///
 /// # Errors
-/// [`GeometryError::Parameter`] unless there are two or three dimensions and the counts positive; [`GeometryError::Memory`] for too many
+/// [`GeometryError::Parameter`] unless there are two or three dimensions and counts are positive; [`GeometryError::Memory`] for too many
 /// elements.
 pub fn ball_mesh<const D: usize>(
     ball: &Ball<D>,
@@ -152,11 +152,11 @@ pub fn ball_mesh<const D: usize>(
     section.ball("ball mesh")?.mapped(|x| along(ball.centre(), ball.radius(), x))
 }
 
-/// The half r > 0 of a disc on the axis r = 0: a ball in axisymmetric coordinates (r, z), of quadrilaterals of which none is
+/// Mesh the half r > 0 of a disc on the axis r = 0, a ball in axisymmetric coordinates (r, z), by quadrilaterals, none of them
 /// collapsed on the axis. Node sets: `axis`, and `side`, the sphere.
 ///
 /// # Errors
-/// [`GeometryError::Parameter`] unless the centre is at r = 0 and the counts are positive, that of the core even; [`GeometryError::Memory`]
+/// [`GeometryError::Parameter`] unless the centre is at r = 0, counts are positive and that of the core even; [`GeometryError::Memory`]
 /// for too many elements.
 pub fn half_disc_mesh(disc: &Disc, section: Butterfly) -> Result<ElementMesh<2>, GeometryError> {
     let owner = "half disc mesh";
@@ -168,10 +168,10 @@ pub fn half_disc_mesh(disc: &Disc, section: Butterfly) -> Result<ElementMesh<2>,
     half.with_node_set("axis", axis)
 }
 
-/// A ring of quadrilaterals: so many from inside to outside, and so many around it (three at least). Node sets: `inner`, `outer`.
+/// Mesh a ring by quadrilaterals: `counts` are radial (at least one) and circumferential (at least three). Node sets: `inner`, `outer`.
 ///
 /// # Errors
-/// [`GeometryError::Parameter`] unless the counts are as said; [`GeometryError::Memory`] for too many elements.
+/// [`GeometryError::Parameter`] unless the counts are large enough; [`GeometryError::Memory`] for too many elements.
 pub fn ring_mesh(ring: &Ring, counts: [usize; 2]) -> Result<ElementMesh<2>, GeometryError> {
     ring_of(ring.centre, [ring.inner, ring.outer], counts, "ring mesh")
 }
@@ -204,10 +204,10 @@ fn ring_of(
     Ok(mesh)
 }
 
-/// Places a mesh that is drawn along the third axis on an axis in space.
+/// Transform a mesh extruded along the third axis to an axis in space.
 pub(super) fn placed(mesh: ElementMesh<3>, axis: &Axis<3>) -> Result<ElementMesh<3>, GeometryError> {
     let along_axis = axis.direction;
-    // The first or the second coordinate axis, as far as it is across.
+    // The part of the first or second coordinate axis that is perpendicular to the axis.
     let helper = if along_axis[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
     let across = along(helper, -dot(helper, along_axis), along_axis);
     let length = norm(across);
@@ -216,8 +216,8 @@ pub(super) fn placed(mesh: ElementMesh<3>, axis: &Axis<3>) -> Result<ElementMesh
     mesh.mapped(|[x, y, z]| along(along(along(axis.start, x, across), y, third), z, along_axis))
 }
 
-/// A cylinder of bricks: a disc extruded, with `along` elements on the axis (a number, or a graded [`Spacing`]). Node sets: `side`, and
-/// the ends `start` and `end`.
+/// Mesh a cylinder by bricks: an extruded disc with `along` elements on the axis (a number, or a graded [`Spacing`]). Node sets: `side`,
+/// and the ends `start` and `end`.
 ///
 /// # Errors
 /// [`GeometryError::Parameter`] unless counts are positive, [`GeometryError::Memory`] for too many elements.
@@ -232,11 +232,11 @@ pub fn cylinder_mesh(
     placed(disc.extruded(&heights)?, &body.axis)
 }
 
-/// A tube of bricks: a ring extruded, with so many elements across its wall and around it, and `along` its axis. Node sets: `inner`,
-/// `outer`, and the ends `start` and `end`.
+/// Mesh a tube by bricks: an extruded ring with `section` elements across its wall and around it, and `along` its axis. Node sets:
+/// `inner`, `outer`, and the ends `start` and `end`.
 ///
 /// # Errors
-/// As [`ring_mesh`] and [`cylinder_mesh`].
+/// Errors of [`ring_mesh`] and [`cylinder_mesh`].
 pub fn tube_mesh(
     body: &Tube<3>,
     section: [usize; 2],

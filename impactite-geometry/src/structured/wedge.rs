@@ -1,4 +1,4 @@
-//! Wedges: triangles in the plane.
+//! Meshes of wedges: triangles in the plane.
 
 use super::room;
 use super::round::between;
@@ -6,9 +6,9 @@ use crate::elements::{ElementBlock, ElementKind, ElementMesh};
 use crate::error::{Check, GeometryError};
 use crate::vector::sub;
 
-/// A wedge, that is a triangle, of [`ElementKind::Triangle3`] or [`ElementKind::Quad4`], with `count` elements along each side, an even
-/// number for quadrilaterals: three blocks that meet at the centroid. The corners may go round either way. Node sets: `side_0` from the
-/// first corner to the second, `side_1`, `side_2`.
+/// Mesh a wedge, a triangle in the plane, by [`ElementKind::Triangle3`] or [`ElementKind::Quad4`] with `count` elements along each side.
+/// Quadrilaterals need an even count and form three blocks that join at the centroid. The corners may have either orientation. Node
+/// sets: `side_0` from the first corner to the second, `side_1`, `side_2`.
 ///
 /// ```
 /// use impactite_geometry::structured::wedge_mesh;
@@ -22,8 +22,8 @@ use crate::vector::sub;
 /// ```
 ///
 /// # Errors
-/// [`GeometryError::Parameter`] unless corners are finite and the count as said, [`GeometryError::Memory`] for too many elements,
-/// [`MeshError`](crate::MeshError) for corners on a line and for other kinds of elements.
+/// [`GeometryError::Parameter`] unless corners are finite and the count is allowed, [`GeometryError::Memory`] for too many elements,
+/// [`MeshError`](crate::MeshError) for collinear corners and for other element types.
 pub fn wedge_mesh(
     corners: [[f64; 2]; 3],
     count: usize,
@@ -65,10 +65,10 @@ pub fn wedge_mesh(
     Ok(mesh)
 }
 
-/// `count` times `count` triangles of the same shape.
+/// Mesh a triangle by `count` times `count` congruent triangles.
 fn triangles([a, b, c]: [[f64; 2]; 3], count: usize) -> ElementMesh<2> {
     let n = count as f64;
-    // Rows parallel to the first side, each one node shorter than the one before.
+    // Rows parallel to the first side; each is one node shorter than the previous one.
     let row = |j: usize| j * (count + 1) - j * j.saturating_sub(1) / 2;
     let number = |i: usize, j: usize| (row(j) + i) as u32;
     let mut mesh = ElementMesh::default();
@@ -89,7 +89,7 @@ fn triangles([a, b, c]: [[f64; 2]; 3], count: usize) -> ElementMesh<2> {
     mesh
 }
 
-/// Three blocks of `half` times `half` quadrilaterals, each between a corner, the middles of its sides, and the centroid.
+/// Mesh three blocks of `half` times `half` quadrilaterals, each between a corner, the midpoints of its sides, and the centroid.
 fn quadrilaterals(corners: [[f64; 2]; 3], half: usize) -> Result<ElementMesh<2>, GeometryError> {
     let centroid = std::array::from_fn(|d| (corners[0][d] + corners[1][d] + corners[2][d]) / 3.0);
     let middle = |i: usize| between(corners[i % 3], corners[(i + 1) % 3], 0.5);

@@ -1,4 +1,4 @@
-//! Reference of all keys of scene files, made from the schema: path, value, default, description and an example of each.
+//! Reference of all keys of scene files, generated from the schema: path, value, default, description and an example of each.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ mod page;
 
 pub use page::markdown;
 
-/// A key of scene files.
+/// Key of scene files.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
     /// Path, as `bodies.NAME.shape.ball.radius`: `NAME` is any name, `[]` an element of a list.
@@ -19,24 +19,24 @@ pub struct Key {
     pub kind: String,
     /// Allowed range, where the schema has one.
     pub range: Option<String>,
-    /// Allowed words, with descriptions where the words are met first.
+    /// Allowed words, with descriptions at their first occurrence.
     pub words: Vec<(String, String)>,
-    /// Presence: the table that contains the key must have it.
+    /// True if the table that contains the key must have it.
     pub required: bool,
-    /// Default, as TOML; none where the key has no effect unless it is given, or where its description says what holds instead.
+    /// Default, as TOML; `None` if the key has no effect unless specified, or if its description states the default behaviour.
     pub default: Option<String>,
     /// Description.
     pub what: String,
     /// Line of TOML with the key, relative to the table that contains it.
     pub example: String,
-    /// Scene, as JSON, with the example and else only what must be there. It can be read; whether it can be run depends on files and names.
+    /// Minimal scene with the example, as JSON. It can be parsed; whether it can be run depends on files and names.
     pub scene: Value,
-    /// Type and field of the schema; none of elements and alternatives.
+    /// Type and field of the schema; `None` for elements and alternatives.
     pub field: Option<(String, String)>,
 }
 
 impl Key {
-    /// Value and what of it is allowed, in words.
+    /// Describe the value and its bounds in words.
     #[must_use]
     pub fn value(&self) -> String {
         let words: Vec<String> = self.words.iter().map(|(word, _)| format!("`\"{word}\"`")).collect();
@@ -51,7 +51,7 @@ impl Key {
         parts.join("; ")
     }
 
-    /// Whether the path is, or is below, a prefix in which names stand for `NAME`: `bodies.plate`, `bodies.NAME`, `conditions.wall`.
+    /// True if the path is at or below a prefix, in which any name matches `NAME`: `bodies.plate`, `bodies.NAME`, `conditions.wall`.
     #[must_use]
     pub fn is_below(&self, prefix: &str) -> bool {
         let plain = |s: &str| s.split('[').next().unwrap_or_default().to_string();
@@ -63,7 +63,7 @@ impl Key {
     }
 }
 
-/// All keys, in the order of the types they are read into.
+/// Return all keys, in the order of the types that they are parsed into.
 #[must_use]
 pub fn all() -> Vec<Key> {
     let schema = crate::schema().to_value();
@@ -72,18 +72,18 @@ pub fn all() -> Vec<Key> {
     walk.keys
 }
 
-/// Keys at or below a prefix.
+/// Return the keys at or below a prefix.
 #[must_use]
 pub fn below(prefix: &str) -> Vec<Key> {
     all().into_iter().filter(|key| key.is_below(prefix)).collect()
 }
 
-/// A step from the whole scene down to a key: what stands around it.
+/// Step from the whole scene down to a key, with its surroundings.
 #[derive(Clone)]
 enum Frame {
-    /// Field of an object, beside those that it must have.
+    /// Field of an object, with its required siblings.
     Field { siblings: Map<String, Value>, name: String },
-    /// Alternative of a key that has one of several.
+    /// Alternative of a key that accepts one of several.
     Variant(String),
     /// Entry of a table of names.
     Name(&'static str),
@@ -94,13 +94,13 @@ enum Frame {
 struct Walk<'a> {
     schema: &'a Value,
     keys: Vec<Key>,
-    /// Types with words or alternatives that were described before, and where.
+    /// Types with words or alternatives that were described before, and their paths.
     seen: BTreeMap<String, String>,
     /// Types that contain the present one.
     open: Vec<String>,
 }
 
-/// A type of the schema, by way of references and of `null`.
+/// Resolve references and `null` in a type of the schema.
 fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
     if let Some(name) = of["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
         let target = &schema["$defs"][name];
@@ -108,7 +108,7 @@ fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
             target["anyOf"].as_array().is_some_and(|list| list.iter().any(|v| v["const"].is_string()));
         return if beside { resolved(schema, target) } else { (target, name) };
     }
-    // `null`, and a word or a list in the place of a table, which the description of its key has.
+    // Skip `null`, and a word or list accepted instead of a table, which the description of the key documents.
     let is_beside =
         |one: &Value, v: &Value| v["type"] == "null" || v["const"].is_string() || v["items"] == *one;
     if let Some([one, beside]) = of["anyOf"].as_array().map(Vec::as_slice)
@@ -119,7 +119,7 @@ fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
     (of, "")
 }
 
-/// The alternatives of a type: word, description, and the schema of what stands under the word; nothing for plain words.
+/// Return the alternatives of a type: word, description, and the schema below the word, `None` for plain words.
 fn alternatives(of: &Value) -> Vec<(String, String, Option<&Value>, &Value)> {
     let mut list = Vec::new();
     for one in of["oneOf"].as_array().into_iter().flatten() {
@@ -141,7 +141,7 @@ fn alternatives(of: &Value) -> Vec<(String, String, Option<&Value>, &Value)> {
 }
 
 fn text(value: &Value) -> String {
-    // Brackets are escaped in comments of programs.
+    // Doc comments escape brackets.
     value.as_str().unwrap_or_default().replace('\n', " ").replace("\\[", "[").replace("\\]", "]")
 }
 
@@ -153,7 +153,7 @@ fn is_type(of: &Value, name: &str) -> bool {
     }
 }
 
-/// The measure of a quantity or formula: name, SI unit, and what formulas are added.
+/// Return the dimension of a quantity or formula: name, SI unit, and words on accepted formulas.
 fn measure(name: &str) -> Option<(&'static str, &'static str, &'static str)> {
     if name == "SpeedOrFree" {
         return Some(("speed", "m/s", ", formula, or `\"free\"`"));
@@ -166,7 +166,7 @@ fn measure(name: &str) -> Option<(&'static str, &'static str, &'static str)> {
     MEASURES.iter().find(|(name, _)| words(name) == plain).map(|(name, unit)| (*name, *unit, more))
 }
 
-/// An example of each measure.
+/// Return an example of each dimension.
 fn of_measure(name: &str) -> Value {
     match name {
         "length" => json!("5 mm"),
@@ -188,7 +188,7 @@ fn of_measure(name: &str) -> Value {
     }
 }
 
-/// The name that stands for `NAME` in examples.
+/// Return the name that replaces `NAME` in examples.
 fn sample(path: &str) -> &'static str {
     match path {
         "materials" => "steel",
@@ -207,13 +207,13 @@ impl<'a> Walk<'a> {
         all.map(|(name, field)| (name, field, required.contains(&name.as_str()))).collect()
     }
 
-    /// What an object must have.
+    /// Return the required fields of an object, with examples.
     fn required(&self, of: &'a Value, path: &str) -> Map<String, Value> {
         let fields = self.fields(of).into_iter().filter(|f| f.2);
         fields.map(|(name, field, _)| (name.clone(), self.example(field, &join(path, name)))).collect()
     }
 
-    /// An example of a value.
+    /// Return an example of a value.
     fn example(&self, of: &'a Value, path: &str) -> Value {
         if let Some(first) = of["examples"].get(0) {
             return first.clone();
@@ -244,7 +244,7 @@ impl<'a> Walk<'a> {
         if target["additionalProperties"].is_object() {
             return json!({ sample(path): self.example(&target["additionalProperties"], path) });
         }
-        // Of keys whose types have no example.
+        // Examples of keys whose types have none.
         match path.rsplit('.').next().unwrap_or_default() {
             "field" => return json!("plastic_strain"),
             "fields" => return json!(["velocity", "pressure"]),
@@ -257,7 +257,7 @@ impl<'a> Walk<'a> {
             let count = target["minItems"].as_u64().unwrap_or(1);
             let is_vector = measure(resolved(self.schema, &target["items"]).1).is_some();
             return match count {
-                // A place, or a vector.
+                // Position or vector.
                 1 if is_vector => json!([0, one]),
                 _ => Value::Array((0..count).map(|_| one.clone()).collect()),
             };
@@ -273,7 +273,7 @@ impl<'a> Walk<'a> {
 
     fn push(&mut self, path: &str, of: &'a Value, place: Place, frames: &[Frame], example: &Value) {
         let (target, name) = resolved(self.schema, of);
-        // Lists of words have those of their elements.
+        // A list of words has the words of its elements.
         let (of_words, name) = match resolved(self.schema, &target["items"]) {
             (items, name) if is_words(items) => (items, name),
             _ => (target, name),
@@ -387,7 +387,7 @@ impl<'a> Walk<'a> {
     }
 
     fn object(&mut self, of: &'a Value, name: &str, path: &str, frames: &[Frame]) {
-        // Beside a key stands what its table must have, or what an example of the table has.
+        // The siblings in an example are the required keys of the table, or those of the table's own example.
         let required = match of["examples"].get(0).and_then(Value::as_object) {
             Some(example) => example.clone(),
             None => self.required(of, path),
@@ -407,7 +407,7 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A key, and what is below it.
+    /// Add a key and the keys below it.
     fn value(&mut self, of: &'a Value, path: &str, place: Place, frames: &[Frame]) {
         let (target, name) = resolved(self.schema, of);
         let example = self.example(of, path);
@@ -428,7 +428,7 @@ impl<'a> Walk<'a> {
         };
         let list = alternatives(target);
         if list.iter().any(|a| a.2.is_some()) {
-            // Shapes, laws of contact: below their first key, which the others refer to.
+            // Document shapes and contact laws below their first key, to which the others refer.
             for (word, what, inner, whole) in list.into_iter().filter(|_| first) {
                 let Some(inner) = inner else { continue };
                 let below = with(Frame::Variant(word.clone()));
@@ -464,7 +464,7 @@ impl<'a> Walk<'a> {
         self.open.pop();
     }
 
-    /// An entry of a table of names.
+    /// Add an entry of a table of names.
     fn element(&mut self, of: &'a Value, path: &str, frames: &[Frame]) {
         let (target, name) = resolved(self.schema, of);
         let place = Place { what: text(&target["description"]), ..Place::default() };
@@ -475,11 +475,11 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// What a key is in the table that contains it.
+/// Role of a key in the table that contains it.
 #[derive(Default)]
 struct Place {
     required: bool,
-    /// It is an alternative of the key above.
+    /// Alternative of the key above.
     variant: bool,
     what: String,
     field: Option<(String, String)>,
@@ -517,7 +517,7 @@ fn range(of: &Value) -> Option<String> {
     }
 }
 
-/// A value as inline TOML.
+/// Format a value as inline TOML.
 fn toml(value: &Value) -> String {
     match value {
         Value::Array(list) => format!("[{}]", list.iter().map(toml).collect::<Vec<_>>().join(", ")),
@@ -535,7 +535,7 @@ fn toml(value: &Value) -> String {
     }
 }
 
-/// The line that gives a key this value, in the table that contains it; of an alternative, in the one that contains the key above.
+/// Format the assignment of a value to a key, in the table that contains it; for an alternative, in the table that contains the key above.
 fn line(path: &str, variant: bool, value: &Value) -> String {
     let steps: Vec<&str> = path.split('.').collect();
     let above = steps.iter().rev().nth(1).copied().unwrap_or_default();

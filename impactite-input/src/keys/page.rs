@@ -6,7 +6,7 @@ use super::{Key, all};
 use crate::build::kernels::{PARTS, PURPOSES, word};
 use crate::quantity::Parameters;
 
-/// Tables of the page: path, and heading.
+/// Tables of the page: path and heading.
 const TABLES: &[(&str, &str)] = &[
     ("", "The scene"),
     ("parameters", "Parameters"),
@@ -42,7 +42,7 @@ Examples are relative to the table that contains the key.
 This page is made from the types that read scene files: `cargo run --release -- list keys --markdown > docs/book/src/keys.md`.
 ";
 
-/// The page of the book.
+/// Generate the page of the book.
 #[must_use]
 pub fn markdown() -> String {
     let keys = all();
@@ -96,7 +96,7 @@ pub fn markdown() -> String {
     page
 }
 
-/// The table of the page that has a key.
+/// Return the table of the page that contains a key.
 fn table_of(path: &str) -> &'static str {
     let within = |table: &str| {
         table.is_empty()
@@ -125,7 +125,7 @@ fn cell(text: &str) -> String {
     text.replace('|', "\\|")
 }
 
-/// Names that parameters cannot have.
+/// List the names that parameters cannot have.
 fn names_of_parameters() -> String {
     let refused = |name: &str| Parameters::default().define(name, "1").is_err();
     let letters = |all: &mut dyn Iterator<Item = char>, free: bool| -> String {
@@ -149,7 +149,7 @@ fn names_of_parameters() -> String {
     )
 }
 
-/// Parts that purposes choose, and combinations of parts.
+/// Describe the parts of each purpose, and the compiled combinations of parts.
 fn parts_of_mpm() -> String {
     let mut page = String::from(
         "\nWhat `for` chooses:\n\n| `for` | shape function | transfer | stress update | frame |\n|---|---|---|---|---|\n",

@@ -1,4 +1,4 @@
-//! Measures of a scene as it stands.
+//! Measures of a scene at the current time.
 
 mod past;
 mod value;
@@ -17,50 +17,50 @@ use crate::model::{SceneFile, Space};
 use crate::quantity::{Length, Quantity, Time};
 use past::{Past, Sample};
 
-/// A measure that the scene cannot give.
+/// Measure that cannot be evaluated in the scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("measures.{name}: {why}")]
 pub struct MeasureError {
-    /// Its name.
+    /// Name of the measure.
     pub name: String,
-    /// Why.
+    /// Reason.
     pub why: String,
 }
 
-/// Names and SI units of the measures of a scene, in their order. Masses, momenta, forces and energies are per radian in axisymmetric
-/// scenes, `kg/rad`, and per metre of depth in the plane, `kg/m`.
+/// Return names and SI units of the measures of a scene, in their order. Masses, momenta, forces and energies are per radian in
+/// axisymmetric scenes, `kg/rad`, and per metre of depth in the plane, `kg/m`.
 #[must_use]
 pub fn columns(scene: &SceneFile) -> Vec<(String, String)> {
     let unit = |measure| describe::unit_in(scene.space, describe::unit(scene, measure));
     scene.measures.iter().map(|(name, measure)| (name.clone(), unit(measure))).collect()
 }
 
-/// The measures of a scene that was set up, with what they know of the steps so far.
+/// Measures of a scene after set-up, with their history over the steps so far.
 #[derive(Clone, Debug)]
 pub struct Measures {
     space: Space,
     list: Vec<Taken>,
     ends: Vec<End>,
-    /// Steps of the scene when it was looked at last.
+    /// Step number of the last update.
     looked: Option<u64>,
 }
 
-/// A measure, and what it is taken with.
+/// Measure with its evaluation data and its history.
 #[derive(Clone, Debug)]
 struct Taken {
     name: String,
     what: Measurement,
-    /// The number of the point that it is taken at.
+    /// Number of the measured point.
     point: Option<usize>,
-    /// The region whose points count.
+    /// Region that restricts the points.
     region: Option<Region>,
     past: Past,
 }
 
-/// Is a place in it?
+/// Predicate: true if a position is in the region.
 type Contains = dyn Fn(&[f64; 3]) -> bool + Send + Sync;
 
-/// A region, fixed in space.
+/// Region fixed in space.
 #[derive(Clone)]
 struct Region(Arc<Contains>);
 
@@ -76,22 +76,22 @@ impl fmt::Debug for Region {
     }
 }
 
-/// An end of the run by a measure.
+/// Condition on a measure that ends the run.
 #[derive(Clone, Debug)]
 struct End {
-    /// Place of the measure in the list.
+    /// Index of the measure in the list.
     measure: usize,
     below: Option<f64>,
     above: Option<f64>,
-    /// Was the measure ever on the other side? From a value that it starts with it does not end the run.
+    /// True once the measure was on the other side of the limit: its initial value does not end the run.
     armed: [bool; 2],
 }
 
 impl Measures {
-    /// The measures of a scene as it begins, since points are told by where they are then.
+    /// Create the measures of a scene at its start; points are identified by their initial positions.
     ///
     /// # Errors
-    /// A field that the law of a body does not keep; a body without points; a region that is none.
+    /// Field that the law of a body does not have; body without points; invalid region.
     pub fn new(source: &Source, scene: &SceneFile, solver: &dyn Solver) -> Result<Self, MeasureError> {
         let bodies = solver.bodies();
         let list = scene.measures.iter().map(|(name, what)| {
@@ -124,7 +124,7 @@ impl Measures {
         Ok(measures)
     }
 
-    /// Are they to [look](Self::look) at every step? Where not, looking does nothing.
+    /// True if [`look`](Self::look) is needed at every step; otherwise it has no effect.
     #[must_use]
     pub fn looks(&self) -> bool {
         let over_steps =
@@ -132,10 +132,10 @@ impl Measures {
         !self.ends.is_empty() || self.list.iter().any(over_steps)
     }
 
-    /// Look at the scene, at its start and after every step: for measures over time, for forces of the last step, and for ends by measures.
+    /// Update the measures, at the start and after every step: measures over time, forces of the last step, and ends by measures.
     ///
     /// # Errors
-    /// A field that the law of a body does not keep.
+    /// Field that the law of a body does not have.
     pub fn look(&mut self, solver: &dyn Solver) -> Result<(), MeasureError> {
         let steps = solver.steps();
         if !self.looks() || self.looked.replace(steps) == Some(steps) {
@@ -166,10 +166,10 @@ impl Measures {
         Ok(())
     }
 
-    /// Why the run ends as the scene stands: a measure below or above its value, in words; None where it goes on.
+    /// Return the reason for ending the run now: a measure below or above its limit; `None` to continue.
     ///
     /// # Errors
-    /// A field that the law of a body does not keep.
+    /// Field that the law of a body does not have.
     pub fn ended(&self, solver: &dyn Solver) -> Result<Option<String>, MeasureError> {
         let now = value::Now::new(self.space, solver);
         for end in &self.ends {
@@ -186,10 +186,10 @@ impl Measures {
         Ok(None)
     }
 
-    /// What is missing at the end of a run that nothing ended before: values of `until` that were not passed, measures without a value.
+    /// Return warnings at the regular end of a run: limits of `until` that were not passed, measures without a value.
     ///
     /// # Errors
-    /// A field that the law of a body does not keep.
+    /// Field that the law of a body does not have.
     pub fn missing(&self, solver: &dyn Solver) -> Result<Vec<String>, MeasureError> {
         let mut list = Vec::new();
         let now = value::Now::new(self.space, solver);
@@ -219,10 +219,10 @@ impl Measures {
         Ok(list)
     }
 
-    /// Their values, in SI units. Of a quarter model they are those of the quarter; of a point that is gone not a number.
+    /// Evaluate the measures, in SI units. A quarter model yields the values of the quarter; a removed point yields NaN.
     ///
     /// # Errors
-    /// A field that the law of a body does not keep.
+    /// Field that the law of a body does not have.
     pub fn take(&self, solver: &dyn Solver) -> Result<Vec<f64>, MeasureError> {
         let now = value::Now::new(self.space, solver);
         self.list.iter().map(|taken| self.value(&now, taken)).collect()
@@ -232,10 +232,10 @@ impl Measures {
         value::of(now, taken).map_err(|why| MeasureError { name: taken.name.clone(), why })
     }
 
-    /// What they know of the steps so far, to a file or from one.
+    /// Store or load the history of the measures.
     ///
     /// # Errors
-    /// The file.
+    /// Error of the checkpoint file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.option(&mut self.looked, Archive::word)?;
         self.list.iter_mut().try_for_each(|taken| taken.past.archive(file))?;
@@ -243,7 +243,7 @@ impl Measures {
     }
 }
 
-/// The region of a shape.
+/// Build the region of a shape.
 fn region(source: &Source, space: Space, shape: &Shape) -> Result<Region, String> {
     fn of<const D: usize>(source: &Source, shape: &Shape) -> Result<Region, String> {
         let built = shape::build::<D>("region", shape, &Folder(source.folder()));
@@ -256,15 +256,15 @@ fn region(source: &Source, space: Space, shape: &Shape) -> Result<Region, String
     if space == Space::Full { of::<3>(source, shape) } else { of::<2>(source, shape) }
 }
 
-/// The body of a name.
+/// Find the body of a name.
 fn find<'a>(bodies: &[&'a dyn Body], name: &str) -> Result<&'a dyn Body, String> {
     // Bodies of elements among particles are together one body of the scene.
     let named = |b: &&&dyn Body| b.name() == name || b.name().split(" + ").any(|n| n == name);
     bodies.iter().find(named).copied().ok_or_else(|| format!("the scene has no body `{name}`"))
 }
 
-/// The number of the point that is nearest to a place; of several the one with the smallest number. A place further than two widths of a
-/// point away is refused: it is outside of the body.
+/// Find the point nearest to a position; of several the one with the smallest number. A position more than two point widths away is outside
+/// the body and refused.
 fn nearest(body: &dyn Body, at: &[Quantity<Length>], revolved: bool) -> Result<usize, String> {
     let mut best = None;
     body.for_each(&mut |p| {
@@ -288,7 +288,7 @@ fn nearest(body: &dyn Body, at: &[Quantity<Length>], revolved: bool) -> Result<u
     Ok(number)
 }
 
-/// What a check of a scene asks for, in SI units: the place of its measure, and the reference.
+/// Return the index of the measure and the reference, in SI units, of a check.
 #[must_use]
 pub fn reference(scene: &SceneFile, check: usize) -> Option<(usize, f64)> {
     let place = scene.measures.get_index_of(&scene.checks.get(check)?.measure)?;

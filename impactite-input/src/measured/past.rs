@@ -1,24 +1,24 @@
-//! What is known of a measure from step to step.
+//! History of a measure over the steps.
 
 use impactite::scene::{Archive, CheckpointError};
 
 use crate::model::measure::{OverTime, Statistic};
 
-/// A value of a measure, and its time, s.
+/// Value of a measure, and its time, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sample {
     pub(super) time: f64,
     pub(super) value: f64,
 }
 
-/// The past of a measure.
+/// History of a measure.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Past {
-    /// As it was last.
+    /// Last sample.
     last: Sample,
-    /// Change over the last step, in a second.
+    /// Rate of change over the last step, per second.
     rate: f64,
-    /// Integral over time, and the time over which it goes, s.
+    /// Integral over time, and its integration time, s.
     integral: f64,
     span: f64,
     largest: Sample,
@@ -33,12 +33,12 @@ impl Default for Past {
 }
 
 impl Past {
-    /// Mean force of the last step, N: the rate of the impulse that was entered.
+    /// Return the mean force of the last step, N: the rate of the recorded impulse.
     pub(super) fn force(&self) -> f64 {
         self.rate
     }
 
-    /// Enter a value of which the rate is asked for.
+    /// Record a value whose rate is needed.
     pub(super) fn enter_rate(&mut self, now: Sample) {
         let step = now.time - self.last.time;
         if step > 0.0 {
@@ -47,11 +47,11 @@ impl Past {
         self.last = now;
     }
 
-    /// Enter a value of a measure over `from` to `to`, s: `mean` of the last step, or what it is at its end.
+    /// Record a value of a measure over `from` to `to`, s: the mean of the last step if `mean`, else the value at its end.
     pub(super) fn enter(&mut self, now: Sample, [from, to]: [f64; 2], mean: bool) {
         let before = std::mem::replace(&mut self.last, now);
         if now.value.is_finite() && from <= now.time && now.time <= to {
-            // Of equal ones the first.
+            // Keep the first of equal values.
             if self.largest.value.is_nan() || now.value > self.largest.value {
                 self.largest = now;
             }
@@ -73,7 +73,7 @@ impl Past {
         self.span += end - start;
     }
 
-    /// What is made of it; no number while nothing is known.
+    /// Return the statistic; NaN without samples.
     pub(super) fn value(&self, of: &OverTime) -> f64 {
         match of.take {
             Statistic::Largest => self.largest.value,
@@ -86,7 +86,7 @@ impl Past {
         }
     }
 
-    /// To a file, or from one.
+    /// Store or load the history.
     pub(super) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let Past { last, rate, integral, span, largest, smallest } = self;
         let samples = [last, largest, smallest].into_iter().flat_map(|s| [&mut s.time, &mut s.value]);

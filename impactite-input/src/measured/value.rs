@@ -8,12 +8,12 @@ use super::{Taken, find};
 use crate::model::Space;
 use crate::model::measure::{AngularMomentum, Entry, Measurement};
 
-/// What is known of bodies, by their names.
+/// Cached quantities of bodies, by name.
 type Known<'a, X> = RefCell<Vec<(&'a str, X)>>;
-/// Lowest and highest corner, m; none of nothing.
+/// Lower and upper corner, m; `None` for an empty body.
 type Corners = Option<[[f64; 3]; 2]>;
 
-/// A scene at one time, with what several measures ask for: found once.
+/// Scene at one time, with cached quantities that several measures use.
 pub(super) struct Now<'a> {
     space: Space,
     solver: &'a dyn Solver,
@@ -43,7 +43,7 @@ impl<'a> Now<'a> {
     }
 }
 
-/// What is known by this name, or is found now.
+/// Return the cached quantity of a name, or compute it once.
 fn once<'a, X: Copy>(known: &Known<'a, X>, name: &'a str, find: impl FnOnce() -> X) -> X {
     let before = known.borrow().iter().find(|(other, _)| *other == name).map(|(_, x)| *x);
     before.unwrap_or_else(|| {
@@ -53,12 +53,12 @@ fn once<'a, X: Copy>(known: &Known<'a, X>, name: &'a str, find: impl FnOnce() ->
     })
 }
 
-/// The value of a measure that is of one time.
+/// Evaluate an instantaneous measure.
 pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
     use Measurement as M;
     let (space, solver) = (now.space, now.solver);
     let (find, measure) = (|name: &str| now.find(name), &taken.what);
-    // What a point of a body is asked for; no number once it is gone.
+    // Evaluate a quantity at the point of a body; NaN once the point is removed.
     let at_point = |body: &str, ask: &dyn Fn(&PointView) -> f64| {
         let mut value = f64::NAN;
         find(body)?.for_each_with(Parts::NONE, &mut |p| {
@@ -69,7 +69,7 @@ pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
         Ok::<f64, String>(value)
     };
     let revolved = space == Space::Axisymmetric;
-    // Points of a body that are in the region of the measure, if it has one.
+    // True for points in the region of the measure, or without a region.
     let within = |p: &PointView| taken.region.as_ref().is_none_or(|region| region.contains(&p.position));
     Ok(match measure {
         M::Extent(m) => {
@@ -163,7 +163,7 @@ pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
             let (first, second) = (number(&m.between[0])?, number(&m.between[1])?);
             let contacts = solver.contacts();
             let pair = contacts.iter().find(|pair| pair.bodies == [first.min(second), first.max(second)]);
-            // Of a pair the force is that on the body of the larger number.
+            // The pair stores the force on the body of the larger number.
             let sign = if second > first { 1.0 } else { -1.0 };
             pair.map_or(0.0, |pair| sign * pair.force[axis])
         }
@@ -175,14 +175,14 @@ pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
     })
 }
 
-/// The sum of a number over the points of a body.
+/// Sum a quantity over the points of a body.
 fn summed(body: &dyn Body, parts: Parts, number: &dyn Fn(&PointView) -> f64) -> f64 {
     let mut sum = 0.0;
     body.for_each_with(parts, &mut |p| sum += number(p));
     sum
 }
 
-/// A part of the balance of energy, J.
+/// Return a term of the energy balance, J.
 fn balance(account: &Account, entry: Entry) -> f64 {
     match entry {
         Entry::Kinetic => account.kinetic + account.staggered,
@@ -197,7 +197,7 @@ fn balance(account: &Account, entry: Entry) -> f64 {
     }
 }
 
-/// Angular momentum about a place, L = L_0 - c x p with that about the origin, kg m^2/s.
+/// Angular momentum about a position c, L = L_0 - c x p with L_0 about the origin, kg m^2/s.
 fn angular_momentum<'a>(now: &Now<'a>, body: &'a dyn Body, of: &AngularMomentum) -> Result<f64, String> {
     let (space, totals) = (now.space, moving(now, body));
     let mut centre = [0.0; 3];
@@ -207,14 +207,15 @@ fn angular_momentum<'a>(now: &Now<'a>, body: &'a dyn Body, of: &AngularMomentum)
             (0..3).for_each(|d| centre[d] += p.mass * p.position[d] / totals.mass);
         }),
     }
-    // The balanced momentum, to which that about the origin belongs.
+    // Balanced momentum, consistent with the angular momentum about the origin.
     let axis = of.axis.map_or(Ok(2), |axis| space.axis(axis))?;
     let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
     let carried = centre[i] * totals.momentum[j] - centre[j] * totals.momentum[i];
     Ok(totals.angular_momentum[axis] - carried)
 }
 
-/// Mass, momentum, angular momentum and kinetic energy of a body. Those of a body of prescribed motion, which no balance has, are of its points.
+/// Return mass, momentum, angular momentum and kinetic energy of a body. A body of prescribed motion, which is in no balance, has them
+/// summed over its points.
 fn moving<'a>(now: &Now<'a>, body: &'a dyn Body) -> Totals {
     let mut totals = now.totals(body);
     if totals.mass == 0.0 {
@@ -232,17 +233,17 @@ fn moving<'a>(now: &Now<'a>, body: &'a dyn Body) -> Totals {
     totals
 }
 
-/// A number of a point.
+/// Quantity of a point.
 type OfPoint<'a> = dyn Fn(&PointView) -> f64 + 'a;
 
-/// A component of a vector or tensor of a point.
+/// Component of a vector or tensor of a point.
 #[derive(Clone, Copy)]
 enum Component {
     Velocity(usize),
     Stress(usize),
 }
 
-/// The component of a name, as `velocity_x` and `stress_xy`; around an axis of the letters r, z and, for the angle, t.
+/// Parse a component name such as `velocity_x` or `stress_xy`; in axisymmetric scenes with the letters r, z and t (hoop).
 fn component(space: Space, field: &str) -> Option<Component> {
     let letters = if space == Space::Axisymmetric { "rzt" } else { "xyz" };
     let places = |word: &str| word.chars().map(|c| letters.find(c)).collect::<Option<Vec<usize>>>();
@@ -254,7 +255,7 @@ fn component(space: Space, field: &str) -> Option<Component> {
     }
 }
 
-/// Every point of a body, with what a field is there.
+/// Visit every point of a body with the value of a field.
 fn each(
     space: Space,
     body: &dyn Body,
@@ -282,7 +283,7 @@ fn each(
         (None, None, "von_mises") => p.von_mises(),
         (None, None, _) => p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
     };
-    // Mean values are by mass.
+    // Mean values are mass-weighted.
     let parts = if component.is_some_and(|c| matches!(c, Component::Velocity(_)))
         || place.is_none() && field == "speed"
     {

@@ -8,11 +8,10 @@ pub(crate) const FAINT: Rgb = hex(0x6b7280);
 pub(crate) const GRID: Rgb = hex(0xe6e8eb);
 pub(crate) const PAPER: Rgb = [255; 3];
 
-/// The largest number that an axis shows, and one over the smallest that a logarithmic one does. Beyond this lie sums and powers that are no
-/// numbers.
+/// Maximum magnitude of an axis, and inverse of the minimum of a logarithmic axis: sums and powers must not overflow.
 const MOST: f64 = 1e200;
 
-/// A numbered line: which numbers it spans and whether it is logarithmic.
+/// Scale of an axis: range, linear or logarithmic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
     pub low: f64,
@@ -20,7 +19,7 @@ pub(crate) struct Scale {
     pub log: bool,
 }
 
-/// Where ticks are and what they say. `power` is the power of ten that the labels leave out.
+/// Positions and labels of ticks. `power` is the power of ten omitted from the labels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Ticks {
     pub labelled: Vec<(f64, String)>,
@@ -29,7 +28,7 @@ pub(crate) struct Ticks {
 }
 
 impl Scale {
-    /// A scale over at least a tiny range.
+    /// Create a scale with a range of nonzero width.
     pub(crate) fn new(low: f64, high: f64, log: bool) -> Self {
         let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
         let (mut low, mut high) = (low.min(high).clamp(-MOST, MOST), low.max(high).clamp(-MOST, MOST));
@@ -51,7 +50,7 @@ impl Scale {
         Self { low, high, log }
     }
 
-    /// Where a number lies: 0 at the low end, 1 at the high.
+    /// Normalized position of a number: 0 at the low end, 1 at the high end.
     pub(crate) fn place(&self, x: f64) -> f64 {
         if self.log {
             (x.ln() - self.low.ln()) / (self.high.ln() - self.low.ln())
@@ -60,7 +59,7 @@ impl Scale {
         }
     }
 
-    /// Widen both ends by a part of the span.
+    /// Extend both ends by a fraction of the span.
     pub(crate) fn padded(self, part: f64) -> Self {
         if self.log {
             let factor = (part * (self.high.ln() - self.low.ln())).exp();
@@ -71,7 +70,7 @@ impl Scale {
         }
     }
 
-    /// About `count` ticks at round numbers.
+    /// Choose about `count` ticks at round numbers.
     pub(crate) fn ticks(&self, count: usize) -> Ticks {
         if self.log && self.high / self.low >= 9.0 { self.log_ticks(count) } else { self.linear_ticks(count) }
     }
@@ -83,7 +82,7 @@ impl Scale {
         let step = [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * decade).into_iter().find(|s| *s >= rough * 0.999);
         let step = step.unwrap_or(10.0 * decade);
         let largest = self.low.abs().max(self.high.abs());
-        // Very large and very small numbers are written in thousands of thousands.
+        // The power of very large or very small numbers is a multiple of three.
         let power = if !(1.0e-2..1.0e5).contains(&largest) && largest > 0.0 {
             ((largest.log10() / 3.0).floor() * 3.0) as i32
         } else {
@@ -130,7 +129,7 @@ impl Scale {
     }
 }
 
-/// A number with a true minus sign.
+/// Format a number with a typographic minus sign.
 fn signed(x: f64, decimals: usize) -> String {
     let text = format!("{x:.decimals$}");
     match text.strip_prefix('-') {
@@ -140,7 +139,7 @@ fn signed(x: f64, decimals: usize) -> String {
     }
 }
 
-/// `m` times ten to the `e` as text: plain or `2·10⁻⁵`.
+/// Format `m` times ten to the `e`: plain or `2·10⁻⁵`.
 fn power_label(m: i32, e: i32, plain: bool) -> String {
     if plain {
         signed(f64::from(m) * 10.0_f64.powi(e), (-e).max(0) as usize)
@@ -151,14 +150,14 @@ fn power_label(m: i32, e: i32, plain: bool) -> String {
     }
 }
 
-/// A whole number in superscript letters.
+/// Format an integer in superscript digits.
 pub(crate) fn superscript(n: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let letter = |c: char| c.to_digit(10).map_or('⁻', |d| DIGITS[d as usize]);
     n.to_string().chars().map(letter).collect()
 }
 
-/// `label (unit)`, with the power of ten that the ticks leave out.
+/// Format an axis title as `label (unit)`, with the power of ten omitted from the ticks.
 pub(crate) fn axis_title(label: &str, unit: &str, power: i32) -> String {
     let unit = if unit == "-" { "" } else { unit };
     match (power, unit) {
@@ -169,7 +168,7 @@ pub(crate) fn axis_title(label: &str, unit: &str, power: i32) -> String {
     }
 }
 
-/// A box with numbered sides, in which a plot is drawn. Rows count downwards: `top < bottom`.
+/// Frame of a plot with axes on its sides. Rows count downwards: `top < bottom`.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Frame {
     pub left: f32,
@@ -181,7 +180,7 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
-    /// Pixel of a point.
+    /// Pixel position of a point.
     pub(crate) fn at(&self, x: f64, y: f64) -> [f32; 2] {
         [
             self.left + self.x.place(x) as f32 * (self.right - self.left),
@@ -189,12 +188,12 @@ impl Frame {
         ]
     }
 
-    /// The room that tick labels and title of the left side need, pixels.
+    /// Width of tick labels and title of the left side, pixels.
     pub(crate) fn left_room(ticks: &Ticks, size: f32) -> f32 {
         widest(ticks, size) + 2.6 * size
     }
 
-    /// The room that tick labels and title of the bottom need, pixels.
+    /// Height of tick labels and title of the bottom, pixels.
     pub(crate) fn bottom_room(size: f32) -> f32 {
         3.6 * size
     }
@@ -210,7 +209,7 @@ impl Frame {
         }
     }
 
-    /// The box, its ticks, their labels and the titles of the two axes.
+    /// Draw the frame, its ticks, their labels and the titles of the two axes.
     pub(crate) fn draw(&self, picture: &mut Picture, ticks: [&Ticks; 2], titles: [&str; 2], size: f32) {
         let line = (size / 14.0).max(1.0).round();
         let mark = 0.32 * size;
@@ -261,7 +260,7 @@ fn widest(ticks: &Ticks, size: f32) -> f32 {
     ticks.labelled.iter().map(|(_, label)| pen.width(label)).fold(0.0, f32::max)
 }
 
-/// A vertical colour bar with ticks and a title that reads upwards.
+/// Vertical colour bar with ticks and a title that reads upwards.
 pub(crate) struct ColourBar {
     pub map: ColourMap,
     pub scale: Scale,
@@ -274,7 +273,7 @@ impl ColourBar {
         self.scale.ticks(5)
     }
 
-    /// The room it needs to the right of its left edge, pixels.
+    /// Width from the left edge of the bar, labels included, pixels.
     pub(crate) fn room(&self, size: f32) -> f32 {
         widest(&self.ticks(), size) + 4.2 * size
     }

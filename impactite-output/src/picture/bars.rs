@@ -1,4 +1,4 @@
-//! Stacked bars: what a whole is made of, for several wholes.
+//! Stacked bar charts: contributions to several totals.
 
 use super::super::OutputError;
 use super::axis::{Frame, INK, PAPER, Scale, Ticks, axis_title};
@@ -6,8 +6,8 @@ use super::canvas::{Pen, Picture};
 use super::chart::Axis;
 use super::colour::palette;
 
-/// A chart of lying bars, one below the other, each of the same parts, one after the other; a name at the left of every bar, those of the
-/// parts in a row above.
+/// Horizontal stacked bar chart: every bar is the sum of the same parts. The name of a bar is to its left, the legend of the parts in
+/// a row above.
 ///
 /// ```
 /// use impactite_output::picture::{Axis, Bars};
@@ -30,24 +30,24 @@ pub struct Bars {
     letters: Option<f32>,
 }
 
-/// Of the room of a bar, how much it fills.
+/// Thickness of a bar over its spacing.
 const FILLED: f64 = 0.7;
 
 impl Bars {
-    /// A chart of that many pixels without bars, of these parts.
+    /// Create a chart of this size in pixels with these parts and no bars.
     #[must_use]
     pub fn new(width: usize, height: usize, parts: impl IntoIterator<Item = impl Into<String>>) -> Self {
         let parts = parts.into_iter().map(Into::into).collect();
         Self { width, height, title: String::new(), x: Axis::new(""), parts, bars: Vec::new(), letters: None }
     }
 
-    /// A title at the top.
+    /// Set the title at the top.
     #[must_use]
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
 
-    /// The axis along the bottom: of lengths, so a linear one.
+    /// Set the axis along the bottom, which must be linear.
     #[must_use]
     pub fn x(self, axis: Axis) -> Self {
         Self { x: axis, ..self }
@@ -60,17 +60,17 @@ impl Bars {
         self
     }
 
-    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
+    /// Set the font size, 1 to 1000 pixels; the default depends on the size of the picture.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
     }
 
-    /// Draw it.
+    /// Draw the chart.
     ///
     /// # Errors
-    /// A bar of another number of parts, or with a length that is negative or not finite; a logarithmic axis; sizes, factors and ranges that
-    /// make no sense.
+    /// A bar with another number of parts, or with a length that is negative or not finite; a logarithmic axis; invalid sizes, factors or
+    /// ranges.
     pub fn draw(&self) -> Result<Picture, OutputError> {
         self.check()?;
         let mut picture = Picture::new(self.width, self.height, PAPER)?;
@@ -79,7 +79,7 @@ impl Bars {
         let wholes = self.bars.iter().map(|(_, parts)| parts.iter().sum::<f64>() * factor);
         let x = self.x.shown(wholes.chain([0.0]))?;
         let y = Scale::new(0.0, self.bars.len().max(1) as f64, false);
-        // The first one on top.
+        // The first bar is at the top.
         let middle = |n: usize| (self.bars.len() - n) as f64 - 0.5;
         let names = self.bars.iter().enumerate().map(|(n, (name, _))| (middle(n), name.clone())).collect();
         let y_ticks = Ticks { labelled: names, ..Ticks::default() };
@@ -128,7 +128,7 @@ impl Bars {
         Ok(())
     }
 
-    /// Colours and names of the parts in a row, from here (middle of the letters) to the right.
+    /// Draw the legend of the parts in a row from a start point (mid-height of the letters) to the right.
     fn legend(&self, picture: &mut Picture, [mut x, y]: [f32; 2], size: f32) {
         let pen = Pen::new(size, INK);
         for (part, name) in self.parts.iter().enumerate() {
@@ -143,7 +143,7 @@ impl Bars {
 mod tests {
     use super::*;
 
-    /// The longest run of a colour in a row of the picture, pixels.
+    /// Longest run of a colour in a row of the picture, pixels.
     fn longest(picture: &Picture, colour: [u8; 3]) -> usize {
         let run = |y: usize| {
             let (mut best, mut now) = (0, 0);
@@ -165,7 +165,7 @@ mod tests {
             .bar("two", &[0.0, 0.1, 0.0]);
         let picture = bars.draw().expect("a picture");
         let [a, b, c] = [0, 1, 2].map(|part| longest(&picture, palette(part)) as f64);
-        // An edge lies within a pixel.
+        // Edges are accurate to one pixel.
         assert!(a > 200.0 && (b / a - 0.6).abs() < 2.0 / a && (c / a - 0.4).abs() < 2.0 / a, "{a} {b} {c}");
     }
 

@@ -1,34 +1,34 @@
-//! Where one looks from, mirrors and cuts.
+//! Camera, mirrors and cuts.
 
 use super::super::{FARTHEST, OutputError, Snapshot, is_place};
 
-/// A symmetry plane normal to an axis, across which a picture repeats the particles.
+/// Symmetry plane normal to an axis, across which a picture mirrors the particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mirror {
-    /// The axis normal to the plane: 0 is x, 1 is y, 2 is z.
+    /// Axis normal to the plane: 0 is x, 1 is y, 2 is z.
     pub axis: usize,
-    /// Where the plane cuts that axis, m.
+    /// Coordinate of the plane along that axis, m.
     pub at: f64,
 }
 
 impl Mirror {
-    /// The plane x = `at` (m).
+    /// Create the plane x = `at` (m).
     #[must_use]
     pub fn x(at: f64) -> Self {
         Self { axis: 0, at }
     }
-    /// The plane y = `at` (m).
+    /// Create the plane y = `at` (m).
     #[must_use]
     pub fn y(at: f64) -> Self {
         Self { axis: 1, at }
     }
-    /// The plane z = `at` (m).
+    /// Create the plane z = `at` (m).
     #[must_use]
     pub fn z(at: f64) -> Self {
         Self { axis: 2, at }
     }
 
-    /// All copies of a point under a list of planes, itself first.
+    /// Compute all copies of a point under a list of mirrors, the point itself first.
     pub(crate) fn copies(mirrors: &[Self], point: [f64; 3], copies: &mut Vec<[f64; 3]>) {
         copies.clear();
         copies.push(point);
@@ -61,12 +61,12 @@ impl Mirror {
     }
 }
 
-/// A plane that cuts the picture open: particles beyond it, on the side its normal points to, are left out.
+/// Cutting plane: matter beyond it, on the side of its normal, is not drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cut {
-    /// The normal, pointing to what is taken away; any length.
+    /// Normal, towards the removed side; any length.
     pub normal: [f64; 3],
-    /// A point of the plane, m.
+    /// Point of the plane, m.
     pub through: [f64; 3],
 }
 
@@ -76,7 +76,7 @@ impl Cut {
     }
 }
 
-/// Where one looks from.
+/// Camera: position, target and field of view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Camera {
     from: [f64; 3],
@@ -88,12 +88,12 @@ pub struct Camera {
 }
 
 impl Camera {
-    /// Look from a point at another (m), with `up` (any length) upwards on the picture; `width` (m) of the plane
-    /// through `at` is seen. Lines of sight are parallel until
+    /// Create a camera that looks from one point at another (m), with `up` (any length) upwards in the picture; the plane
+    /// through `at` is visible over `width` (m). Projection is orthographic unless
     /// [`with_perspective`](Self::with_perspective).
     ///
     /// # Errors
-    /// Numbers beyond 1e30, a width that is not from 1e-30 to 1e30 m, `from` equal to `at`, or `up` along the line
+    /// Coordinates beyond 1e30, a width outside 1e-30 to 1e30 m, `from` equal to `at`, or `up` parallel to the line
     /// of sight.
     pub fn looking(from: [f64; 3], at: [f64; 3], up: [f64; 3], width: f64) -> Result<Self, OutputError> {
         if ![from, at, up].iter().all(is_place) {
@@ -120,7 +120,7 @@ impl Camera {
     /// length).
     ///
     /// # Errors
-    /// A snapshot without particles at finite places, or directions as refused by [`looking`](Self::looking).
+    /// A snapshot without particles at finite positions, or the errors of [`looking`](Self::looking) for the directions.
     pub fn fit(
         snapshot: &Snapshot,
         mirrors: &[Mirror],
@@ -131,7 +131,7 @@ impl Camera {
         Self::framing(low, high, toward, up)
     }
 
-    /// The smallest box around a snapshot and its mirror copies along the directions of a camera ([`basis`](Self::basis)), m.
+    /// Bounding box of a snapshot and its mirror copies along the directions of a camera ([`basis`](Self::basis)), m.
     pub(crate) fn extent(
         snapshot: &Snapshot,
         mirrors: &[Mirror],
@@ -171,7 +171,7 @@ impl Camera {
         Ok([lo, hi])
     }
 
-    /// The smallest box along the directions of a camera around a box along the axes and its mirror copies, m.
+    /// Bounding box, along the directions of a camera, of an axis-aligned box and its mirror copies, m.
     pub(crate) fn extent_of_box(
         [low, high]: [[f64; 3]; 2],
         mirrors: &[Mirror],
@@ -206,7 +206,7 @@ impl Camera {
         let span = (0..3).map(|d| hi[d] - lo[d]).fold(0.0, f64::max);
         let from = [0, 1, 2].map(|c| at[c] + 3.5 * span * out[c]);
         let (width, height) = (hi[0] - lo[0], hi[1] - lo[1]);
-        // Far off, a small span is lost in rounding.
+        // Far from the origin, a small span is lost to rounding.
         if !(width > 0.0 && height > 0.0 && sub(from, at) != [0.0; 3]) {
             let allowed = "more than the rounding of the particles' coordinates";
             return Err(OutputError::value("extent of the snapshot", span, allowed));
@@ -214,24 +214,24 @@ impl Camera {
         Ok(Self { from, at, up, width, height, perspective: false })
     }
 
-    /// Height over width of what is framed; 3/4 where the height is not known.
+    /// Aspect ratio of the frame, height over width; 3/4 if the height is unknown.
     pub(crate) fn aspect(&self) -> f64 {
         if self.height > 0.0 { self.height / self.width } else { 0.75 }
     }
 
-    /// Lines of sight meet at `from`: what is near is larger.
+    /// Use perspective projection with the eye at `from`.
     #[must_use]
     pub fn with_perspective(self) -> Self {
         Self { perspective: true, ..self }
     }
 
-    /// Show more (`factor` < 1) or less (> 1) of the scene.
+    /// Zoom out (`factor` < 1) or in (> 1).
     #[must_use]
     pub fn zoomed(self, factor: f64) -> Self {
         Self { width: self.width / factor, height: self.height / factor, ..self }
     }
 
-    /// Whether lines of sight meet.
+    /// True for perspective projection.
     pub(crate) fn is_perspective(&self) -> bool {
         self.perspective
     }
@@ -247,13 +247,13 @@ impl Camera {
         self.at
     }
 
-    /// Distance from the eye to the plane that is seen in true size, m.
+    /// Distance from the eye to the plane shown in true size, m.
     pub(crate) fn distance(&self) -> f64 {
         let d = sub(self.from, self.at);
         dot(d, d).sqrt()
     }
 
-    /// Pixels a metre in a view of that many pixels.
+    /// Pixels per metre in a view of this size in pixels.
     pub(crate) fn pixels_per_metre(&self, width: f64, height: f64) -> f64 {
         let across = width / self.width;
         if self.height > 0.0 { across.min(height / self.height) } else { across }

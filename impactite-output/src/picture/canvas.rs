@@ -1,4 +1,4 @@
-//! A picture in memory and the strokes, fills and letters drawn on it, anti-aliased by coverage.
+//! Picture in memory with anti-aliased lines, fills and text.
 
 use std::path::Path;
 use std::sync::LazyLock;
@@ -8,7 +8,7 @@ use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use super::super::{OutputError, write_whole};
 use super::colour::Rgb;
 
-/// A finished picture, which can be saved or put into [`Panels`](super::Panels).
+/// Finished picture, which can be saved or placed in [`Panels`](super::Panels).
 #[derive(Clone, PartialEq, Eq)]
 pub struct Picture {
     width: usize,
@@ -22,11 +22,11 @@ impl std::fmt::Debug for Picture {
     }
 }
 
-/// The largest side of a picture, pixels.
+/// Maximum side of a picture, pixels.
 const LARGEST: usize = 16384;
 
 impl Picture {
-    /// An empty picture, `width` by `height` pixels, in one colour.
+    /// Create a picture of one colour, `width` by `height` pixels.
     ///
     /// # Errors
     /// A side of 0 or of more than 16384 pixels.
@@ -51,7 +51,7 @@ impl Picture {
         self.height
     }
 
-    /// The colour at column `x` and row `y` from the top left; `None` outside.
+    /// Colour at column `x` and row `y` from the top left; `None` outside.
     #[must_use]
     pub fn pixel(&self, x: usize, y: usize) -> Option<Rgb> {
         if x < self.width { self.pixels.get(y * self.width + x).copied() } else { None }
@@ -79,7 +79,7 @@ impl Picture {
         &mut self.pixels
     }
 
-    /// Lay `colour` over a pixel so that it covers the part `cover` of it.
+    /// Blend `colour` over a pixel with coverage `cover`.
     pub(crate) fn blend(&mut self, x: i64, y: i64, colour: Rgb, cover: f32) {
         if x >= 0 && y >= 0 && (x as usize) < self.width && (y as usize) < self.height && cover > 0.0 {
             let pixel = &mut self.pixels[y as usize * self.width + x as usize];
@@ -91,17 +91,17 @@ impl Picture {
         }
     }
 
-    /// The rows of the picture between two heights, none if one is not a number.
+    /// Rows between two heights; empty for NaN.
     fn rows(&self, from: f32, to: f32) -> std::ops::Range<i64> {
         within(from, to, self.height)
     }
 
-    /// The columns of the picture between two places, none if one is not a number.
+    /// Columns between two positions; empty for NaN.
     fn columns(&self, from: f32, to: f32) -> std::ops::Range<i64> {
         within(from, to, self.width)
     }
 
-    /// Fill a box given by two corners.
+    /// Fill a box between two corners.
     pub(crate) fn fill(&mut self, [x0, y0]: [f32; 2], [x1, y1]: [f32; 2], colour: Rgb) {
         let overlap = |i: i64, lo: f32, hi: f32| (hi.min(i as f32 + 1.0) - lo.max(i as f32)).clamp(0.0, 1.0);
         for y in self.rows(y0, y1) {
@@ -111,7 +111,7 @@ impl Picture {
         }
     }
 
-    /// The outline of a box, one pixel wide lines of `width`.
+    /// Draw the outline of a box with lines of `width` pixels.
     pub(crate) fn frame(&mut self, a: [f32; 2], b: [f32; 2], width: f32, colour: Rgb) {
         let h = 0.5 * width;
         self.fill([a[0] - h, a[1] - h], [b[0] + h, a[1] + h], colour);
@@ -120,13 +120,13 @@ impl Picture {
         self.fill([b[0] - h, a[1] + h], [b[0] + h, b[1] - h], colour);
     }
 
-    /// A straight stroke with round ends.
+    /// Draw a straight line with round ends.
     pub(crate) fn line(&mut self, a: [f32; 2], b: [f32; 2], width: f32, colour: Rgb) {
         self.polyline(&[a, b], width, colour, None, None);
     }
 
-    /// A stroke through points with round joints, dashed `(on, off)` and clipped to a box if asked. Each pixel is
-    /// laid once per run of the pen, so joints do not darken.
+    /// Draw a polyline with round joints, optionally dashed `(on, off)` and clipped to a box. Each pixel is
+    /// blended once, so that joints do not darken.
     pub(crate) fn polyline(
         &mut self,
         points: &[[f32; 2]],
@@ -151,7 +151,7 @@ impl Picture {
             let x_range =
                 (ax.min(bx) - reach).max(cx0).floor() as i64..(ax.max(bx) + reach).min(cx1).ceil() as i64;
             for x in x_range {
-                // Only the rows near the stroke in this column.
+                // Restrict to the rows near the line in this column.
                 let (mut y0, mut y1) = (ay.min(by), ay.max(by));
                 if dx.abs() > 1e-3 {
                     let slope = dy / dx;
@@ -184,7 +184,7 @@ impl Picture {
         }
     }
 
-    /// A filled convex shape: what lies inside all half planes of the corners, given clockwise on the screen.
+    /// Fill a convex polygon, the intersection of the half planes of its edges; corners are clockwise on the screen.
     pub(crate) fn polygon(&mut self, corners: &[[f32; 2]], colour: Rgb) {
         let fold =
             |c: usize, f: fn(f32, f32) -> f32, start: f32| corners.iter().fold(start, |m, p| f(m, p[c]));
@@ -205,7 +205,7 @@ impl Picture {
         }
     }
 
-    /// A filled disc.
+    /// Fill a disc.
     pub(crate) fn disc(&mut self, [cx, cy]: [f32; 2], radius: f32, colour: Rgb) {
         for y in self.rows(cy - radius - 1.0, cy + radius + 2.0) {
             for x in self.columns(cx - radius - 1.0, cx + radius + 2.0) {
@@ -224,10 +224,10 @@ impl Picture {
         }
     }
 
-    /// Write `text` at a point of its baseline.
+    /// Draw `text` from a point on its baseline.
     pub(crate) fn text(&mut self, text: &str, at: [f32; 2], pen: &Pen) {
         let Some(font) = pen.weight.font() else { return };
-        // Far outside there is nothing to write on.
+        // Skip text far outside the picture.
         if !at.iter().all(|c| c.abs() <= 4.0 * LARGEST as f32) {
             return;
         }
@@ -237,7 +237,7 @@ impl Picture {
             Align::Centre => -0.5 * width,
             Align::Right => -width,
         };
-        // Upright text keeps the fraction of its place, so letters sit where they should; turned text is turned
+        // Horizontal text keeps its subpixel position for correct letter spacing; vertical text is rotated
         // about a whole pixel.
         let (ox, oy) = if pen.upward { (at[0].round(), at[1].round()) } else { (0.0, 0.0) };
         for mut glyph in glyphs {
@@ -255,7 +255,7 @@ impl Picture {
     }
 }
 
-/// The whole numbers from `from` to `to` that are less than `count`.
+/// Integers from `from` to `to` that are less than `count`.
 fn within(from: f32, to: f32, count: usize) -> std::ops::Range<i64> {
     if from.is_nan() || to.is_nan() {
         return 0..0;
@@ -263,14 +263,14 @@ fn within(from: f32, to: f32, count: usize) -> std::ops::Range<i64> {
     from.floor().max(0.0) as i64..to.ceil().min(count as f32) as i64
 }
 
-/// The two weights of the typeface.
+/// Font weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Weight {
     Regular,
     SemiBold,
 }
 
-/// Where the point given for a text lies in it.
+/// Horizontal alignment of text at its anchor point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Align {
     Left,
@@ -278,7 +278,7 @@ pub(crate) enum Align {
     Right,
 }
 
-/// How a text looks. `size` is that of the em, pixels; `upward` texts read from bottom to top.
+/// Text style. `size` is the em size, pixels; `upward` text reads from bottom to top.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Pen {
     pub size: f32,
@@ -301,7 +301,7 @@ impl Pen {
     pub(crate) fn right(self) -> Self {
         Self { align: Align::Right, ..self }
     }
-    /// The same, smaller if a text would be wider than so many pixels.
+    /// Reduce the font size if a text would be wider than `width` pixels.
     pub(crate) fn fitted(self, text: &str, width: f32) -> Self {
         let needs = self.width(text);
         if needs > width { Self { size: self.size * (width / needs).max(0.1), ..self } } else { self }
@@ -309,7 +309,7 @@ impl Pen {
     pub(crate) fn upward(self) -> Self {
         Self { upward: true, ..self }
     }
-    /// The width of a text, pixels.
+    /// Width of a text, pixels.
     pub(crate) fn width(&self, text: &str) -> f32 {
         self.weight.font().map_or(0.0, |font| layout(text, self.size, font).1)
     }
@@ -329,7 +329,7 @@ impl Weight {
     }
 }
 
-/// The glyphs of a text with their places on a baseline from (0, 0), and the width, pixels.
+/// Glyphs of a text with their positions on a baseline from (0, 0), and the width, pixels.
 fn layout(text: &str, size: f32, font: &FontRef<'static>) -> (Vec<Glyph>, f32) {
     let em = font.units_per_em().unwrap_or(1000.0);
     let scale = PxScale::from(size * font.height_unscaled() / em);

@@ -1,11 +1,11 @@
-//! Line charts: curves between numbered axes, linear or logarithmic.
+//! Line charts: curves between linear or logarithmic axes.
 
 use super::super::OutputError;
 use super::axis::{FAINT, Frame, INK, PAPER, Scale, axis_title};
 use super::canvas::{Pen, Picture};
 use super::colour::{Rgb, palette};
 
-/// What an axis shows: a label, a unit, and how numbers become places.
+/// Axis: label, unit, scale and range.
 ///
 /// ```
 /// use impactite_output::picture::Axis;
@@ -22,25 +22,25 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// A linear axis called `label`, without a unit.
+    /// Create a linear axis called `label`, without a unit.
     #[must_use]
     pub fn new(label: impl Into<String>) -> Self {
         Self { label: label.into(), unit: String::new(), factor: 1.0, log: false, range: None }
     }
 
-    /// The unit shown, and how many of it make one unit of the numbers given: `("µs", 1e6)`.
+    /// Set the displayed unit and its number per unit of the data: `("µs", 1e6)`.
     #[must_use]
     pub fn unit(self, unit: impl Into<String>, factor: f64) -> Self {
         Self { unit: unit.into(), factor, ..self }
     }
 
-    /// Powers of ten are equally far apart; points that are not positive are left out.
+    /// Use a logarithmic scale; points that are not positive are omitted.
     #[must_use]
     pub fn logarithmic(self) -> Self {
         Self { log: true, ..self }
     }
 
-    /// Show the numbers from `low` to `high` (in the unit of the numbers given).
+    /// Set the range from `low` to `high` (in the unit of the data).
     #[must_use]
     pub fn range(self, low: f64, high: f64) -> Self {
         Self { range: Some((low, high)), ..self }
@@ -65,33 +65,33 @@ impl Axis {
     }
 }
 
-/// How the line of a curve is drawn.
+/// Line style of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Stroke {
-    /// Without a gap.
+    /// Solid line.
     Solid,
-    /// Dashes.
+    /// Dashed line.
     Dashed,
-    /// Dots.
+    /// Dotted line.
     Dotted,
     /// No line: markers only.
     None,
 }
 
-/// What marks the points of a curve.
+/// Marker of the points of a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Marker {
-    /// A disc.
+    /// Disc.
     Circle,
-    /// A square.
+    /// Square.
     Square,
-    /// A triangle on its base.
+    /// Triangle on its base.
     Triangle,
-    /// A square on its corner.
+    /// Diamond: a square on its corner.
     Diamond,
 }
 
-/// A curve: its points, its name in the legend, its looks.
+/// Curve: points, name in the legend, and style.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     name: String,
@@ -103,7 +103,7 @@ pub struct Series {
 }
 
 impl Series {
-    /// A curve through `(x, y)` points in order; "" keeps it out of the legend. Points that are not finite break
+    /// Create a curve through `(x, y)` points in order; the name "" omits it from the legend. Points that are not finite interrupt
     /// the line.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ impl Series {
         Ok(Self { name, points, stroke: Stroke::Solid, marker: None, colour: None, width: 1.0 })
     }
 
-    /// The line y = `at.1` (x / `at.0`)^`order` over a range of x: a guide to the eye on logarithmic axes, thin,
+    /// Create the line y = `at.1` (x / `at.0`)^`order` over a range of x: a convergence slope on logarithmic axes, thin,
     /// grey and dashed.
     #[must_use]
     pub fn slope(name: impl Into<String>, order: f64, at: (f64, f64), x: (f64, f64)) -> Self {
@@ -133,32 +133,32 @@ impl Series {
         }
     }
 
-    /// How the line is drawn.
+    /// Set the line style.
     #[must_use]
     pub fn stroke(self, stroke: Stroke) -> Self {
         Self { stroke, ..self }
     }
 
-    /// Mark the points.
+    /// Set the marker of the points.
     #[must_use]
     pub fn marker(self, marker: Marker) -> Self {
         Self { marker: Some(marker), ..self }
     }
 
-    /// The colour; without this, the next of the palette.
+    /// Set the colour; the default is the next of the palette.
     #[must_use]
     pub fn colour(self, colour: Rgb) -> Self {
         Self { colour: Some(colour), ..self }
     }
 
-    /// The line is this much wider than usual.
+    /// Set the line width relative to the default.
     #[must_use]
     pub fn width(self, width: f32) -> Self {
         Self { width: if width.is_finite() { width.clamp(0.1, 20.0) } else { 1.0 }, ..self }
     }
 }
 
-/// A chart of curves over common axes, with a legend where it hides least.
+/// Line chart of curves over common axes, with a legend at the emptiest position.
 ///
 /// ```
 /// use impactite_output::picture::{Axis, Chart, Marker, Series};
@@ -184,26 +184,26 @@ pub struct Chart {
 }
 
 impl Chart {
-    /// An empty chart of that many pixels.
+    /// Create an empty chart of this size in pixels.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         let (x, y) = (Axis::new("x"), Axis::new("y"));
         Self { width, height, title: String::new(), x, y, series: Vec::new(), letters: None }
     }
 
-    /// A title at the top.
+    /// Set the title at the top.
     #[must_use]
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
 
-    /// The axis along the bottom.
+    /// Set the axis along the bottom.
     #[must_use]
     pub fn x(self, axis: Axis) -> Self {
         Self { x: axis, ..self }
     }
 
-    /// The axis along the left.
+    /// Set the axis along the left.
     #[must_use]
     pub fn y(self, axis: Axis) -> Self {
         Self { y: axis, ..self }
@@ -216,16 +216,16 @@ impl Chart {
         self
     }
 
-    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
+    /// Set the font size, 1 to 1000 pixels; the default depends on the size of the picture.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
     }
 
-    /// Draw it.
+    /// Draw the chart.
     ///
     /// # Errors
-    /// Sizes, factors and ranges that make no sense.
+    /// Invalid sizes, factors or ranges.
     pub fn draw(&self) -> Result<Picture, OutputError> {
         let mut picture = Picture::new(self.width, self.height, PAPER)?;
         let size = super::letters(self.letters, 1.15, self.width, self.height)?;
@@ -313,7 +313,7 @@ impl Chart {
         Ok(picture)
     }
 
-    /// The names of the curves, in the corner (or middle of a side) that holds the fewest points.
+    /// Draw the legend in the corner (or middle of a side) with the fewest points.
     fn legend(
         &self,
         picture: &mut Picture,
@@ -375,7 +375,7 @@ impl Chart {
     }
 }
 
-/// A marker with a white rim, so that it stands out from lines.
+/// Draw a marker with a white rim for contrast with lines.
 fn mark(picture: &mut Picture, marker: Marker, [x, y]: [f32; 2], r: f32, colour: Rgb) {
     for (r, colour) in [(r * 1.3, PAPER), (r, colour)] {
         match marker {

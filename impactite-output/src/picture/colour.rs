@@ -1,10 +1,10 @@
 //! Colours and perceptually uniform colour maps.
 
-/// A colour: red, green, blue as in sRGB.
+/// Colour: red, green, blue in sRGB.
 pub type Rgb = [u8; 3];
 
-/// From numbers to colours. All but [`CoolWarm`](Self::CoolWarm) grow steadily lighter, so they survive grey
-/// printing and colour-blind eyes.
+/// Colour map. The lightness of all but [`CoolWarm`](Self::CoolWarm) increases monotonically, so that they remain legible in grey
+/// print and with colour blindness.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColourMap {
     /// Dark violet, green, yellow: the default.
@@ -14,11 +14,11 @@ pub enum ColourMap {
     Inferno,
     /// Black, violet, cream.
     Magma,
-    /// Blue, grey, red: quantities with a sign. Its range is symmetric about 0 unless it is given.
+    /// Blue, grey, red: signed quantities. The range is symmetric about 0 unless it is set.
     CoolWarm,
 }
 
-/// Seventeen colours a map, between which is interpolated; the error is at most 3 % of full scale. The first
+/// Seventeen colours per map with linear interpolation; the error is at most 3 % of full scale. The first
 /// three are sampled from matplotlib's tables (CC0), the last from Moreland's diverging map.
 const TABLES: [[u32; 17]; 4] = [
     [
@@ -40,7 +40,7 @@ const TABLES: [[u32; 17]; 4] = [
 ];
 
 impl ColourMap {
-    /// The colour at `t` between 0 and 1; beyond them the end colours, grey for NaN.
+    /// Return the colour at `t` between 0 and 1; outside the end colours, grey for NaN.
     #[must_use]
     pub fn at(self, t: f64) -> Rgb {
         if t.is_nan() {
@@ -55,19 +55,19 @@ impl ColourMap {
     }
 }
 
-/// What has no value is grey.
+/// Colour of particles without a value: grey.
 pub(crate) const NO_VALUE: Rgb = [150, 150, 150];
 
-/// Colours of bodies and curves (after Okabe and Ito, told apart by colour-blind eyes).
+/// Colours of bodies and curves (after Okabe and Ito, distinguishable with colour blindness).
 const PALETTE: [u32; 7] = [0x0072b2, 0xd55e00, 0x009e73, 0xcc79a7, 0xe69f00, 0x56b4e9, 0x4d4d4d];
 
-/// The colour of body or curve number `i`; they repeat after seven.
+/// Colour of body or curve `i`; the palette repeats after seven.
 #[must_use]
 pub fn palette(i: usize) -> Rgb {
     hex(PALETTE[i % PALETTE.len()])
 }
 
-/// A colour from `0xrrggbb`.
+/// Convert `0xrrggbb` to a colour.
 #[must_use]
 pub const fn hex(rgb: u32) -> Rgb {
     [(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8]

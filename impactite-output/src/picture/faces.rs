@@ -1,10 +1,10 @@
-//! Outer faces of elements in space.
+//! Outer faces of three-dimensional elements.
 
 use super::super::{Cells, Snapshot, is_place};
 use super::camera::{Cut, Mirror};
 use super::colour::Rgb;
 
-/// A face to be drawn: three or four corners.
+/// Face to draw, with three or four corners.
 pub(super) struct Face {
     pub(super) corners: [[f64; 3]; 4],
     pub(super) count: usize,
@@ -17,7 +17,7 @@ const BRICK: [&[usize]; 6] =
     [&[0, 1, 2, 3], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]];
 const TRIANGLE: [&[usize]; 1] = [&[0, 1, 2]];
 
-/// The faces of a cell of so many corners in space; none of a point or a line.
+/// Faces of a cell with this number of corners in space; empty for a point or a line.
 fn faces_of(corners: usize) -> &'static [&'static [usize]] {
     match corners {
         3 => &TRIANGLE,
@@ -27,7 +27,7 @@ fn faces_of(corners: usize) -> &'static [&'static [usize]] {
     }
 }
 
-/// Is particle `i` drawn by the faces of its cell?
+/// True if particle `i` is drawn by the faces of its cell.
 pub(super) fn has_faces(snapshot: &Snapshot, i: usize) -> bool {
     let cells = snapshot.cells().filter(|_| snapshot.dimension() == 3);
     cells.is_some_and(|cells| !faces_of(cells.of(i).len()).is_empty() && is_drawn(cells, i))
@@ -37,7 +37,7 @@ fn is_drawn(cells: &Cells, i: usize) -> bool {
     cells.of(i).iter().all(|&n| is_place(&cells.nodes[n as usize]))
 }
 
-/// The two ends of the line that particle `i` stands for.
+/// Ends of the line element of particle `i`.
 pub(super) fn line(snapshot: &Snapshot, i: usize) -> Option<[[f64; 3]; 2]> {
     let cells = snapshot.cells()?;
     let &[a, b] = cells.of(i) else { return None };
@@ -45,7 +45,7 @@ pub(super) fn line(snapshot: &Snapshot, i: usize) -> Option<[[f64; 3]; 2]> {
     ends.iter().all(is_place).then_some(ends)
 }
 
-/// The faces that one cell of a body has alone, of the cells that no cut removes, mirrored.
+/// Collect the outer faces of each body, those of one cell only, after cuts, with mirror copies.
 pub(super) fn outer(snapshot: &Snapshot, colours: &[Rgb], mirrors: &[Mirror], cuts: &[Cut]) -> Vec<Face> {
     let Some(cells) = snapshot.cells().filter(|_| snapshot.dimension() == 3) else { return Vec::new() };
     let mut list = Vec::new();
@@ -83,9 +83,9 @@ pub(super) fn outer(snapshot: &Snapshot, colours: &[Rgb], mirrors: &[Mirror], cu
     list
 }
 
-/// Faces of these cells that no other one of the same body has, in the order of the cells.
+/// Return the faces of these cells that no other cell of the same body shares, in the order of the cells.
 fn alone(snapshot: &Snapshot, cells: &Cells, kept: &[u32]) -> Vec<(usize, &'static [usize])> {
-    // Faces by the smallest number of their nodes: those of one node are few.
+    // Bucket faces by their smallest node: few faces share one.
     let each = |visit: &mut dyn FnMut(u32, &'static [usize], [u32; 4])| {
         for &i in kept {
             let of = cells.of(i as usize);
@@ -128,7 +128,7 @@ mod tests {
     use super::super::super::ParticleSize;
     use super::*;
 
-    /// A row of unit cubes along x, each of the body that `body` says.
+    /// Row of unit cubes along x; `body` assigns the bodies.
     fn row(count: u32, body: impl Fn(u32) -> u32) -> Snapshot {
         let nodes = (0..=count)
             .flat_map(|x| [[0, 0], [1, 0], [1, 1], [0, 1]].map(|[y, z]| [f64::from(x), y.into(), z.into()]));
@@ -148,7 +148,7 @@ mod tests {
         };
         let rod = row(5, |_| 0);
         assert_eq!(count(&rod, &[], &[]), 22);
-        // Two bodies touch: each has its own face there.
+        // Two bodies in contact: each has its own face there.
         assert_eq!(count(&row(5, |i| i / 3), &[], &[]), 24);
         assert_eq!(count(&rod, &[Mirror::y(0.0)], &[]), 44);
         // The cut opens the rod after two cells, and shows the face behind them.

@@ -1,4 +1,4 @@
-//! Flat fields: particles in the plane, true to scale, between numbered axes.
+//! Field pictures: particles in the plane, true to scale, between axes.
 
 use super::super::{OutputError, Snapshot, is_place};
 use super::Sizes;
@@ -11,21 +11,21 @@ use super::legend::Legend;
 use super::quantity::{Quantity, colours_of};
 use super::series_view::SeriesView;
 
-/// How a particle in the plane is drawn.
+/// Representation of a particle in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mark {
-    /// Matter looks like matter: each point belongs to the nearest particle, and gaps up to 1.2 particle sizes
-    /// wide between neighbours that were drawn apart are closed; outlines stay where squares of the particles'
-    /// size would end. (Look at [`Square`](Self::Square) too before speaking of cracks.)
+    /// Voronoi cell: each point belongs to the nearest particle, and gaps up to 1.2 particle sizes
+    /// wide between separated neighbours are closed; outlines are those of squares of the particle
+    /// size. (Compare with [`Square`](Self::Square) before a conclusion about cracks.)
     #[default]
     Cell,
-    /// A square of the particle's size.
+    /// Square of the particle size.
     Square,
-    /// A disc whose diameter is the particle's size.
+    /// Disc with the particle size as diameter.
     Disc,
 }
 
-/// A picture of a two-dimensional snapshot: one unit of length is the same along both axes.
+/// Picture of a two-dimensional snapshot with equal scales along both axes.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), impactite_output::OutputError> {
@@ -60,20 +60,20 @@ pub struct FieldPicture {
 /// Straight lines over a field.
 #[derive(Debug, Clone)]
 struct Lines {
-    /// Both ends of each, m.
+    /// Both ends of each line, m.
     ends: Vec<[[f64; 2]; 2]>,
-    /// Pixels.
+    /// Line width, pixels.
     width: f32,
     colour: Rgb,
 }
 
-/// Samples a pixel side.
+/// Samples per pixel along each side (supersampling).
 const FINE: usize = 3;
-/// The distance of a sample in an element from that: before any particle's.
+/// Distance assigned to samples inside an element: less than that of any particle.
 const ELEMENT: f32 = -1.0;
 
 impl FieldPicture {
-    /// A picture of that many pixels, framed to fit, in colour by body.
+    /// Create a picture of this size in pixels, framed to fit, coloured by body.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self {
@@ -93,78 +93,78 @@ impl FieldPicture {
         }
     }
 
-    /// A title at the top.
+    /// Set the title at the top.
     #[must_use]
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
 
-    /// A line at the bottom.
+    /// Set the caption at the bottom.
     #[must_use]
     pub fn caption(self, caption: impl Into<String>) -> Self {
         Self { caption: caption.into(), ..self }
     }
 
-    /// What gives the colour.
+    /// Set the quantity shown in colour.
     #[must_use]
     pub fn colour_by(self, quantity: Quantity) -> Self {
         Self { quantity: Some(quantity), ..self }
     }
 
-    /// Repeat the particles across symmetry lines (planes normal to x or y).
+    /// Mirror the particles across symmetry lines (planes normal to x or y).
     #[must_use]
     pub fn mirrored(self, mirrors: impl IntoIterator<Item = Mirror>) -> Self {
         Self { mirrors: mirrors.into_iter().collect(), ..self }
     }
 
-    /// How a particle is drawn.
+    /// Set the representation of particles.
     #[must_use]
     pub fn mark(self, mark: Mark) -> Self {
         Self { mark, ..self }
     }
 
-    /// Particles are drawn this much larger than they are (1e-6 to 1e6).
+    /// Scale the drawn particles (1e-6 to 1e6).
     #[must_use]
     pub fn particle_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
     }
 
-    /// What the axes are called.
+    /// Set the labels of the axes.
     #[must_use]
     pub fn axes(self, x: impl Into<String>, y: impl Into<String>) -> Self {
         Self { axes: [x.into(), y.into()], ..self }
     }
 
-    /// Show the box between two corners (m), for series of pictures that must not move.
+    /// Show the box between two corners (m), for series of pictures with a fixed view.
     #[must_use]
     pub fn bounds(self, low: [f64; 2], high: [f64; 2]) -> Self {
         Self { bounds: Some([low, high]), ..self }
     }
 
-    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
+    /// Set the font size, 1 to 1000 pixels; the default depends on the size of the picture.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
     }
 
-    /// Draw straight lines over the field, each between two places (m), `width` pixels wide (0.1 to 100): outlines, cracks. They are repeated
-    /// across symmetry lines as particles are; those with an end that is not finite are left out.
+    /// Draw straight lines over the field, each between two points (m), `width` pixels wide (0.1 to 100): outlines, cracks. They are
+    /// mirrored across symmetry lines like particles; lines with an end that is not finite are omitted.
     #[must_use]
     pub fn lines(mut self, ends: impl IntoIterator<Item = [[f64; 2]; 2]>, width: f32, colour: Rgb) -> Self {
         self.lines.push(Lines { ends: ends.into_iter().collect(), width: width.clamp(0.1, 100.0), colour });
         self
     }
 
-    /// Choose the size of the picture, pixels, so that the scene fills it: as wide as allowed if it is not too high then, or less.
+    /// Fit the size of the picture, pixels, to the scene: the maximum width, or less if the height would exceed its maximum.
     #[must_use]
     pub fn fitted(self, width: [usize; 2], height: [usize; 2]) -> Self {
         Self { sizes: Some(Sizes { width, height }), ..self }
     }
 
-    /// Draw a snapshot with size, window and range of colours of a series.
+    /// Draw a snapshot with size, window and colour range of a series.
     ///
     /// # Errors
-    /// As [`draw`](Self::draw).
+    /// Errors of [`draw`](Self::draw).
     pub fn draw_in(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         self.drawn(snapshot, Some(film))
     }
@@ -172,9 +172,9 @@ impl FieldPicture {
     /// Draw a snapshot.
     ///
     /// # Errors
-    /// A three-dimensional snapshot, a field that does not exist, a snapshot without particles at finite places
-    /// (unless bounds are given), bounds, sizes and ranges that make no sense, or more pixels than
-    /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES) have room for.
+    /// A three-dimensional snapshot, a field that does not exist, a snapshot without particles at finite positions
+    /// (unless bounds are set), invalid bounds, sizes or ranges, or more pixels than fit into
+    /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES).
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         self.drawn(snapshot, None)
     }
@@ -199,7 +199,7 @@ impl FieldPicture {
             _ => self.shown(snapshot)?,
         };
 
-        // Room for titles, axes, the legend and the colour bar.
+        // Margins for titles, axes, the legend and the colour bar.
         let (usual_width, usual_height) =
             self.sizes.map_or((self.width, self.height), |s| (s.width[1], s.width[1] * 3 / 4));
         let size = super::letters(self.letters, 1.0, usual_width, usual_height)?;
@@ -235,7 +235,7 @@ impl FieldPicture {
         let top = legend_at + legend.height() + if legend.height() > 0.0 { 0.3 * size } else { 0.0 };
         let (caption_at, bottom, right) = (h - 1.0 * size, h - foot, w - 1.1 * size - bar_room);
 
-        // The same scale both ways, centred in what room there is.
+        // Equal scales along both axes, centred in the available area.
         let (room_x, room_y) = ((right - left).max(8.0), (bottom - top).max(8.0));
         let per_unit = (f64::from(room_x) / spans[0]).min(f64::from(room_y) / spans[1]);
         let [across, down] = spans.map(|span| (span * per_unit).round() as f32);
@@ -289,7 +289,7 @@ impl FieldPicture {
         }
     }
 
-    /// The box to show, m.
+    /// Bounds of the picture, m.
     fn shown(&self, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
         if let Some([low, high]) = self.bounds {
             let good = is_place(&[low[0], low[1], 0.0])
@@ -325,9 +325,9 @@ impl FieldPicture {
         Ok([lo.map(|x| x - pad), hi.map(|x| x + pad)])
     }
 
-    /// The window of a series that holds the snapshot, m.
+    /// Window of a series that contains the snapshot, m.
     fn window(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
-        // The plane as a camera sees it, with coordinates of its own.
+        // Camera normal to the plane, with the coordinate axes as its directions.
         let (toward, up) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
         let of_box = |given: [[f64; 3]; 2]| Camera::extent_of_box(given, &self.mirrors, toward, up);
         let [low, high] = match (film.set_window(), film.foreseen()) {
@@ -346,7 +346,7 @@ impl FieldPicture {
         Ok([[low[0], low[1]], [high[0], high[1]]])
     }
 
-    /// Draw particles and elements, those in the shape that they have, at three times the resolution and average.
+    /// Rasterize particles and elements at three times the resolution, then average.
     fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
         let rows = (frame.bottom - frame.top).max(0.0) as usize * FINE;
@@ -355,7 +355,7 @@ impl FieldPicture {
         let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
         let mut copies = Vec::new();
         let mut bars = Vec::new();
-        // How far cells reach out before the outside is taken away again, samples.
+        // Extension of cells before the outside is eroded again, samples.
         let sizes =
             (0..snapshot.len()).map(|i| snapshot.size_of(i)).sum::<f64>() / snapshot.len().max(1) as f64;
         let margin = (0.6 * sizes * self.scale * per_metre).round().clamp(0.0, 60.0) as usize;
@@ -364,7 +364,7 @@ impl FieldPicture {
                 continue;
             }
             let half = (0.5 * snapshot.size_of(i) * self.scale * per_metre).max(0.5) as f32;
-            // Cells reach over to their neighbours; the nearest wins.
+            // Extended cells overlap their neighbours; the nearest particle wins.
             let reach = if self.mark == Mark::Cell { half + margin as f32 } else { half };
             if let Some(corners) = element(snapshot, i) {
                 let mut outlines: Vec<Vec<[f32; 2]>> = Vec::new();
@@ -410,7 +410,7 @@ impl FieldPicture {
                 for y in range(cy, rows) {
                     let dy = y as f32 + 0.5 - cy;
                     let row = y * columns + across.start..y * columns + across.end;
-                    // Without branches, so that it is done for several samples at once.
+                    // Branch-free, for vectorization over samples.
                     let samples = nearest[row.clone()].iter_mut().zip(&mut colour[row]);
                     for (n, (nearest, colour)) in (across.start as i32..).zip(samples) {
                         let dx = n as f32 + 0.5 - cx;
@@ -431,7 +431,7 @@ impl FieldPicture {
                 }
             }
         }
-        // Lines lie over all else, with a dark border that sets them off from what is below.
+        // Lines are drawn last, with a dark border for contrast.
         for (ends, i) in bars {
             let size = snapshot.size_of(i);
             let along = (0..2).map(|d| (ends[1][d] - ends[0][d]).powi(2)).sum::<f64>().sqrt();
@@ -485,15 +485,15 @@ impl FieldPicture {
     }
 }
 
-/// A colour as one number.
+/// Pack a colour into one number.
 fn packed([r, g, b]: Rgb) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }
 
-/// Half the width of the edges of elements, samples.
+/// Half width of the edges of elements, samples.
 const EDGE: f32 = 1.0;
 
-/// Darkness of the edges of an element: 0 where they would be all that is seen.
+/// Opacity of the edges of an element: 0 if edges would cover small elements.
 fn edge_strength(outline: &[[f32; 2]]) -> f32 {
     let next = outline.iter().cycle().skip(1);
     let sides = outline.iter().zip(next).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
@@ -501,7 +501,7 @@ fn edge_strength(outline: &[[f32; 2]]) -> f32 {
     0.45 * ((shortest - 4.0) / 6.0).clamp(0.0, 1.0)
 }
 
-/// The distance of a place from a row of straight lines, closed or not.
+/// Distance of a point from a polyline, closed or open.
 fn distance_to(points: &[[f32; 2]], place: [f32; 2], closed: bool) -> f32 {
     let count = if closed { points.len() } else { points.len().saturating_sub(1) };
     let mut nearest = f32::INFINITY;
@@ -514,14 +514,14 @@ fn distance_to(points: &[[f32; 2]], place: [f32; 2], closed: bool) -> f32 {
     nearest
 }
 
-/// Corners of an element in the plane that a particle stands for, m.
+/// Corners of the plane element of a particle, m.
 fn element(snapshot: &Snapshot, i: usize) -> Option<Vec<[f64; 3]>> {
     let cells = snapshot.cells().filter(|cells| snapshot.dimension() == 2 && cells.of(i).len() > 2)?;
     let corners: Vec<[f64; 3]> = cells.of(i).iter().map(|&n| cells.nodes[n as usize]).collect();
     corners.iter().all(is_place).then_some(corners)
 }
 
-/// Visit the samples whose middle is within a polygon, by how often a line to the right crosses its edges.
+/// Visit the samples whose centre is inside a polygon, by counting crossings of a ray to the right with its edges.
 fn within(polygon: &[[f32; 2]], columns: usize, rows: usize, visit: &mut dyn FnMut(usize)) {
     let range = |d: usize, count: usize| {
         let (low, high) =
@@ -543,8 +543,8 @@ fn within(polygon: &[[f32; 2]], columns: usize, rows: usize, visit: &mut dyn FnM
     }
 }
 
-/// Take away what lies within `margin` samples (along rows or columns, 254 at most) of the outside, zeros among ones. Beyond the edges of the
-/// picture lies no outside.
+/// Erode: set to zero all samples within `margin` samples (along rows or columns, 254 at most) of a zero. Samples beyond the edges of the
+/// picture do not count as zeros.
 fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
     if columns == 0 || rows == 0 {
         return;
@@ -554,7 +554,7 @@ fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
         row[from..].iter().position(|kept| *kept == what).map_or(row.len(), |n| from + n)
     };
     for row in kept.chunks_exact_mut(columns) {
-        // Outside from one place to another, and then inside up to the next.
+        // Alternate between runs of outside and inside samples.
         let mut from = next(row, 0, 0);
         if from < columns {
             row[from.saturating_sub(margin)..from].fill(0);
@@ -568,7 +568,7 @@ fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
             }
         }
     }
-    // Samples since the outside, from above and from below, all columns of a row at once.
+    // Distance from the outside above and below in samples, for all columns of a row at once.
     let far = margin as u8 + 1;
     let mut since = vec![far; columns];
     for row in kept.chunks_exact_mut(columns).take(rows) {

@@ -1,4 +1,4 @@
-//! Rows of colours and names of bodies below the title.
+//! Legend of bodies: rows of colours and names below the title.
 
 use super::super::Snapshot;
 use super::axis::INK;
@@ -6,18 +6,18 @@ use super::canvas::{Pen, Picture};
 use super::colour::{NO_VALUE, Rgb, palette};
 use super::quantity::Coloured;
 
-/// Rows at most.
+/// Maximum number of rows.
 const ROWS: usize = 3;
-/// Longest name, letters.
+/// Maximum length of a name, letters.
 const LONGEST: usize = 40;
-/// Bodies of one base name that are listed by their own names.
+/// Maximum number of bodies of one base name that are listed individually.
 const APART: usize = 4;
-/// Colours before the name of a group of bodies.
+/// Number of colours before the name of a group of bodies.
 const SWATCHES: usize = 3;
-/// Height of a row, sizes of letters.
+/// Height of a row over the font size.
 const ROW: f32 = 1.5;
 
-/// Entries of a legend, broken into rows of a width.
+/// Entries of a legend, wrapped into rows.
 pub(super) struct Legend {
     rows: Vec<Vec<Entry>>,
     size: f32,
@@ -36,7 +36,7 @@ impl Entry {
 }
 
 impl Legend {
-    /// The legend of a picture: the bodies where they give the colour, or those without a value in grey. Empty for a single body, and
+    /// Create the legend of a picture: bodies if colour shows the body, else bodies without a value in grey. Empty for a single body, and
     /// for bodies without names.
     pub(super) fn of(snapshot: &Snapshot, coloured: &Coloured, width: f32, size: f32) -> Self {
         let entries = match &coloured.bar {
@@ -67,7 +67,7 @@ impl Legend {
             let all = snapshot_bodies(snapshot).len();
             let more =
                 |bodies: usize| Entry { colours: Vec::new(), name: format!("and {} more", all - bodies) };
-            // Room for the last words is taken from the last entries.
+            // Remove the last entries to make room for the remainder.
             if let Some(row) = rows.last_mut() {
                 let used = |row: &[Entry]| row.iter().map(|e| e.width(&pen, size) + 0.6 * size).sum::<f32>();
                 while row.len() > 1 && used(row) + more(bodies).width(&pen, size) > width {
@@ -86,7 +86,7 @@ impl Legend {
         self.rows.len() as f32 * ROW * self.size
     }
 
-    /// Draw it around the column `middle` below the row `top`.
+    /// Draw the legend centred on column `middle` below row `top`.
     pub(super) fn draw(&self, picture: &mut Picture, middle: f32, top: f32) {
         let (size, pen) = (self.size, Pen::new(self.size, INK));
         for (n, row) in self.rows.iter().enumerate() {
@@ -107,14 +107,14 @@ impl Legend {
 }
 
 impl Entry {
-    /// Bodies that it stands for.
+    /// Number of bodies of the entry.
     fn bodies(&self) -> usize {
         let count = self.name.rsplit_once(" (").and_then(|(_, n)| n.strip_suffix(" bodies)")?.parse().ok());
         count.unwrap_or(1)
     }
 }
 
-/// Numbers of the bodies that are in the snapshot, in order.
+/// Indices of the bodies in the snapshot, ascending.
 fn snapshot_bodies(snapshot: &Snapshot) -> Vec<usize> {
     let mut there = vec![false; snapshot.body_names().len()];
     for body in snapshot.bodies() {
@@ -125,13 +125,13 @@ fn snapshot_bodies(snapshot: &Snapshot) -> Vec<usize> {
     there.iter().enumerate().filter(|(_, there)| **there).map(|(n, _)| n).collect()
 }
 
-/// The name without the number at its end: `ball` of `ball 12`.
+/// Name without the number at its end: `ball` for `ball 12`.
 fn base(name: &str) -> &str {
     let base = name.trim_end_matches(|c: char| c.is_ascii_digit());
     if base.len() < name.len() { base.trim_end_matches([' ', '_', '-', '.', '#']) } else { name }
 }
 
-/// Entries of bodies and how many each stands for; more than [`APART`] of one base name are one entry.
+/// Entries of bodies and the number of bodies of each; more than [`APART`] of one base name form one entry.
 fn of_bodies(snapshot: &Snapshot) -> Vec<(Entry, usize)> {
     let (bodies, names) = (snapshot_bodies(snapshot), snapshot.body_names());
     if bodies.len() < 2 {
@@ -159,7 +159,7 @@ fn of_bodies(snapshot: &Snapshot) -> Vec<(Entry, usize)> {
     entries
 }
 
-/// One entry of the bodies of which no particle has a value.
+/// One entry for all bodies of which no particle has a value.
 fn without_value(snapshot: &Snapshot, valued: &[bool]) -> Vec<(Entry, usize)> {
     let bodies = snapshot_bodies(snapshot);
     let mut with = vec![false; snapshot.body_names().len()];
@@ -179,7 +179,7 @@ fn without_value(snapshot: &Snapshot, valued: &[bool]) -> Vec<(Entry, usize)> {
     }
 }
 
-/// A name of at most [`LONGEST`] letters.
+/// Shorten a name to [`LONGEST`] letters.
 fn short(name: &str) -> String {
     if name.chars().count() <= LONGEST {
         return name.to_string();
@@ -214,7 +214,7 @@ mod tests {
         let mut many: Vec<String> = (1..=400).map(|n| format!("ball {n}")).collect();
         many.push("floor".into());
         assert_eq!(entries(many, 900.0), ["ball (400 bodies)", "floor"]);
-        // Letters, since numbers would make them one group.
+        // Letters: numbers would merge the names into one group.
         let other: Vec<String> = (0..400)
             .map(|n| {
                 format!(

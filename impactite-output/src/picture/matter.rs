@@ -1,15 +1,15 @@
-//! Where there is matter: the density of balls, what it hides, and the surface that it has.
+//! Density of balls: hidden balls, surface normals and ambient occlusion.
 
 use super::colour::Rgb;
 
-/// A particle to be drawn.
+/// Particle to draw.
 pub(super) struct Ball {
     pub(super) x: [f64; 3],
     pub(super) radius: f64,
     pub(super) colour: Rgb,
 }
 
-/// The density of balls on a coarse lattice.
+/// Density of balls on a coarse lattice.
 pub(super) struct Matter {
     low: [f64; 3],
     per_metre: f64,
@@ -17,23 +17,23 @@ pub(super) struct Matter {
     fine: Vec<f32>,
     wide: Vec<f32>,
     usual: f32,
-    /// The cell of each ball, [`NOWHERE`] for those far from the bulk.
+    /// Cell of each ball, [`NOWHERE`] for those far from the bulk.
     home: Vec<u32>,
     deep: Vec<bool>,
-    /// Cells are too large to tell from them what hides what.
+    /// True if cells are too large to determine hidden balls.
     pub(super) coarse: bool,
 }
 
-/// Where balls are, by the cells of [`Matter`]: those of cell c are `places[start[c]..start[c + 1]]`.
+/// Positions of balls by cell of [`Matter`]: those of cell c are `places[start[c]..start[c + 1]]`.
 pub(super) struct Neighbours {
     start: Vec<u32>,
     places: Vec<[f32; 3]>,
 }
 
-/// The lattice has at most about this many cells; if the bulk needs more, they are larger.
+/// Approximate maximum number of cells of the lattice; cells are enlarged if the bulk needs more.
 const CELLS: f64 = 3.0e6;
 
-/// The cell of balls outside the lattice.
+/// Cell index of balls outside the lattice.
 const NOWHERE: u32 = u32::MAX;
 
 impl Matter {
@@ -51,13 +51,13 @@ impl Matter {
         if balls.is_empty() {
             (low, high, radius) = ([0.0; 3], [0.0; 3], 1.0);
         }
-        // A ball's radius is 0.75 of a particle's size; a cell is 1.6 sizes.
+        // The radius of a ball is 0.75 particle sizes; a cell is 1.6 sizes.
         let usual_cell = radius * (1.6 / 0.75);
         let count = |cell: f64, low: [f64; 3], high: [f64; 3]| {
             (0..3).map(|d| (high[d] - low[d]) / cell + 8.0).product::<f64>()
         };
         if count(usual_cell, low, high) > CELLS {
-            // Look at the bulk: leave out the farthest hundredth on each side, but what lies near it.
+            // Restrict the lattice to the bulk: exclude the outermost percent on each side, except near the bulk.
             for d in 0..3 {
                 let mut sample: Vec<f64> =
                     balls.iter().step_by(balls.len() / 4000 + 1).map(|ball| ball.x[d]).collect();
@@ -68,7 +68,7 @@ impl Matter {
                 (low[d], high[d]) = (low[d].max(first - near), high[d].min(last + near));
             }
         }
-        // Cells that are smaller are too many anyway, and nothing would make them larger if their size were zero.
+        // Minimum cell size: smaller cells are too many in any case, and a size of zero could not be enlarged.
         let longest = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
         let mut cell = usual_cell.max(longest / CELLS);
         while count(cell, low, high) > CELLS {
@@ -86,7 +86,7 @@ impl Matter {
         let mut home = Vec::with_capacity(balls.len());
         for (ball, outside) in balls.iter().zip(outside) {
             let places = [0, 1, 2].map(|d| (ball.x[d] - low[d]) * per_metre);
-            // Far from the origin rounding may leave no margin.
+            // Far from the origin, rounding may consume the margin.
             if outside || !(0..3).all(|d| places[d] >= 2.0 && places[d] <= n[d] as f64 - 2.0) {
                 home.push(NOWHERE);
                 continue;
@@ -115,7 +115,7 @@ impl Matter {
             .collect();
         usual.sort_by(f32::total_cmp);
         let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(1.0).max(1e-6);
-        // What is denser than usual is just full, so that crowds of particles do not cast shadows.
+        // Cap the density, so that dense regions of particles do not cast shadows.
         for value in &mut fine {
             *value = value.min(1.3 * usual);
         }
@@ -136,12 +136,12 @@ impl Matter {
         Self { low, per_metre, n, fine, wide, usual, home, deep, coarse }
     }
 
-    /// Whether ball `i` has matter all around.
+    /// True if ball `i` is surrounded by matter.
     pub(super) fn hides(&self, i: usize) -> bool {
         !self.coarse && self.deep.get(self.home[i] as usize).is_some_and(|deep| *deep)
     }
 
-    /// The balls in the order of their cells.
+    /// Sort the balls by cell.
     pub(super) fn neighbours(&self, balls: &[Ball]) -> Neighbours {
         let mut start = vec![0_u32; self.fine.len() + 1];
         for cell in self.home.iter().filter(|cell| **cell != NOWHERE) {
@@ -160,9 +160,9 @@ impl Matter {
         Neighbours { start, places }
     }
 
-    /// How much larger a ball must be drawn to meet its neighbours where matter was stretched: the nearest
-    /// neighbour is sought in each of the eight octants, and the ball reaches 0.4 of the way to the third
-    /// farthest of those within reach, which leaves a cubic lattice as it is and does not follow one stray.
+    /// Growth factor of a ball that closes gaps to its neighbours in stretched matter. The nearest
+    /// neighbour is searched in each of the eight octants, and the ball extends over 0.4 of the distance to the third
+    /// farthest of those within reach, which leaves a cubic lattice unchanged and ignores single outliers.
     pub(super) fn growth(&self, i: usize, ball: &Ball, neighbours: &Neighbours) -> f32 {
         const MOST: f32 = 1.7;
         if self.coarse || self.home[i] == NOWHERE {
@@ -198,13 +198,13 @@ impl Matter {
         (0.40 * nearest[5].sqrt() / radius).clamp(1.0, MOST)
     }
 
-    /// Outward unit normal of the matter at a point (zero far inside), and how open the sky is there (about 1 on
+    /// Outward unit normal of the matter at a point (zero far inside), and sky visibility (about 1 on
     /// a flat surface, less in corners).
     pub(super) fn surface(&self, i: usize, x: [f64; 3]) -> ([f64; 3], f32) {
         if self.home[i] == NOWHERE {
             return ([0.0; 3], 1.0);
         }
-        // Quadratic B-splines: smooth slopes from 27 values.
+        // Quadratic B-splines: continuous gradients from 27 values.
         let mut base = [0; 3];
         let mut w = [[0.0_f32; 3]; 3];
         let mut g = [[0.0_f32; 3]; 3];
@@ -236,7 +236,7 @@ impl Matter {
     }
 }
 
-/// Smooth along one direction by 1/4, 1/2, 1/4. The lattice has empty margins, so that rows may run on.
+/// Smooth along one direction by 1/4, 1/2, 1/4. The empty margins of the lattice allow rows to be treated as one array.
 fn blur(values: &mut [f32], stride: usize) {
     if stride == 1 {
         let mut before = 0.0;
@@ -260,7 +260,7 @@ fn blur(values: &mut [f32], stride: usize) {
     }
 }
 
-/// Keep only cells whose two neighbours along one direction are kept.
+/// Erode: keep only cells whose two neighbours along one direction are kept.
 fn erode(kept: &mut [bool], stride: usize) {
     if stride == 1 {
         let mut before = false;

@@ -1,6 +1,6 @@
 //! Pictures as PNG: shaded particles in space, flat fields, line charts, stacked bars, and panels of them.
 //!
-//! Nothing but the processor is needed: no window, no graphics card, no font files. Letters are those of the
+//! Rendering runs on the CPU: no window, no graphics card, no font files. Glyphs are from the
 //! typeface Inter (SIL Open Font License, see `fonts/OFL.txt`).
 //!
 //! ```
@@ -49,7 +49,7 @@ pub use particles::ParticlePicture;
 pub use quantity::Quantity;
 pub use series_view::SeriesView;
 
-/// The unit in which a length (m) reads best, and how many of it make a metre.
+/// Choose the unit of a length (m) for display, and its number per metre.
 #[must_use]
 pub fn length_unit(length: f64) -> (&'static str, f64) {
     match length.abs() {
@@ -62,7 +62,7 @@ pub fn length_unit(length: f64) -> (&'static str, f64) {
     }
 }
 
-/// The unit in which a time (s) reads best, and how many of it make a second.
+/// Choose the unit of a time (s) for display, and its number per second.
 #[must_use]
 pub fn time_unit(time: f64) -> (&'static str, f64) {
     match time.abs() {
@@ -74,7 +74,7 @@ pub fn time_unit(time: f64) -> (&'static str, f64) {
     }
 }
 
-/// Refuses sizes of particles that are no sizes.
+/// Check a scale factor of particle sizes.
 fn check_scale(scale: f64) -> Result<(), OutputError> {
     if (1e-6..=1e6).contains(&scale) {
         Ok(())
@@ -83,7 +83,7 @@ fn check_scale(scale: f64) -> Result<(), OutputError> {
     }
 }
 
-/// Sizes that a picture of a [`SeriesView`] may have, pixels: as the first one fits into.
+/// Allowed sizes of a picture of a [`SeriesView`], pixels; the first picture determines the size.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sizes {
     width: [usize; 2],
@@ -91,7 +91,7 @@ struct Sizes {
 }
 
 impl Sizes {
-    /// Width and height for a scene of this height over width, with so many pixels beside it and above and below it.
+    /// Choose width and height for a scene of this aspect ratio (height over width), with margins `beside` and `above` in pixels.
     fn fit(self, aspect: f64, beside: f32, above: f32) -> (usize, usize) {
         let whole =
             |x: f64, [least, most]: [usize; 2]| (x.round().max(1.0) as usize).clamp(least, most.max(least));
@@ -102,12 +102,12 @@ impl Sizes {
     }
 }
 
-/// Bytes that making a picture may take.
+/// Memory limit of a picture.
 fn budget(what: &'static str, remedy: &'static str) -> Budget {
     Budget { what, allowed: MOST_BYTES, remedy }
 }
 
-/// The size of letters, pixels: the one asked for, or `larger` times the one that suits a picture.
+/// Font size, pixels: the requested one, or `larger` times the default for the size of the picture.
 fn letters(asked: Option<f32>, larger: f32, width: usize, height: usize) -> Result<f32, OutputError> {
     match asked {
         Some(size) if (1.0..=1000.0).contains(&size) => Ok(size),

@@ -1,10 +1,10 @@
-//! Several pictures side by side in one.
+//! Several pictures in one.
 
 use super::super::OutputError;
 use super::axis::{INK, PAPER};
 use super::canvas::{Pen, Picture};
 
-/// Pictures in rows and columns, each with a title above it.
+/// Grid of pictures, each with a title above it.
 ///
 /// ```
 /// use impactite_output::picture::{Panels, Picture};
@@ -21,29 +21,29 @@ pub struct Panels {
 }
 
 impl Panels {
-    /// Panels in rows of `columns` (at least 1).
+    /// Create panels in rows of `columns` (at least 1).
     #[must_use]
     pub fn new(columns: usize) -> Self {
         Self { columns: columns.max(1), title: String::new(), panels: Vec::new() }
     }
 
-    /// A title above all.
+    /// Set the title above all panels.
     #[must_use]
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
 
-    /// Add a picture with its title ("" for none), left to right, then down.
+    /// Add a picture with its title ("" for none), row by row.
     #[must_use]
     pub fn panel(mut self, title: impl Into<String>, picture: Picture) -> Self {
         self.panels.push((title.into(), picture));
         self
     }
 
-    /// Put them together. Columns are as wide as their widest picture, rows as high as their highest.
+    /// Compose the picture. Columns are as wide as their widest picture, rows as high as their highest.
     ///
     /// # Errors
-    /// No panel, or a sum of sides beyond what a picture may have.
+    /// [`OutputError::Value`] for no panel, or a total size above the limit of a picture.
     pub fn compose(&self) -> Result<Picture, OutputError> {
         if self.panels.is_empty() {
             return Err(OutputError::value("number of panels", 0, "at least 1"));

@@ -1,10 +1,9 @@
-//! Shaded particles and elements in space.
+//! Shaded rendering of particles and elements in space.
 //!
-//! Elements are drawn by their outer faces, with thin edges where those are large enough. Each particle is a small ball. Depth decides per pixel which ball is seen (a z-buffer at twice the
-//! resolution); light falls on a mixture of the ball's own normal and that of the body's surface, which comes
-//! from the gradient of the smoothed density of particles. The same density, smoothed wider, says how much open
-//! sky a place sees and darkens corners; and particles with matter all around are not drawn at all. Gaps between balls of a surface that
-//! are narrower than a ball are closed.
+//! Elements are drawn by their outer faces, with thin edges if these are large enough. Each particle is a small ball. A z-buffer at twice
+//! the resolution resolves visibility per pixel; shading uses a mixture of the normal of the ball and that of the surface of the body, the
+//! gradient of the smoothed particle density. The same density, smoothed wider, gives the ambient occlusion of corners. Particles
+//! surrounded by matter are not drawn. Gaps between balls of a surface that are narrower than a ball are closed.
 
 use super::super::{OutputError, Snapshot, is_place};
 use super::Sizes;
@@ -19,7 +18,7 @@ use super::quantity::{Quantity, colours_of};
 use super::raster::{FINE, Flat, Seen, Shapes, Viewport};
 use super::series_view::SeriesView;
 
-/// A picture of particles in space, in colour by a field or by body.
+/// Picture of particles in space, coloured by a field or by body.
 ///
 /// ```no_run
 /// # fn main() -> Result<(), impactite_output::OutputError> {
@@ -61,8 +60,8 @@ enum View {
 }
 
 impl ParticlePicture {
-    /// A picture of that many pixels, seen obliquely from above (from the front in two dimensions), framed to
-    /// fit, in colour by body.
+    /// Create a picture of this size in pixels, seen obliquely from above (from the front in two dimensions), framed to
+    /// fit, coloured by body.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         Self {
@@ -83,90 +82,90 @@ impl ParticlePicture {
         }
     }
 
-    /// A title at the top.
+    /// Set the title at the top.
     #[must_use]
     pub fn title(self, title: impl Into<String>) -> Self {
         Self { title: title.into(), ..self }
     }
 
-    /// A line at the bottom.
+    /// Set the caption at the bottom.
     #[must_use]
     pub fn caption(self, caption: impl Into<String>) -> Self {
         Self { caption: caption.into(), ..self }
     }
 
-    /// What gives the colour.
+    /// Set the quantity shown in colour.
     #[must_use]
     pub fn colour_by(self, quantity: Quantity) -> Self {
         Self { quantity: Some(quantity), ..self }
     }
 
-    /// Look from the direction `toward` (from the matter to the eye), `up` upwards, framed to fit.
+    /// Set the view direction `toward` (from the matter to the eye), with `up` upwards, framed to fit.
     #[must_use]
     pub fn seen_from(self, toward: [f64; 3], up: [f64; 3]) -> Self {
         Self { view: View::Fit { toward, up }, ..self }
     }
 
-    /// Look through this camera (for series of pictures that must not move).
+    /// Set a camera (for series of pictures with a fixed view).
     #[must_use]
     pub fn camera(self, camera: Camera) -> Self {
         Self { view: View::Fixed(camera), ..self }
     }
 
-    /// What is near is larger (for the framed view; a camera says so itself). There is no scale bar then.
+    /// Use perspective projection (in the framed view; for a camera see [`Camera::with_perspective`]). There is no scale bar then.
     #[must_use]
     pub fn perspective(self) -> Self {
         Self { perspective: true, ..self }
     }
 
-    /// Repeat the particles across symmetry planes, one after the other: two planes make four copies.
+    /// Mirror the particles across symmetry planes, one after the other: two planes make four copies.
     #[must_use]
     pub fn mirrored(self, mirrors: impl IntoIterator<Item = Mirror>) -> Self {
         Self { mirrors: mirrors.into_iter().collect(), ..self }
     }
 
-    /// Leave out what lies beyond a plane; with several, what lies beyond all of them (a wedge).
+    /// Remove matter beyond a plane; with several planes, matter beyond all of them (a wedge).
     #[must_use]
     pub fn cut(mut self, cut: Cut) -> Self {
         self.cuts.push(cut);
         self
     }
 
-    /// Turn an axisymmetric snapshot (x is the radius, y the axis) about its axis through `degrees`, the axis
-    /// becoming z. Particles are repeated at distances of their size.
+    /// Revolve an axisymmetric snapshot (x is the radius, y the axis) about its axis through `degrees`; the axis
+    /// becomes z. Particles are repeated at a spacing of their size.
     #[must_use]
     pub fn revolved(self, degrees: f64) -> Self {
         Self { revolved: Some(degrees), ..self }
     }
 
-    /// Balls are drawn this much larger (1e-6 to 1e6, default 1: large enough to close the surface of a lattice).
+    /// Scale the drawn balls (1e-6 to 1e6, default 1: large enough to close the surface of a lattice).
     #[must_use]
     pub fn particle_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
     }
 
-    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
+    /// Set the font size, 1 to 1000 pixels; the default depends on the size of the picture.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
     }
 
-    /// Leave out the scale bar and the cross of axes.
+    /// Omit the scale bar and the coordinate axes.
     #[must_use]
     pub fn without_marks(self) -> Self {
         Self { marks: false, ..self }
     }
 
-    /// Choose the size of the picture, pixels, so that the scene fills it: as wide as allowed if it is not too high then, or less.
+    /// Fit the size of the picture, pixels, to the scene: the maximum width, or less if the height would exceed its maximum.
     #[must_use]
     pub fn fitted(self, width: [usize; 2], height: [usize; 2]) -> Self {
         Self { sizes: Some(Sizes { width, height }), ..self }
     }
 
-    /// Draw a snapshot with size, window and range of colours of a series.
+    /// Draw a snapshot with size, window and colour range of a series.
     ///
     /// # Errors
-    /// As [`draw`](Self::draw).
+    /// Errors of [`draw`](Self::draw).
     pub fn draw_in(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         self.drawn(snapshot, Some(film))
     }
@@ -174,9 +173,9 @@ impl ParticlePicture {
     /// Draw a snapshot.
     ///
     /// # Errors
-    /// A field that does not exist, a snapshot without particles at finite places (unless the camera is given),
-    /// sizes, directions and ranges that make no sense, or more pixels and copies of particles than
-    /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES) have room for.
+    /// A field that does not exist, a snapshot without particles at finite positions (unless a camera is set),
+    /// invalid sizes, directions or ranges, or more pixels and copies of particles than fit into
+    /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES).
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         self.drawn(snapshot, None)
     }
@@ -248,7 +247,7 @@ impl ParticlePicture {
             let half = (0.36 * (bottom - top)).max(2.0 * size).min(0.5 * (bottom - top));
             bar.draw(&mut picture, right + 0.6 * size, middle - half, middle + half, size);
         }
-        // Title and caption stand over the middle of the scene, if they fit there.
+        // Title and caption are centred above the scene, if they fit there.
         let mut centred = |text: &str, y: f32, pen: Pen| {
             let pen = pen.fitted(text, w - 0.8 * size);
             let half = 0.5 * pen.width(text) + 0.4 * size;
@@ -274,7 +273,7 @@ impl ParticlePicture {
         Ok(picture)
     }
 
-    /// The window of a series that holds the snapshot, along the directions of the camera.
+    /// Window of a series that contains the snapshot, along the directions of the camera.
     fn window(
         &self,
         film: &mut SeriesView,
@@ -296,10 +295,10 @@ impl ParticlePicture {
         Ok(film.cover(low, high))
     }
 
-    /// All balls and faces to draw, mirrored and cut.
+    /// Collect all balls and faces to draw, mirrored and cut.
     fn matter(&self, snapshot: &Snapshot, colours: &[Rgb]) -> Result<Shapes, OutputError> {
         let (radius, flat) = (0.75 * self.scale, snapshot.dimension() == 2);
-        // A ball or the faces of an element, how it is seen, and where it is among the others.
+        // Memory per particle: a ball or the faces of an element, its projection, and its sorted position.
         let each = (size_of::<Ball>() + size_of::<Seen>() + 32).max(if snapshot.cells().is_some() {
             6 * (size_of::<Face>() + size_of::<Flat>() + 32)
         } else {
@@ -328,7 +327,7 @@ impl ParticlePicture {
                 put(*x, radius * size, &mut balls);
                 continue;
             };
-            // A line is a row of beads of its section.
+            // A line element is a row of beads of its cross section.
             let along = sub(b, a);
             let length = dot(along, along).sqrt().max(1e-3 * size);
             let section = if flat { size * size / length } else { (size * size * size / length).sqrt() };
@@ -344,10 +343,10 @@ impl ParticlePicture {
     }
 }
 
-/// Beads of a line element at most.
+/// Maximum number of beads of a line element.
 const MOST_BEADS: f64 = 32.0;
 
-/// The particles of an axisymmetric snapshot repeated around its axis, with the one field that gives colour.
+/// Repeat the particles of an axisymmetric snapshot around its axis, with their fields if a quantity gives the colour.
 fn revolved(snapshot: &Snapshot, degrees: f64, quantity: Option<&Quantity>) -> Result<Snapshot, OutputError> {
     if snapshot.dimension() != 2 {
         let allowed = "2: only axisymmetric snapshots can be revolved";
@@ -361,12 +360,12 @@ fn revolved(snapshot: &Snapshot, degrees: f64, quantity: Option<&Quantity>) -> R
         ));
     }
     let angle = degrees.to_radians();
-    // At most a few thousand copies, however far out a particle flew.
+    // Limit the number of copies for particles far from the axis.
     let copies = |i: usize, x: &[f64; 3]| {
         if is_place(x) { (angle * x[0].abs() / snapshot.size_of(i)).ceil().clamp(1.0, 4096.0) } else { 0.0 }
     };
     let all: f64 = snapshot.positions().iter().enumerate().map(|(i, x)| copies(i, x)).sum();
-    // A place, a size, a number and a body, of which lists are kept twice as they grow; the field and how it is drawn.
+    // Memory per copy: position, size, index and body, doubled for growing lists; the field and its projection.
     let each =
         2 * size_of::<([f64; 3], f64, usize, u32)>() + size_of::<[f64; 3]>() + size_of::<(Ball, Seen)>();
     super::budget(

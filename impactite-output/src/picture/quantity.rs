@@ -1,14 +1,14 @@
-//! Which number gives the colour.
+//! Quantities for colouring.
 
 use super::super::{FieldKind, OutputError, Snapshot};
 use super::axis::{ColourBar, Scale};
 use super::colour::{ColourMap, Rgb};
 use super::series_view::SeriesView;
 
-/// A quantity shown in colour: a field of the snapshot, its label, its unit, its range and its colours.
+/// Quantity shown in colour: a field of the snapshot with label, unit, range and colour map.
 ///
-/// Labels and units of the fields that solvers write (`pressure`, `von_mises`, `velocity`, `temperature`, ...) are known; pressures,
-/// stresses and energies are shown with the SI prefix that suits them, as MPa.
+/// Labels and units of the fields of the solvers (`pressure`, `von_mises`, `velocity`, `temperature`, ...) are predefined; pressures,
+/// stresses and energies have an SI prefix that suits their range, such as MPa.
 ///
 /// ```
 /// use impactite_output::picture::{ColourMap, Quantity};
@@ -23,7 +23,7 @@ pub struct Quantity {
     label: String,
     unit: String,
     factor: f64,
-    /// An SI prefix before the unit that suits the range.
+    /// True for a unit with an SI prefix chosen by the range.
     prefixed: bool,
     range: Option<(f64, f64)>,
     log: bool,
@@ -36,7 +36,7 @@ enum Component {
     Magnitude,
     Axis(usize),
     Tensor(usize),
-    /// By the name of a field, or of a component of one.
+    /// Resolved by the name of a field or of a component.
     Named,
 }
 
@@ -44,7 +44,7 @@ enum Component {
 const TENSOR: [&str; 6] = ["xx", "yy", "zz", "yz", "xz", "xy"];
 const VECTOR: [&str; 3] = ["x", "y", "z"];
 
-/// Label and SI unit of the fields that solvers write, and whether the unit takes a prefix.
+/// Label and SI unit of the solver fields, and true if the unit accepts a prefix.
 fn known(field: &str) -> Option<(String, &'static str, bool)> {
     let (label, unit, prefixed) = match field {
         "velocity" | "speed" => ("speed", "m/s", false),
@@ -69,7 +69,7 @@ fn known(field: &str) -> Option<(String, &'static str, bool)> {
     Some((label.to_string(), unit, prefixed))
 }
 
-/// The SI prefix that suits numbers up to this one, and how many of the unit with it make one without.
+/// SI prefix for numbers up to `largest`, and the conversion factor to the prefixed unit.
 fn prefix(largest: f64) -> (&'static str, f64) {
     match largest {
         x if x >= 0.999e9 => ("G", 1e-9),
@@ -102,32 +102,32 @@ impl Quantity {
         }
     }
 
-    /// A scalar field, by name; the label is the name until [`label`](Self::label) says better.
+    /// Create a quantity from a scalar field, by name; the default label is the name, see [`label`](Self::label).
     #[must_use]
     pub fn scalar(field: impl Into<String>) -> Self {
         Self::new(field.into(), Component::Scalar)
     }
 
-    /// The length of a vector field, by name.
+    /// Create a quantity from the magnitude of a vector field, by name.
     #[must_use]
     pub fn magnitude(field: impl Into<String>) -> Self {
         Self::new(field.into(), Component::Magnitude)
     }
 
-    /// One component of a vector field, by name: 0 is x, 1 is y, 2 (and more) z.
+    /// Create a quantity from one component of a vector field, by name: 0 is x, 1 is y, 2 (and more) z.
     #[must_use]
     pub fn component(field: impl Into<String>, axis: usize) -> Self {
         Self::new(field.into(), Component::Axis(axis.min(2)))
     }
 
-    /// Any number by its name: a scalar field, the length of a vector field, `speed` for that of `velocity`, a component of a vector
+    /// Create a quantity by name: a scalar field, the magnitude of a vector field, `speed` for that of `velocity`, a component of a vector
     /// (`velocity_x`) or of a tensor (`stress_xy`). [`Quantity::names`] lists the names.
     #[must_use]
     pub fn named(name: impl Into<String>) -> Self {
         Self::new(name.into(), Component::Named)
     }
 
-    /// All names that [`Quantity::named`] resolves where there are these fields.
+    /// List all names that [`Quantity::named`] resolves for these fields.
     pub fn names<'a>(fields: impl IntoIterator<Item = (&'a str, FieldKind)>) -> Vec<String> {
         let mut names = Vec::new();
         for (field, kind) in fields {
@@ -144,7 +144,7 @@ impl Quantity {
         names
     }
 
-    /// Field and component of a snapshot.
+    /// Resolve field and component in a snapshot.
     fn resolved<'a>(&'a self, snapshot: &Snapshot) -> Result<(&'a str, Component), OutputError> {
         let name = self.field.as_str();
         if self.component != Component::Named {
@@ -177,7 +177,7 @@ impl Quantity {
         Err(OutputError::NoSuchField { kind: "colour", name: name.to_string(), available })
     }
 
-    /// The number of every particle, SI units.
+    /// Values of all particles, SI units.
     fn values(&self, snapshot: &Snapshot) -> Result<Vec<f64>, OutputError> {
         let (field, component) = self.resolved(snapshot)?;
         Ok(match component {
@@ -192,37 +192,37 @@ impl Quantity {
         })
     }
 
-    /// What people call it.
+    /// Set the label.
     #[must_use]
     pub fn label(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
     }
 
-    /// The unit shown, and how many of it make one SI unit: `("MPa", 1e-6)`.
+    /// Set the displayed unit and its number per SI unit: `("MPa", 1e-6)`.
     #[must_use]
     pub fn unit(self, unit: impl Into<String>, factor: f64) -> Self {
         Self { unit: unit.into(), factor, prefixed: false, ..self }
     }
 
-    /// Colours run from `low` to `high` (SI units); without this, from the smallest value to the largest.
+    /// Set the colour range from `low` to `high` (SI units); the default is the range of the values.
     #[must_use]
     pub fn range(self, low: f64, high: f64) -> Self {
         Self { range: Some((low, high)), ..self }
     }
 
-    /// Colours follow the logarithm.
+    /// Use a logarithmic colour scale.
     #[must_use]
     pub fn logarithmic(self) -> Self {
         Self { log: true, ..self }
     }
 
-    /// The colours.
+    /// Set the colour map.
     #[must_use]
     pub fn map(self, map: ColourMap) -> Self {
         Self { map, ..self }
     }
 
-    /// Colour every particle of a snapshot.
+    /// Map the values of all particles of a snapshot to colours.
     pub(crate) fn colours(&self, snapshot: &Snapshot) -> Result<Coloured, OutputError> {
         if !self.factor.is_finite() || self.factor == 0.0 {
             let what = format!("unit factor of {:?}", self.field);
@@ -272,7 +272,7 @@ impl Quantity {
         Ok(Coloured { colours: values.iter().map(of).collect(), bar: Some(bar), valued })
     }
 
-    /// The smallest and the largest of these values that have a colour.
+    /// Minimum and maximum of the values that can be shown in colour.
     fn extent(&self, values: &[f64]) -> (f64, f64) {
         let usable = values.iter().filter(|v| v.is_finite() && (!self.log || **v > 0.0));
         let (low, high) = usable.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(*v), h.max(*v)));
@@ -284,7 +284,7 @@ impl Quantity {
         }
     }
 
-    /// The quantity with the range of a series, unless it has one; those along the logarithm keep the range of each picture.
+    /// Return the quantity with the range of a series, unless a range is set; logarithmic scales use the range of each picture.
     pub(crate) fn in_film(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<Self, OutputError> {
         if self.range.is_some() || self.log {
             return Ok(self.clone());
@@ -297,15 +297,15 @@ impl Quantity {
     }
 }
 
-/// The colour of every particle, the colour bar of a quantity, and which particles have a value.
+/// Colour of every particle, colour bar of the quantity, and flags of the particles with a value.
 pub(crate) struct Coloured {
     pub colours: Vec<Rgb>,
     pub bar: Option<ColourBar>,
-    /// Empty where bodies give the colour.
+    /// True for particles with a value; empty for colouring by body.
     pub valued: Vec<bool>,
 }
 
-/// Colours by quantity, or by body if there is none.
+/// Colour by quantity, or by body without one.
 pub(crate) fn colours_of(quantity: Option<&Quantity>, snapshot: &Snapshot) -> Result<Coloured, OutputError> {
     match quantity {
         Some(quantity) => quantity.colours(snapshot),

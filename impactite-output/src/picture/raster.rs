@@ -1,4 +1,4 @@
-//! Rasteriser of balls and faces: a z-buffer at twice the resolution, gaps between balls that are closed, light, edges and marks.
+//! Rasterizer of balls and faces: a z-buffer at twice the resolution, closing of gaps between balls, shading, edges and marks.
 
 use super::axis::INK;
 use super::camera::{Camera, dot, sub};
@@ -10,15 +10,15 @@ use super::matter::{Ball, Matter, dot3};
 /// Balls and faces of a picture.
 pub(super) struct Shapes {
     pub balls: Vec<Ball>,
-    /// Balls that are no surface of matter.
+    /// Balls of line elements, which are not part of a surface of matter.
     pub beads: Vec<Ball>,
     pub faces: Vec<Face>,
 }
 
-/// Samples a pixel side.
+/// Samples per pixel along each side (supersampling).
 pub(super) const FINE: usize = 2;
 
-/// The part of the picture that shows the scene.
+/// Part of the picture that shows the scene.
 pub(super) struct Viewport {
     pub left: f32,
     pub top: f32,
@@ -28,37 +28,37 @@ pub(super) struct Viewport {
     pub pixels_per_metre: f64,
 }
 
-/// A ball as it is seen: centre and radius in samples, depth (towards the eye) in samples, light already
-/// decided but for the ball's own roundness.
+/// Projected ball: centre, radius and depth (towards the eye) in samples, with its shading parameters apart from the
+/// roundness of the ball.
 #[derive(Clone, Copy)]
 pub(super) struct Seen {
     x: f32,
     y: f32,
     depth: f32,
     radius: f32,
-    /// Distance of the front from the centre: the radius before it grew to meet the neighbours.
+    /// Distance of the front from the centre: the radius before growth.
     front: f32,
     normal: [f32; 3],
     sky: f32,
     colour: [f32; 3],
 }
 
-/// A face as it is seen: corners in samples with their depth, and its colour with light.
+/// Projected face: corners in samples with their depth, and its shaded colour.
 #[derive(Clone, Copy)]
 pub(super) struct Flat {
     corners: [[f32; 3]; 4],
     count: usize,
     colour: [f32; 3],
-    /// Darkness of its edges: 0 where they would be all that is seen.
+    /// Opacity of its edges: 0 if edges would cover small faces.
     edge: f32,
-    /// Its size, samples.
+    /// Length of its shortest side, samples.
     front: f32,
 }
 
-/// The samples of the viewport.
+/// Sample buffers of the viewport.
 struct Samples {
     depth: Vec<f32>,
-    /// Visible objects: balls, then faces.
+    /// Index of the visible object: balls, then faces.
     who: Vec<u32>,
     columns: usize,
     rows: usize,
@@ -75,7 +75,7 @@ impl Viewport {
         let columns = ((self.width as usize).min(picture.width().saturating_sub(px0))) * FINE;
         let rows = ((self.height as usize).min(picture.height().saturating_sub(py0))) * FINE;
         let (cx, cy) = (0.5 * columns as f64, 0.5 * rows as f64);
-        // Place in samples, depth in samples, and how much larger it is for being near.
+        // Position and depth in samples, and perspective magnification.
         let project = |x: [f64; 3]| {
             let d = sub(x, at);
             let toward = dot(d, out);
@@ -104,7 +104,7 @@ impl Viewport {
             }
             let (g, sky) = matter.surface(i, ball.x);
             let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
-            // Faces that look away are behind the matter they belong to.
+            // Back-facing balls are hidden by their own matter.
             if normal[2] < -0.5 && !matter.coarse {
                 continue;
             }
@@ -146,7 +146,7 @@ impl Viewport {
             }
         }
 
-        // The part of the viewport in which there is something.
+        // Bounding box of all objects in the viewport.
         let mut part = [f32::INFINITY, f32::INFINITY, 0.0, 0.0];
         let mut hold = |x: f32, y: f32, r: f32| {
             part = [part[0].min(x - r), part[1].min(y - r), part[2].max(x + r), part[3].max(y + r)];
@@ -179,7 +179,7 @@ impl Viewport {
         shade(&seen, &flats, &samples, picture, [px0 + left / FINE, py0 + top / FINE]);
     }
 
-    /// The cross of axes and, if lengths are true, a scale bar.
+    /// Draw the coordinate axes and, in orthographic projection, a scale bar.
     pub fn marks(&self, picture: &mut Picture, size: f32, dimension: usize) {
         let [right, up, out] = self.camera.basis();
         let length = 2.1 * size;
@@ -226,11 +226,11 @@ impl Viewport {
     }
 }
 
-/// Let a ball claim the samples where it is nearest. Its front is a paraboloid, so neighbours meet in straight
+/// Draw a ball into the z-buffer. Its front is a paraboloid, so that balls of equal size intersect in straight
 /// lines.
 fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usize, rows: usize) {
     let r = ball.radius;
-    // Casts to usize cut off the fraction and send negative numbers to 0.
+    // Casts to usize truncate and map negative numbers to 0.
     let y0 = (ball.y - r) as usize;
     let y1 = ((ball.y + r) as usize).saturating_add(1).min(rows);
     let front = ball.depth + ball.front;
@@ -261,21 +261,21 @@ fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usiz
     }
 }
 
-/// Depth below the sample before it at which a gap begins, beside a quarter of the ball's radius, samples: more than a ball's own round.
+/// Depth step at which a gap begins, in addition to a quarter of the ball radius, samples: more than the curvature of a ball.
 const FALL: f32 = 2.5;
 
-/// Close gaps between balls that are narrower than a ball, through which one would look into matter or through it, along rows and
-/// along columns. A gap is between two samples of about one depth, behind which all lies deeper.
+/// Close gaps between balls that are narrower than a ball, along rows and
+/// columns. A gap is a deeper run of samples between two samples of similar depth.
 fn close_gaps(seen: &[Seen], samples: &mut Samples) {
     let (columns, rows) = (samples.columns, samples.rows);
-    // Where the gap of each column began, or `usize::MAX` outside of gaps.
+    // Start of the gap of each column, or `usize::MAX` outside of gaps.
     let (mut starts, mut looked) = (vec![usize::MAX; columns], Vec::new());
     for y in 0..rows {
         let mut start = usize::MAX;
         let mut x = 1;
         while x < columns {
             if start == usize::MAX {
-                // Most samples are as deep as the ones before them, or nothing beside nothing.
+                // Fast search: most samples have the depth of the previous one, or both are empty.
                 let row = &samples.depth[y * columns + x - 1..(y + 1) * columns];
                 match row.windows(2).position(|pair| pair[1] < pair[0] - FALL) {
                     Some(n) => x += n,
@@ -304,8 +304,8 @@ fn close_gaps(seen: &[Seen], samples: &mut Samples) {
     }
 }
 
-/// Look at sample `at`, place `k` of a line of which samples are `step` apart: a gap may begin there, end there and be closed, or turn
-/// out to be none.
+/// Process sample `at`, position `k` of a line of samples with stride `step`: begin a gap, close a gap, or
+/// discard a gap that is too wide.
 fn gap(seen: &[Seen], samples: &mut Samples, start: &mut usize, k: usize, at: usize, step: usize) {
     let (here, before) = (samples.depth[at], samples.depth[at - step]);
     if *start == usize::MAX {
@@ -339,7 +339,7 @@ fn gap(seen: &[Seen], samples: &mut Samples, start: &mut usize, k: usize, at: us
 const KEY: [f32; 3] = [-0.50, 0.62, 0.60];
 const FILL: [f32; 3] = [0.75, -0.10, 0.55];
 
-/// The light of the scene.
+/// Light sources of the scene.
 struct Light {
     key: [f32; 3],
     half: [f32; 3],
@@ -352,7 +352,7 @@ impl Light {
         Light { key, half: normalised([key[0], key[1], key[2] + 1.0]), fill: normalised(FILL) }
     }
 
-    /// Factor and summand of a colour on a surface of this normal.
+    /// Diffuse factor and specular summand of the colour for this surface normal.
     fn on(&self, n: [f32; 3], sky: f32) -> (f32, f32) {
         let lit = dot3(n, self.key).max(0.0);
         let gloss = dot3(n, self.half).max(0.0);
@@ -370,7 +370,7 @@ impl Flat {
         let count = face.count;
         let between = |a: usize, b: usize| [0, 1, 2].map(|d| corners[b][d] - corners[a][d]);
         let (a, b) = if count == 4 { (between(0, 2), between(1, 3)) } else { (between(0, 1), between(0, 2)) };
-        // Along right, up and out: rows count downwards. Both sides of a face are alike.
+        // Components along right, up and out: rows count downwards. Both sides of a face look alike.
         let (a, b) = ([a[0], -a[1], a[2]], [b[0], -b[1], b[2]]);
         let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
         let n = normalised(if n[2] < 0.0 { n.map(|c| -c) } else { n });
@@ -383,7 +383,7 @@ impl Flat {
         Flat { corners, count, colour, edge, front: shortest.max(3.0) }
     }
 
-    /// Claim the samples where it is nearest.
+    /// Draw the face into the z-buffer.
     fn fill(&self, id: u32, samples: &mut Samples) {
         let [a, b, c, d] = self.corners;
         triangle([a, b, c], id, samples);
@@ -392,7 +392,7 @@ impl Flat {
         }
     }
 
-    /// Part of a sample that half an edge covers.
+    /// Coverage of a sample by an edge.
     fn edge_at(&self, x: f32, y: f32) -> f32 {
         let mut nearest = f32::INFINITY;
         for i in 0..self.count {
@@ -405,7 +405,7 @@ impl Flat {
     }
 }
 
-/// Let a triangle claim the samples where it is nearest.
+/// Draw a triangle into the z-buffer.
 fn triangle([a, b, c]: [[f32; 3]; 3], id: u32, samples: &mut Samples) {
     let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
     if twice == 0.0 || !twice.is_finite() {
@@ -413,11 +413,11 @@ fn triangle([a, b, c]: [[f32; 3]; 3], id: u32, samples: &mut Samples) {
     }
     let range = |d: usize, count: usize| {
         let (low, high) = (a[d].min(b[d]).min(c[d]), a[d].max(b[d]).max(c[d]));
-        // Casts to usize cut off the fraction and send negative numbers to 0.
+        // Casts to usize truncate and map negative numbers to 0.
         (low - 0.5) as usize..((high + 0.5) as usize).saturating_add(1).min(count)
     };
     let over = 1.0 / twice;
-    // Shares of b and c at a sample, and how they change along a row.
+    // Barycentric coordinates of b and c at a sample, and their increments along a row.
     let step_b = (c[1] - a[1]) * over;
     let step_c = -(b[1] - a[1]) * over;
     let columns = range(0, samples.columns);
@@ -440,7 +440,7 @@ fn triangle([a, b, c]: [[f32; 3]; 3], id: u32, samples: &mut Samples) {
     }
 }
 
-/// Light, outlines and the average of the samples of each pixel.
+/// Shade the samples, draw outlines and average the samples of each pixel.
 fn shade(seen: &[Seen], flats: &[Flat], samples: &Samples, picture: &mut Picture, [px0, py0]: [usize; 2]) {
     let Samples { depth, who, columns, rows } = samples;
     let (columns, rows) = (*columns, *rows);
@@ -458,7 +458,7 @@ fn shade(seen: &[Seen], flats: &[Flat], samples: &Samples, picture: &mut Picture
             if alone && first == u32::MAX {
                 continue;
             }
-            // A pixel that is all one ball's needs light once.
+            // A pixel covered by one ball is shaded once.
             let (fine, weight) =
                 if alone && (first as usize) < seen.len() { (1, (FINE * FINE) as f32) } else { (FINE, 1.0) };
             for sy in 0..fine {
@@ -471,7 +471,7 @@ fn shade(seen: &[Seen], flats: &[Flat], samples: &Samples, picture: &mut Picture
                     }
                     let id = id as usize;
                     let front = if id < seen.len() { seen[id].front } else { flats[id - seen.len()].front };
-                    // An edge where the surface behind is far away.
+                    // Outline where the surface behind is far away.
                     let mut behind = 0.0_f32;
                     for (bx, by) in [(1_i64, 0_i64), (-1, 0), (0, 1), (0, -1)] {
                         let (qx, qy) = (x as i64 + bx, y as i64 + by);

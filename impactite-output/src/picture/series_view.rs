@@ -1,12 +1,12 @@
-//! Settings that the pictures of a series share, so that they make a calm film.
+//! View settings shared by the pictures of a series, for a steady film.
 
 use super::super::{FARTHEST, OutputError, is_place};
 
-/// Size, window and range of colours of a series of pictures, so that neither jumps from one to the next.
+/// View of a series of pictures: constant size, and a window and colour range that change rarely.
 ///
-/// Size and window are those of the first picture, with a margin. Where matter leaves the window, the side that it leaves by moves out
-/// by a tenth of the window beyond it; where values leave the range, the range grows to the next round number. So a series has few
-/// steps, and none where [`SeriesView::with_window`] and [`Quantity::range`](super::Quantity::range) are set.
+/// Size and window are those of the first picture, with a margin. Where matter leaves the window, that side moves to a tenth of the
+/// window beyond the matter; where values leave the colour range, the range extends to the next round number. A series thus has few
+/// jumps, and none if [`SeriesView::with_window`] and [`Quantity::range`](super::Quantity::range) are set.
 ///
 /// ```
 /// use impactite_output::picture::{FieldPicture, SeriesView};
@@ -22,21 +22,21 @@ use super::super::{FARTHEST, OutputError, is_place};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeriesView {
-    /// Width and height, pixels; NaN before the first picture, as all that follows.
+    /// Width and height, pixels; NaN before the first picture, like `window` and `range`.
     size: [f64; 2],
-    /// Two corners, m: of coordinates in the plane, of directions of the camera in space.
+    /// Two corners of the window, m: in coordinates of the plane, or in space along the directions of the camera.
     window: [f64; 6],
-    /// The lowest and the highest value with a colour, SI units.
+    /// Minimum and maximum of the colour range, SI units.
     range: [f64; 2],
     set: Option<[[f64; 3]; 2]>,
     foreseen: Option<[[f64; 3]; 2]>,
 }
 
-/// Margin around matter in the first picture, part of the longest side.
+/// Margin around matter in the first picture over the longest side.
 const MARGIN: f64 = 0.08;
-/// Distance beyond which a side that matter leaves by moves, part of the window's extent along that axis.
+/// Margin of a moved side beyond the matter over the window's extent along that axis.
 const STEP: f64 = 0.1;
-/// Extent along an axis that steps are reckoned with at least, part of the longest side.
+/// Minimum extent along an axis for that margin over the longest side.
 const LEAST: f64 = 0.3;
 
 impl Default for SeriesView {
@@ -46,16 +46,16 @@ impl Default for SeriesView {
 }
 
 impl SeriesView {
-    /// Before the first picture.
+    /// Create the view before the first picture.
     #[must_use]
     pub fn new() -> Self {
         Self { size: [f64::NAN; 2], window: [f64::NAN; 6], range: [f64::NAN; 2], set: None, foreseen: None }
     }
 
-    /// Show the box between two corners (m; z is not used in the plane) in all pictures.
+    /// Show the box between two corners (m; z is ignored in the plane) in all pictures.
     ///
     /// # Errors
-    /// Corners that are not finite, or sides without length.
+    /// Corners that are not finite, or sides of zero length.
     pub fn with_window(self, low: [f64; 3], high: [f64; 3], dimension: usize) -> Result<Self, OutputError> {
         let good = (0..dimension.min(3)).all(|d| {
             low[d].abs() <= FARTHEST && high[d].abs() <= FARTHEST && high[d] - low[d] >= 1.0 / FARTHEST
@@ -71,34 +71,34 @@ impl SeriesView {
         Ok(Self { set: Some([low, high]), ..self })
     }
 
-    /// Everything that changes from picture to picture: numbers for a checkpoint.
+    /// Mutable state that changes from picture to picture: numbers for a checkpoint.
     pub fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         self.size.iter_mut().chain(&mut self.window).chain(&mut self.range)
     }
 
-    /// The window that is set, m.
+    /// Fixed window, if set, m.
     pub(super) fn set_window(&self) -> Option<[[f64; 3]; 2]> {
         self.set
     }
 
-    /// Has a picture been drawn?
+    /// True after the first picture.
     #[must_use]
     pub fn has_begun(&self) -> bool {
         !self.size[0].is_nan()
     }
 
-    /// Include the box between two corners (m) in the first window, beside the matter of the first picture: where that is going.
+    /// Include the box between two corners (m) in the first window, in addition to the matter of the first picture: the expected extent.
     #[must_use]
     pub fn with_foreseen(self, low: [f64; 3], high: [f64; 3]) -> Self {
         Self { foreseen: Some([low, high]), ..self }
     }
 
-    /// Foreseen window, before the first picture, m.
+    /// Expected window, before the first picture, m.
     pub(super) fn foreseen(&self) -> Option<[[f64; 3]; 2]> {
         self.foreseen.filter(|[low, high]| !self.has_begun() && is_place(low) && is_place(high))
     }
 
-    /// The window that also holds this box: in the coordinates of the picture.
+    /// Extend the window to include this box, in the coordinates of the picture.
     pub(super) fn cover(&mut self, low: [f64; 3], high: [f64; 3]) -> [[f64; 3]; 2] {
         let longest = |low: &[f64; 3], high: &[f64; 3]| (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
         if self.window[0].is_nan() {
@@ -127,7 +127,7 @@ impl SeriesView {
         [[a, b, c], [d, e, f]]
     }
 
-    /// The range of colours once values from `low` to `high` are seen; none where all that was seen is one value.
+    /// Extend the colour range to values from `low` to `high`; `None` while all values are equal.
     pub(super) fn colours(&mut self, low: f64, high: f64, from_zero: bool) -> Option<(f64, f64)> {
         let [from, to] = self.range;
         let (low, high) = if from_zero && low >= 0.0 { (0.0, high) } else { (low, high) };
@@ -139,13 +139,13 @@ impl SeriesView {
             self.range = round(low, high).into();
         } else if low < from || high > to {
             let (low, high) = round(low.min(from), high.max(to));
-            // Rounded sides stay.
+            // Sides that are not exceeded stay.
             self.range = [if low < from { low } else { from }, if high > to { high } else { to }];
         }
         Some((self.range[0], self.range[1]))
     }
 
-    /// Width and height of all pictures, those of the first one.
+    /// Width and height of all pictures: those of the first one.
     pub(super) fn size(&mut self, first: (usize, usize)) -> (usize, usize) {
         if self.size[0].is_nan() {
             self.size = [first.0 as f64, first.1 as f64];
@@ -154,7 +154,7 @@ impl SeriesView {
     }
 }
 
-/// The next range with round ends that holds this one: with 0 where that is near.
+/// Return the next range with round ends that contains this one; includes 0 if it is near.
 fn round(low: f64, high: f64) -> (f64, f64) {
     let up = |x: f64| {
         let decade = 10.0_f64.powf(x.log10().floor());
@@ -164,7 +164,7 @@ fn round(low: f64, high: f64) -> (f64, f64) {
     let outward = |x: f64| if x == 0.0 { 0.0 } else { x.signum() * up(x.abs()) };
     let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
     let (low, high) = if low < 0.0 && high > 0.0 {
-        // One step for both ends.
+        // One rounding step for both ends.
         let (span, part) = (up(most), up(most) / 10.0);
         ((low / part).floor().max(-span / part) * part, (high / part).ceil().min(span / part) * part)
     } else if least < 0.5 * most {
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(ratio.colours(0.981, 1.012, false), Some((0.98, 1.02)));
         let mut signed = SeriesView::new();
         assert_eq!(signed.colours(-3.1e6, 4.4e8, false), Some((-5e7, 4.5e8)));
-        // A hundred growing values make few steps.
+        // A hundred growing values cause few changes of the range.
         let mut growing = SeriesView::new();
         let ranges: Vec<_> = (1..=100).map(|n| growing.colours(0.0, f64::from(n), true)).collect();
         assert!(ranges.windows(2).filter(|w| w[0] != w[1]).count() <= 18);

@@ -1,9 +1,9 @@
-//! The arrays of a frame as VTK has them, whatever the file: names, types, orders of components.
+//! VTK arrays of a frame, independent of the file format: names, types, component order.
 
 use super::{Precision, VtkOptions};
 use crate::{Cells, FieldValues, ParticleSize, Snapshot};
 
-/// The type of an array's numbers.
+/// Number type of an array.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     UInt8,
@@ -13,7 +13,7 @@ pub(super) enum Kind {
     Float64,
 }
 
-/// An array: tuples of as many components, least significant byte first.
+/// Array of tuples with a fixed number of components, little-endian.
 pub(super) struct Array<'a> {
     pub name: &'a str,
     pub kind: Kind,
@@ -22,28 +22,28 @@ pub(super) struct Array<'a> {
 }
 
 impl<'a> Array<'a> {
-    /// Bytes, one a tuple.
+    /// Array of bytes, one per tuple.
     pub fn bytes(name: &'a str, bytes: Vec<u8>) -> Self {
         Array { name, kind: Kind::UInt8, components: 1, bytes }
     }
 
-    /// Numbers in 32 bits, one a tuple.
+    /// Array of 32-bit integers, one per tuple.
     pub fn short(name: &'a str, numbers: impl Iterator<Item = i32>) -> Self {
         Array { name, kind: Kind::Int32, components: 1, bytes: numbers.flat_map(i32::to_le_bytes).collect() }
     }
 
-    /// Numbers in 64 bits, one a tuple.
+    /// Array of 64-bit integers, one per tuple.
     pub fn long(name: &'a str, numbers: impl Iterator<Item = i64>) -> Self {
         Array { name, kind: Kind::Int64, components: 1, bytes: numbers.flat_map(i64::to_le_bytes).collect() }
     }
 
-    /// Floating-point numbers with all their digits.
+    /// Array in double precision.
     pub fn doubles(name: &'a str, components: usize, numbers: impl Iterator<Item = f64>) -> Self {
         let bytes = numbers.flat_map(f64::to_le_bytes).collect();
         Array { name, kind: Kind::Float64, components, bytes }
     }
 
-    /// Floating-point numbers in the precision of fields.
+    /// Array in the precision of fields.
     fn floats(
         name: &'a str,
         components: usize,
@@ -59,13 +59,13 @@ impl<'a> Array<'a> {
         }
     }
 
-    /// Places, m.
+    /// Array of positions, m.
     pub fn points<'p>(points: impl Iterator<Item = &'p [f64; 3]>) -> Self {
         Array::doubles("Points", 3, points.flatten().copied())
     }
 }
 
-/// What holds for the whole frame: time (s), step and, if all particles are alike, their size (m).
+/// Field data of the frame: time (s), step and, if uniform, particle size (m).
 pub(super) fn whole(snapshot: &Snapshot) -> Vec<Array<'static>> {
     let step = i64::try_from(snapshot.step()).unwrap_or(i64::MAX);
     let mut arrays = vec![
@@ -78,7 +78,7 @@ pub(super) fn whole(snapshot: &Snapshot) -> Vec<Array<'static>> {
     arrays
 }
 
-/// Body, size and fields of the particles, one array after the other, so that only one is there at a time.
+/// Body, size and fields of the particles, created lazily, so that only one array is in memory at a time.
 pub(super) fn fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<Item = Array<'_>> {
     let bodies = snapshot.bodies().iter().map(|&b| i32::try_from(b).unwrap_or(i32::MAX));
     let sizes = match snapshot.size() {
@@ -86,11 +86,11 @@ pub(super) fn fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<
         ParticleSize::Uniform(_) => None,
     };
     let fields = snapshot.fields().map(move |(name, values)| match values {
-        // Numbers of particles, which single precision would round from 16 million on.
+        // Particle numbers: single precision would round them above 16 million.
         FieldValues::Scalar(v) if name == "particle" => Array::long(name, v.iter().map(|&x| x as i64)),
         FieldValues::Scalar(v) => Array::floats(name, 1, v.iter().copied(), options),
         FieldValues::Vector(v) => Array::floats(name, 3, v.iter().flatten().copied(), options),
-        // VTK's order is XX YY ZZ XY YZ XZ, ours xx yy zz yz xz xy.
+        // VTK's order is XX YY ZZ XY YZ XZ, the field's xx yy zz yz xz xy.
         FieldValues::Tensor(v) => {
             let ordered = v.iter().flat_map(|t| [t[0], t[1], t[2], t[5], t[3], t[4]]);
             Array::floats(name, 6, ordered, options)
@@ -99,7 +99,7 @@ pub(super) fn fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<
     std::iter::once(Array::short("body", bodies)).chain(sizes).chain(fields)
 }
 
-/// Vector fields of the points of [`Grid`]: those of nodes, with the particles behind them.
+/// Vector fields of the points of [`Grid`]: values of the nodes, then of the free particles.
 pub(super) fn node_fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<Item = Array<'_>> {
     let is_particle = |i: usize| snapshot.cells().is_some_and(|cells| cells.of(i).is_empty());
     snapshot.node_vectors().map(move |(name, nodes)| {
@@ -110,14 +110,14 @@ pub(super) fn node_fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iter
     })
 }
 
-/// Cells of VTK: nodes of the snapshot's cells with the particles that are none behind them, and the cells.
+/// VTK grid: points are the nodes of cells followed by the free particles.
 pub(super) struct Grid {
     pub points: Vec<[f64; 3]>,
-    /// Corners, one cell after the other.
+    /// Point indices of the corners, one cell after the other.
     pub connectivity: Vec<usize>,
-    /// Where the corners of each cell end.
+    /// End of the corners of each cell in `connectivity`.
     pub ends: Vec<usize>,
-    /// Types of the cells.
+    /// VTK types of the cells.
     pub kinds: Vec<u8>,
 }
 

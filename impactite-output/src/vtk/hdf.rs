@@ -1,4 +1,4 @@
-//! VTK's files in HDF5: VTKHDF 2.0, one part a file.
+//! VTKHDF 2.0 files: VTK data in HDF5, one partition per file.
 
 use std::path::Path;
 
@@ -8,19 +8,19 @@ use super::arrays::{Array, Grid, Kind, fields, node_fields, whole};
 use super::{BLOCK, VtkOptions};
 use crate::{OutputError, Snapshot, WholeFile};
 
-/// Arrays of at most so many bytes are not worth chunks, of which each takes an index.
+/// Maximum size of an unchunked array, bytes: each chunk needs an index entry.
 const SMALL: usize = 1 << 10;
 
-/// How hard deflate works: as with [`flate2::Compression::fast`].
+/// Compression level of deflate, equal to [`flate2::Compression::fast`].
 const LEVEL: u32 = 1;
 
-/// Write one snapshot as a VTKHDF file at `path`, whole or not at all: a `PolyData` whose vertices are the particles, or an
-/// `UnstructuredGrid` if it has cells. It holds the arrays of [`write_vtp`](super::write_vtp), by the same names and in the same types; numbers of
-/// points are Int64. Needs the feature `hdf5`.
+/// Write one snapshot as a VTKHDF file at `path`, atomically: a `PolyData` whose vertices are the particles, or an
+/// `UnstructuredGrid` if it has cells. It contains the arrays of [`write_vtp`](super::write_vtp) with the same names and types; point
+/// indices are Int64. Needs the feature `hdf5`.
 ///
 /// # Errors
-/// A field whose name no link of HDF5 can have (`.`, or with a `/`); a path that is no regular file, or a file that cannot be written; what
-/// was there before stays.
+/// A field name that HDF5 does not allow (`.`, or with a `/`); a path that is no regular file, or a file that cannot be written. The old
+/// file is then unchanged.
 pub fn write_vtkhdf(
     path: impl AsRef<Path>,
     snapshot: &Snapshot,
@@ -39,7 +39,7 @@ pub fn write_vtkhdf(
     file.finish()
 }
 
-/// A `.series` file (JSON) of frames and their times.
+/// Format a `.series` file (JSON) of frames and their times.
 pub(super) fn listed(frames: &[(f64, String)]) -> String {
     let frame = |(time, file): &(f64, String)| {
         let name = file.replace('\\', "\\\\").replace('"', "\\\"");
@@ -49,7 +49,7 @@ pub(super) fn listed(frames: &[(f64, String)]) -> String {
     format!("{{\n  \"file-series-version\": \"1.0\",\n  \"files\": [\n{}\n  ]\n}}\n", list.join(",\n"))
 }
 
-/// The contents of a file.
+/// Build the content of a file.
 fn frame(snapshot: &Snapshot, options: VtkOptions) -> FileBuilder {
     let mut file = FileBuilder::new();
     let mut root = file.create_group("VTKHDF");
@@ -92,7 +92,7 @@ fn frame(snapshot: &Snapshot, options: VtkOptions) -> FileBuilder {
     file
 }
 
-/// Cells by their corners and where those of each cell end.
+/// Write cells by their connectivity and the end of each cell.
 fn topology(
     group: &mut GroupBuilder,
     connectivity: impl ExactSizeIterator<Item = usize>,
@@ -105,12 +105,12 @@ fn topology(
     put(group, Array::long("Offsets", std::iter::once(0).chain(ends.map(|x| x as i64))), options);
 }
 
-/// How many there are of something in the one part of the file.
+/// Array of the number of entities in the single partition of the file.
 fn count(name: &'static str, count: usize) -> Array<'static> {
     Array::long(name, std::iter::once(count as i64))
 }
 
-/// Put an array into a group, in chunks if it is compressed.
+/// Write an array to a group, in chunks if it is compressed.
 fn put(group: &mut GroupBuilder, array: Array, options: VtkOptions) {
     let Array { name, kind, components, bytes } = array;
     let (datatype, width) = match kind {
@@ -121,7 +121,7 @@ fn put(group: &mut GroupBuilder, array: Array, options: VtkOptions) {
         Kind::Float64 => (hdf5_pure::make_f64_type(), 8),
     };
     let (total, row) = (bytes.len(), width * components);
-    // Columns of one component have one dimension.
+    // Arrays of one component have one dimension.
     let shape = |rows: usize| [rows as u64, components as u64][..1 + usize::from(components > 1)].to_vec();
     let data: &mut DatasetBuilder = group.create_dataset(name);
     data.with_raw_data(datatype, bytes, (total / width) as u64).with_shape(&shape(total / row));

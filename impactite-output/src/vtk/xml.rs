@@ -1,4 +1,4 @@
-//! VTK's XML files with binary data behind the XML.
+//! VTK XML files with appended binary data.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -11,12 +11,12 @@ use super::arrays::{Array, Grid, Kind, fields, node_fields, whole};
 use super::{BLOCK, VtkOptions};
 use crate::{OutputError, Snapshot, write_whole};
 
-/// Write one snapshot as a `.vtp` file at `path`, or as a `.vtu` file if it has cells, whole or not at all. Beside its fields it holds `body`
-/// (Int32), a field `particle` in 64 bits, `size` (m, if particles differ) and the field data `TimeValue` (s), `Step`, `ParticleSize` (m) if all
-/// particles are alike, and `body_names`, the name of body n as entry n, if bodies have names.
+/// Write one snapshot as a `.vtp` file at `path`, or as a `.vtu` file if it has cells, atomically. Besides its fields it contains `body`
+/// (Int32), a field `particle` in 64 bits, `size` (m, if particles differ) and the field data `TimeValue` (s), `Step`, `ParticleSize` (m)
+/// if uniform, and `body_names`, the name of body n as entry n, if bodies have names.
 ///
 /// # Errors
-/// A path that is no regular file, or a file that cannot be written; what was there before stays.
+/// A path that is no regular file, or a file that cannot be written; the old file is then unchanged.
 pub fn write_vtp(
     path: impl AsRef<Path>,
     snapshot: &Snapshot,
@@ -27,7 +27,7 @@ pub fn write_vtp(
     write_whole(path, bytes)
 }
 
-/// A `.pvd` file of frames and their times.
+/// Format a `.pvd` file of frames and their times.
 pub(super) fn listed(frames: &[(f64, String)]) -> String {
     let mut xml = String::from(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">\n  <Collection>\n",
@@ -44,7 +44,7 @@ pub(super) fn listed(frames: &[(f64, String)]) -> String {
     xml
 }
 
-/// The bytes of a file.
+/// Build the bytes of a file.
 fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8>> {
     let n = snapshot.len();
     let mut file = Appended { xml: String::new(), data: Vec::new(), options };
@@ -99,7 +99,7 @@ fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8
     Ok(bytes)
 }
 
-/// The two halves of a file in the making: the XML that describes and the binary data that follow it.
+/// Parts of a file under construction: the XML header and the appended binary data.
 struct Appended {
     xml: String,
     data: Vec<u8>,
@@ -107,7 +107,7 @@ struct Appended {
 }
 
 impl Appended {
-    /// Numbers that count up to the last one, in 32 bits if that fits.
+    /// Append increasing integers, in 32 bits if they fit.
     fn integers(&mut self, name: &str, numbers: impl Iterator<Item = usize> + Clone) -> std::io::Result<()> {
         let array = if numbers.clone().all(|x| i32::try_from(x).is_ok()) {
             Array::short(name, numbers.map(|x| x as i32))
@@ -117,7 +117,7 @@ impl Appended {
         self.array(&array, "")
     }
 
-    /// Names of the bodies as an array of texts: their bytes as signed numbers, each text with a zero behind it.
+    /// Write the names of the bodies as a string array: bytes as signed numbers, each string terminated by zero.
     fn names(&mut self, names: &[String]) {
         if names.is_empty() {
             return;
@@ -135,12 +135,12 @@ impl Appended {
         self.xml.push_str("\n        </Array>\n");
     }
 
-    /// Body, size and fields of the particles.
+    /// Write body, size and fields of the particles.
     fn fields(&mut self, snapshot: &Snapshot) -> std::io::Result<()> {
         fields(snapshot, self.options).try_for_each(|array| self.array(&array, ""))
     }
 
-    /// Describe an array and append its bytes. Plain: `[bytes] data`. Compressed: `[blocks] [size of a block]
+    /// Describe an array and append its bytes. Uncompressed: `[bytes] data`. Compressed: `[blocks] [size of a block]
     /// [size of the last block, 0 if full] [compressed sizes ...] data`, all headers UInt64.
     fn array(&mut self, array: &Array, attributes: &str) -> std::io::Result<()> {
         let kind = match array.kind {
@@ -188,7 +188,7 @@ impl Appended {
     }
 }
 
-/// Text inside a double-quoted XML attribute.
+/// Escape text for a double-quoted XML attribute.
 fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -7,15 +7,15 @@ use super::parts::quantity;
 use crate::number::{energy_error, percent, significant};
 use crate::record::{Balances, Column, Record};
 
-/// Columns of the balances by their names.
+/// Return the columns of the balances with these names.
 fn columns<'a>(balances: &'a Balances, names: &[&str]) -> Vec<&'a Column> {
     names.iter().filter_map(|name| balances.column(name)).collect()
 }
 
-/// A change of the mass below is one of its sum, by rounding.
+/// Relative change of the mass below which it is rounding of the sum.
 const ROUNDING: f64 = 1e-12;
 
-/// Balances as the page shows them: extensive quantities per radian or depth, and momenta by the names of the axes.
+/// Balances for display: extensive quantities per radian or depth, and momenta named after the axes.
 fn of_part(record: &Record, balances: &Balances) -> Balances {
     let mut shown = balances.clone();
     let axes = record.part.axes(record.dimensions);

@@ -1,11 +1,11 @@
-//! Charts: what they show, as data for the script of the page, and drawn once for where no script runs and for paper.
+//! Charts: data for the script of the page, and a static drawing for pages without scripts and for paper.
 
 use maud::{Markup, html};
 
 use crate::number::{is_energy_error, readable, significant};
 use crate::record::Column;
 
-/// A chart of lines over one axis, in the units that it is drawn in.
+/// Line chart over one axis, in displayed units.
 pub(crate) struct Chart {
     pub title: String,
     x: Axis,
@@ -23,21 +23,21 @@ struct Line {
     values: Vec<f64>,
 }
 
-/// Points of a line on the page at most, about.
+/// Approximate maximum number of points of a line on the page.
 const MOST_POINTS: usize = 2000;
-/// The same of the drawing.
+/// Approximate maximum number of points of a line in the static drawing.
 const MOST_DRAWN: usize = 400;
-/// Lines of a chart at most: as many as there are colours.
+/// Maximum number of lines of a chart: the number of colours.
 const MOST_LINES: usize = 8;
-/// Numbers without a unit share a chart if they differ by less than this factor.
+/// Maximum ratio of dimensionless numbers that share a chart.
 const ALIKE: f64 = 1e3;
 
 fn largest(values: &[f64]) -> f64 {
     values.iter().filter(|x| x.is_finite()).fold(0.0, |most, x| most.max(x.abs()))
 }
 
-/// Charts of columns over the first one: a chart a unit, and more where lines would be too many, or numbers without a unit too
-/// different to be seen together. Columns that count steps are left out.
+/// Chart columns over the first one: one chart per unit, and more if there are too many lines or if dimensionless numbers differ
+/// too much in size. Step counters are omitted.
 pub(crate) fn charts(title: &str, columns: &[Column]) -> Vec<Chart> {
     let Some((x, rest)) = columns.split_first() else { return Vec::new() };
     let mut groups: Vec<(String, Vec<&Column>)> = Vec::new();
@@ -46,7 +46,7 @@ pub(crate) fn charts(title: &str, columns: &[Column]) -> Vec<Chart> {
             let [a, b] = [largest(&column.values), largest(&others[0].values)];
             column.unit != "-" || a == 0.0 || b == 0.0 || (a < ALIKE * b && b < ALIKE * a)
         };
-        // An energy error is per cent wherever it is shown.
+        // Energy errors are shown in per cent everywhere.
         let unit = if is_energy_error(&column.name, &column.unit) { "%" } else { &column.unit };
         let there = groups
             .iter_mut()
@@ -66,7 +66,7 @@ pub(crate) fn charts(title: &str, columns: &[Column]) -> Vec<Chart> {
 }
 
 impl Chart {
-    /// Of these columns, of one unit, over `x`.
+    /// Create a chart of these columns, of one unit, over `x`.
     pub(crate) fn new(title: String, x: &Column, columns: &[&Column]) -> Self {
         let most = columns.iter().fold(0.0, |most: f64, c| most.max(largest(&c.values)));
         let is_error = |c: &Column| is_energy_error(&c.name, &c.unit);
@@ -88,13 +88,13 @@ impl Chart {
         whole.thinned(MOST_POINTS)
     }
 
-    /// Has it anything to show: two points with numbers, at least?
+    /// True if the chart has at least one line with two finite points.
     pub(crate) fn shows(&self) -> bool {
         let numbers = |line: &Line| line.values.iter().filter(|v| v.is_finite()).count();
         self.lines.iter().any(|line| numbers(line) >= 2)
     }
 
-    /// About so many points, extremes of every line among them.
+    /// Thin out to about `most` points, with the extremes of every line.
     fn thinned(&self, most: usize) -> Chart {
         let rows = self.x.values.len();
         let mut kept: Vec<usize> = if rows <= most {
@@ -125,14 +125,14 @@ impl Chart {
         }
     }
 
-    /// Does it run from left to right, as the script needs it?
+    /// True if x is ascending, as the script requires.
     pub(crate) fn is_ordered(&self) -> bool {
         self.x.values.windows(2).all(|w| w[0] <= w[1])
     }
 
-    /// As the script reads it.
+    /// Export the data for the script.
     pub(crate) fn json(&self) -> serde_json::Value {
-        // Seven digits: more than a screen shows, and half as long; more of what hardly changes.
+        // Seven digits: more than the resolution of a screen, and half the length; more digits for nearly constant values.
         let list = |values: &[f64]| -> serde_json::Value {
             let (low, high) = ends(values);
             let digits = digits(low.abs().max(high.abs()), high - low, 6) + 1;
@@ -149,7 +149,7 @@ impl Chart {
         serde_json::json!({ "x": self.x.label, "unit": self.unit, "lines": names, "data": data })
     }
 
-    /// The label of the vertical axis.
+    /// Label of the vertical axis.
     fn vertical(&self) -> String {
         match (self.lines.as_slice(), self.unit.as_str()) {
             ([line], "-") => line.name.clone(),
@@ -159,7 +159,7 @@ impl Chart {
         }
     }
 
-    /// Drawn, with the names of its lines.
+    /// Draw the chart as static SVG, with the names of its lines.
     pub(crate) fn drawn(&self) -> Markup {
         const SIZE: [f64; 2] = [560.0, 280.0];
         const LEFT: f64 = 66.0;
@@ -174,7 +174,7 @@ impl Chart {
         let at_y = |v: f64| SIZE[1] - BOTTOM - y.part(v) * (SIZE[1] - TOP - BOTTOM);
         let points = |line: &Line| {
             let pairs = thin.x.values.iter().zip(&line.values);
-            // A number that is none parts the line.
+            // NaN or infinity interrupts the line.
             let mut path = String::new();
             let mut begins = true;
             for (&u, &v) in pairs {
@@ -213,7 +213,7 @@ impl Chart {
     }
 }
 
-/// The charts of a page that its script draws, in order.
+/// Charts drawn by the script of a page, in order.
 #[derive(Default)]
 pub(crate) struct Charts {
     list: Vec<serde_json::Value>,
@@ -224,7 +224,7 @@ impl Charts {
         self.list.is_empty()
     }
 
-    /// A figure of this chart: drawn, and drawn again by the script where it can.
+    /// Figure of a chart: a static drawing, which the script replaces where possible.
     fn figure(&mut self, chart: &Chart) -> Markup {
         let number = chart.is_ordered().then(|| {
             self.list.push(chart.json());
@@ -233,7 +233,7 @@ impl Charts {
         html! { figure.chart data-chart=[number] { figcaption { (chart.title) } (chart.drawn()) } }
     }
 
-    /// Figures of those that show something.
+    /// Figures of the charts that have data.
     pub(crate) fn figures(&mut self, charts: &[Chart]) -> Option<Markup> {
         let mut figures: Vec<Markup> = charts.iter().filter(|c| c.shows()).map(|c| self.figure(c)).collect();
         match figures.len() {
@@ -243,13 +243,13 @@ impl Charts {
         }
     }
 
-    /// As a script element may hold it: without `<`, that could end it.
+    /// Export the data for a script element: `<` is escaped, since it could end the element.
     pub(crate) fn json(&self) -> String {
         serde_json::Value::from(self.list.clone()).to_string().replace('<', "\\u003c")
     }
 }
 
-/// Digits that show numbers of this size which differ by `range` at most: `usual` ones, or more where they are nearly the same.
+/// Number of digits that distinguish numbers of this size with differences up to `range`: `usual`, or more for nearly equal numbers.
 fn digits(size: f64, range: f64, usual: usize) -> usize {
     let alike = (size / range).log10().floor();
     if alike.is_finite() && alike > 0.0 { (usual.max(3 + alike as usize)).min(15) } else { usual }
@@ -259,20 +259,20 @@ fn tenth(x: f64) -> String {
     format!("{x:.1}")
 }
 
-/// The smallest and the largest number; in this order if there is any.
+/// Smallest and largest finite number; infinite in reverse order if there is none.
 fn ends(values: &[f64]) -> (f64, f64) {
     let numbers = values.iter().copied().filter(|v| v.is_finite());
     numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
 }
 
-/// From here to there.
+/// Range of an axis.
 struct Range {
     low: f64,
     high: f64,
 }
 
 impl Range {
-    /// Of all that are numbers, and a part more on both sides.
+    /// Create the range of all finite numbers, extended by a fraction on both sides.
     fn of(values: &[f64], more: f64) -> Self {
         let (mut low, mut high) = ends(values);
         if low > high {
@@ -286,17 +286,17 @@ impl Range {
         Range { low: low - more, high: high + more }
     }
 
-    /// Where between its ends, 0 to 1.
+    /// Normalized position between both ends, 0 to 1.
     fn part(&self, v: f64) -> f64 {
         (v - self.low) / (self.high - self.low)
     }
 
-    /// A tick in as many digits as tell it from its neighbours: at least 6.
+    /// Format a tick with enough digits to distinguish it from its neighbours: at least 6.
     fn label(&self, tick: f64) -> String {
         significant(tick, digits(self.low.abs().max(self.high.abs()), self.high - self.low, 6))
     }
 
-    /// Round numbers within it, about `count`.
+    /// Choose round numbers within the range, about `count`.
     fn ticks(&self, count: usize) -> Vec<f64> {
         let raw = (self.high - self.low) / count as f64;
         let power = 10_f64.powf(raw.log10().floor());
@@ -333,7 +333,7 @@ mod tests {
         assert_eq!((&json[0]["unit"], &json[0]["data"][1][0]), (&"kJ".into(), &2.0.into()));
         assert_eq!(json[0]["lines"], serde_json::json!(["kinetic energy", "internal energy"]));
         assert_eq!((&json[1]["unit"], &json[1]["data"][1][1]), (&"%".into(), &(-1.2).into()));
-        // Numbers without a unit that are far apart are not drawn together.
+        // Dimensionless numbers of very different sizes are not drawn together.
         assert_eq!(json[2]["lines"], serde_json::json!(["momentum error"]));
         assert_eq!(charts[0].title, "Ledger: kinetic energy, internal energy");
         assert!(charts.iter().all(|c| c.shows() && c.is_ordered()));
@@ -354,7 +354,7 @@ mod tests {
         assert!(!Chart::new("loop".into(), &back, &[&y]).is_ordered());
     }
 
-    /// A mass that loses a millionth of itself.
+    /// Mass that decreases by less than a millionth.
     #[test]
     fn ticks_of_numbers_nearly_the_same_differ() {
         let range = Range::of(&[53.0, 53.00002], 0.05);

@@ -1,4 +1,4 @@
-//! Checks: measured values beside their references.
+//! Checks: results in comparison with references.
 
 use maud::{Markup, html};
 
@@ -33,12 +33,12 @@ pub(super) fn checks(record: &Record) -> Option<Markup> {
     })
 }
 
-/// A number of a check with its unit.
+/// Format a number of a check with its unit.
 fn of_check(check: &Check, x: f64) -> String {
     if is_energy_error(&check.name, &check.unit) { percent(x) } else { quantity(x, &check.unit) }
 }
 
-/// In per cent of the reference, or in the unit where that is 0.
+/// Difference in per cent of the reference, or in the unit if the reference is 0.
 fn difference(check: &Check) -> String {
     match check.reference {
         Some(0.0) => of_check(check, check.value),

@@ -1,4 +1,4 @@
-//! The page of a study of convergence.
+//! Page of a convergence study.
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub fn write_convergence(study: &Convergence, folder: impl AsRef<Path>) -> Resul
     Ok(path)
 }
 
-/// The page of `study`, whose files are in `folder`.
+/// Build the page of `study`, whose files are in `folder`.
 fn convergence(study: &Convergence, folder: &Path) -> String {
     let keys: Vec<&str> = study.refined.iter().map(|key| key.key.as_str()).collect();
     let title = format!("Convergence: {}", study.case);

@@ -1,18 +1,18 @@
-//! What all pages share: names, style, and the document around a body.
+//! Common parts of all pages: file name, style, and HTML document around a body.
 
 use impactite_output::printable;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-/// The page in the folder of its run.
+/// File name of the page in the folder of its run.
 pub const FILE: &str = "report.html";
 
 const STYLE: &str =
     concat!(include_str!("../../vendor/uplot/uPlot.min.css"), "\n", include_str!("style.css"));
-/// Nothing is fetched from anywhere.
+/// Content security policy: no external resources.
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
-/// A whole page of a title and a body.
+/// Assemble a complete page from a title and a body.
 pub(super) fn document(title: &str, body: &Markup) -> String {
     let page = html! {
         (DOCTYPE)
@@ -28,6 +28,6 @@ pub(super) fn document(title: &str, body: &Markup) -> String {
             body { (body) }
         }
     };
-    // The title of a scene must have no effect.
+    // Escape control characters in titles of scenes.
     printable(&page.into_string()).into_owned()
 }

@@ -1,4 +1,4 @@
-//! Title, what part of the whole it is, and the verdict.
+//! Title, modelled fraction of the body, and verdict.
 
 use maud::{Markup, html};
 
@@ -6,12 +6,12 @@ use super::parts::{duration, quantity};
 use crate::number::{checks_passed, energy_error, significant};
 use crate::record::{Progress, Record};
 
-/// Shares of an energy gained, where the watch of a run warns and stops by default, and of one lost, where it warns.
+/// Limits of the relative energy gain for a warning and a stop by default, and of the loss for a warning.
 const GAINED: f64 = 0.02;
 const BAD: f64 = 0.10;
 const LOST: f64 = 0.03;
 
-/// Title, what part of the whole it is, verdict.
+/// Show title, modelled fraction of the body, and verdict.
 pub(super) fn head(record: &Record) -> Markup {
     let dimensions = match record.dimensions {
         0 => String::new(),
@@ -32,14 +32,14 @@ pub(super) fn head(record: &Record) -> Markup {
     }
 }
 
-/// Parts of a text that empty lines separate.
+/// Split a text into paragraphs at empty lines.
 fn paragraphs(text: &str) -> impl Iterator<Item = String> {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let parts = lines.split(|line| line.is_empty()).map(|part| part.join(" "));
     parts.filter(|part| !part.is_empty()).collect::<Vec<_>>().into_iter()
 }
 
-/// A line of the verdict: what, how, in words.
+/// Line of the verdict: quantity, rank, text.
 type Said = (&'static str, &'static str, String);
 
 fn verdict(record: &Record) -> Markup {
@@ -74,7 +74,7 @@ fn verdict(record: &Record) -> Markup {
         };
         said.push(("energy error", rank, energy_error(balances.energy_error)));
         let p = balances.momentum_error;
-        // More than rounding: a boundary or contact that is no pair of forces.
+        // Above rounding: a boundary force or contact force without reaction.
         let rank = if p <= f64::EPSILON.sqrt() { "good" } else { "fair" };
         said.push(("momentum error", rank, significant(p, 2)));
     }

@@ -1,4 +1,4 @@
-//! Files of a run: pictures, an animation, histories, and all by their names.
+//! Media and files of a run: pictures, an animation, histories, and a list of all files.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use crate::animation::animated_png;
 use crate::folder::{history, names};
 use crate::record::{Column, Frames, Record};
 
-/// The main picture and the animation, then the other pictures.
+/// Show the main picture and the animation, then the other pictures.
 pub(super) fn pictures(record: &Record, folder: &Path) -> Option<Markup> {
     let shown = |file: &str, caption: &str| match picture(folder, file, caption) {
         Ok(image) => html! { figure { (image) figcaption { (caption) } } },
@@ -34,7 +34,7 @@ pub(super) fn pictures(record: &Record, folder: &Path) -> Option<Markup> {
 
 fn animation(frames: &Frames, folder: &Path) -> Markup {
     let all: Vec<_> = frames.files.iter().map(|file| folder.join(file)).collect();
-    // A run that was broken off left the first ones; where it left none, the first one is named as missing.
+    // An interrupted run has the first frames only; without any, the first is reported as missing.
     let there = all.iter().take_while(|path| path.is_file()).count().max(1);
     let made = animated_png(&all[..there]).and_then(|moving| {
         let still = animated_png(&all[there - 1..there])?;
@@ -86,7 +86,7 @@ pub(super) fn histories(record: &Record, folder: &Path, all: &mut Charts) -> Opt
     Some(html! { @for figures in &shown { div.history { (figures) } } })
 }
 
-/// The files of the folder but for `page`, folders within it as a row each.
+/// List the files of the folder except `page`; subfolders have one row each.
 pub(super) fn files(folder: &Path, page: &str) -> Option<Markup> {
     let names = match names(folder) {
         Ok(names) => names,
@@ -126,7 +126,7 @@ pub(super) fn files(folder: &Path, page: &str) -> Option<Markup> {
     })
 }
 
-/// Names of the folders in a folder, in order.
+/// List the subfolders of a folder, sorted.
 fn folders(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let inner = entries.filter(|e| e.path().is_dir()).filter_map(|e| e.file_name().into_string().ok());

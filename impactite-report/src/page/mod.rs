@@ -1,7 +1,7 @@
-//! The page of a run: one file that asks for nothing beside itself, read with and without scripts, on a screen and on paper.
+//! Page of a run: one self-contained file, readable with and without scripts, on screen and on paper.
 //!
-//! All text of a record is escaped. A file that the record names and that is not there or cannot be read is named at its place, and
-//! the rest of the page is as it would be: a run that was broken off has a page, too.
+//! All text of a record is escaped. A missing or unreadable file of the record is reported at its position;
+//! the rest of the page is unchanged: an interrupted run has a page, too.
 
 mod balances;
 mod chart;
@@ -31,7 +31,7 @@ pub use document::FILE;
 /// Read the record in `folder` ([`Record::open`]) and write its page, `report.html`, there. Returns its path.
 ///
 /// # Errors
-/// Those of [`Record::open`]; a page that cannot be written.
+/// Errors of [`Record::open`]; a page that cannot be written.
 pub fn write_page(folder: impl AsRef<Path>) -> Result<PathBuf, ReportError> {
     let folder = folder.as_ref();
     let path = folder.join(FILE);
@@ -41,10 +41,10 @@ pub fn write_page(folder: impl AsRef<Path>) -> Result<PathBuf, ReportError> {
 
 const PLOT: &str = include_str!("../../vendor/uplot/uPlot.iife.min.js");
 const CHARTS: &str = include_str!("charts.js");
-/// What goes wrong in a script is kept where a test finds it.
+/// Script that stores errors of scripts in the document, for tests.
 const WATCH: &str = "addEventListener('error',e=>{document.body.dataset.error=e.message})";
 
-/// The page of `record`, whose files are in `folder`.
+/// Build the page of `record`, whose files are in `folder`.
 #[must_use]
 pub fn page(record: &Record, folder: &Path) -> String {
     let mut charts = Charts::default();
@@ -177,7 +177,7 @@ mod tests {
         assert!(!page.chars().any(|c| c.is_control() && c != '\n' && c != '\t'));
     }
 
-    /// What is no number, too large or too small to draw is no reason to have no page.
+    /// Values that are NaN, infinite, too large or too small to draw do not prevent a page.
     #[test]
     fn numbers_that_are_none_are_shown() {
         let column = |name: &str, unit: &str, values: &[f64]| Column {

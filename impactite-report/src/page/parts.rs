@@ -1,4 +1,4 @@
-//! Small parts of a page.
+//! Small elements of a page.
 
 use std::fs::File;
 use std::io::BufReader;
@@ -12,18 +12,18 @@ use maud::{Markup, html};
 use crate::error::ReportError;
 use crate::number;
 
-/// Pictures above this size, bytes, are not put into the page.
+/// Maximum size of an embedded picture, bytes.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// A file as an address that holds it.
+/// Encode a file as a data URI.
 pub(super) fn data_uri(kind: &str, bytes: &[u8]) -> String {
     format!("data:{kind};base64,{}", STANDARD.encode(bytes))
 }
 
-/// The picture in `file`, within the page.
+/// Embed the picture in `file` in the page.
 ///
 /// # Errors
-/// A file that cannot be read, is too large, or is no picture that browsers show.
+/// A file that cannot be read, is too large, or is no picture that browsers support.
 pub(super) fn picture(folder: &Path, file: &str, about: &str) -> Result<Markup, ReportError> {
     let path = folder.join(file);
     let ending = file.rsplit_once('.').map_or(String::new(), |(_, ending)| ending.to_lowercase());
@@ -45,7 +45,7 @@ pub(super) fn picture(folder: &Path, file: &str, about: &str) -> Result<Markup, 
     Ok(html! { img src=(data_uri(kind, &content)) alt=(about) width=[width] height=[height]; })
 }
 
-/// Width and height of a PNG file, pixels.
+/// Read width and height of a PNG file, pixels.
 fn sides(path: &Path) -> Result<[u32; 2], ReportError> {
     let file = File::open(path).map_err(ReportError::read(path))?;
     let reader = png::Decoder::new(BufReader::new(file)).read_info();
@@ -53,17 +53,17 @@ fn sides(path: &Path) -> Result<[u32; 2], ReportError> {
     Ok([reader.info().width, reader.info().height])
 }
 
-/// A number with its unit, to four digits.
+/// Format a number with its unit, to four digits.
 pub(super) fn quantity(x: f64, unit: &str) -> String {
     number::quantity(x, unit, 4)
 }
 
-/// What cannot be shown, and why. Files are named from the folder of the page on, wherever that is.
+/// Note in place of an element that cannot be shown, with the error. File names are relative to the folder of the page.
 pub(super) fn missing(error: &ReportError, folder: &Path) -> Markup {
     html! { p.note { (error.to_string().replace(&format!("{}/", folder.display()), "")) } }
 }
 
-/// Seconds by the clock on the wall, as people say them.
+/// Format a wall-clock time in common units.
 pub(super) fn duration(seconds: f64) -> String {
     match seconds {
         s if (100.0..1e10).contains(&s) => {
@@ -73,7 +73,7 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
-/// A size in bytes.
+/// Format a size in bytes.
 pub(super) fn bytes(size: u64) -> String {
     match size as f64 {
         b if b >= 1e9 => format!("{:.1} GB", 1e-9 * b),
@@ -83,7 +83,7 @@ pub(super) fn bytes(size: u64) -> String {
     }
 }
 
-/// A name as part of an address.
+/// Percent-encode a name for a URL.
 pub(super) fn address(name: &str) -> String {
     name.bytes().fold(String::new(), |out, b| match b {
         b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'/' => {
@@ -93,7 +93,7 @@ pub(super) fn address(name: &str) -> String {
     })
 }
 
-/// Rows of a table of names and numbers, each with a bar as long as its part of the largest.
+/// Table of names and numbers, each with a bar proportional to the number.
 pub(super) fn bars(rows: &[(String, f64, String)]) -> Markup {
     let most = rows.iter().fold(0.0, |most: f64, (_, x, _)| most.max(*x));
     html! {

@@ -1,4 +1,4 @@
-//! The scene, and the machine.
+//! Scene file and machine.
 
 use std::time::{Duration, SystemTime};
 
@@ -10,7 +10,7 @@ use crate::record::Record;
 pub(super) fn scene(record: &Record) -> Option<Markup> {
     let machine = &record.machine;
     let date = |seconds: Option<u64>| {
-        // Until the year 9999, beyond which there is no such date.
+        // Dates end in the year 9999.
         let seconds = seconds.filter(|s| *s < 253_402_300_800)?;
         let time = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
         Some(humantime::format_rfc3339_seconds(time).to_string().replace('T', " ").replace('Z', " UTC"))

@@ -1,4 +1,4 @@
-//! Where the time went, and what limited the step.
+//! Wall-clock times, and causes of the time step limit.
 
 use maud::{Markup, html};
 
@@ -32,7 +32,7 @@ pub(super) fn timing(record: &Record, all: &mut Charts) -> Option<Markup> {
     let rate = record.balances.as_ref().and_then(|balances| {
         let [time, wall, updates] = ["time", "wall clock", "updates"].map(|name| balances.column(name));
         let (time, wall, updates) = (time?, &wall?.values, &updates?.values);
-        // Between one row and the next, at the later one.
+        // Rate between two rows, assigned to the later row.
         let between = |n: usize| {
             let seconds = wall[n] - wall[n - 1];
             if seconds > 0.0 { 1e-6 * (updates[n] - updates[n - 1]) / seconds } else { f64::NAN }
@@ -62,7 +62,7 @@ pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
         let (at_least, least) = pairs().min_by(|a, b| a.1.total_cmp(b.1))?;
         let (at_most, most) = pairs().max_by(|a, b| a.1.total_cmp(b.1))?;
         let said = |dt: &f64, at: &f64| format!("{} (at t = {})", quantity(*dt, "s"), quantity(*at, "s"));
-        // Rounding makes steps differ that are all the same.
+        // Equal steps may differ by rounding.
         if most - least <= 1e-6 * most {
             return Some(format!("All steps seen: {}.", quantity(*most, "s")));
         }

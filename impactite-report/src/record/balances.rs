@@ -1,18 +1,18 @@
-//! Balances of mass, momentum and energy over a run, and what their errors are.
+//! Balances of mass, momentum and energy over a run, and definitions of their errors.
 
 use serde::{Deserialize, Serialize};
 
 use crate::number::{maybe, real, reals};
 use crate::recorder::{Recorder, Row};
 
-/// Numbers over time, a column each.
+/// Time series in columns.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Column {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
-    /// Its unit; "-" if it has none.
+    /// Unit; "-" if dimensionless.
     pub unit: String,
-    /// The numbers.
+    /// Values.
     #[serde(with = "reals")]
     pub values: Vec<f64>,
 }
@@ -21,7 +21,7 @@ pub struct Column {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Balances {
-    /// What they are over time; all columns have one length. Empty where errors alone are known.
+    /// Time series of equal length; empty if only the errors are known.
     pub series: Vec<Column>,
     /// [`Recorder::worst_mass_error`].
     #[serde(default, with = "maybe")]
@@ -29,32 +29,32 @@ pub struct Balances {
     /// [`Recorder::worst_momentum_error`].
     #[serde(with = "real")]
     pub momentum_error: f64,
-    /// [`Recorder::energy_error`]: none where nothing moves.
+    /// [`Recorder::energy_error`]: `None` if nothing moves.
     #[serde(default, with = "maybe")]
     pub energy_error: Option<f64>,
-    /// The largest sum of m |v| of the run, kg m/s.
+    /// Momentum scale: largest sum of m |v| of the run, kg m/s.
     #[serde(default, with = "maybe")]
     pub momentum_scale: Option<f64>,
-    /// The largest energy of the run, J: kinetic, kinetic and internal, or work of damping or viscosity.
+    /// Energy scale: largest energy of the run, J: kinetic, kinetic and internal, or work of damping or viscosity.
     #[serde(default, with = "maybe")]
     pub energy_scale: Option<f64>,
 }
 
 impl Balances {
-    /// What is meant by the mass error.
+    /// Definition of the mass error.
     pub const MASS_ERROR: &str = "change of the mass of all bodies since the start, over the mass at the start; negative: lost. Mass goes with points that are removed";
-    /// What is meant by the momentum error.
+    /// Definition of the momentum error.
     pub const MOMENTUM_ERROR: &str = "amount of the change of momentum since the start that no impulse of boundaries, loads and body forces explains, over the largest sum of m |v| so far; around an axis along that alone";
-    /// What is meant by the energy error.
+    /// Definition of the energy error.
     pub const ENERGY_ERROR: &str = "change since the start of kinetic − staggering + internal energy − work + friction + impacts + damping + viscosity − conversion, over the largest energy so far: kinetic, kinetic and internal, or work of damping or viscosity; negative: energy was lost. Of energies that are rounding, where nothing moves, there is none";
 
-    /// The numbers of this column, if it is there.
+    /// Return the column of this name, if it exists.
     #[must_use]
     pub fn column(&self, name: &str) -> Option<&Column> {
         self.series.iter().find(|column| column.name == name)
     }
 
-    /// Errors alone.
+    /// Create balances with errors only.
     pub(crate) fn errors(energy_error: f64, momentum_error: f64) -> Self {
         Balances {
             series: Vec::new(),
@@ -90,7 +90,7 @@ impl Balances {
             column("staggering", "J", &|r| r.staggered),
             column("conversion", "J", &|r| r.conversion),
             column("total", "J", &Row::total),
-            // Energy at rest is not known before a look of the watch.
+            // The energy error at rest is not known before a check of the watch.
             column("energy error", "-", &|r| if rests { 0.0 } else { r.energy_error }),
             column("momentum x", "kg m/s", &|r| r.momentum[0]),
             column("momentum y", "kg m/s", &|r| r.momentum[1]),

@@ -1,45 +1,45 @@
-//! Numbers of a run beside what they should be.
+//! Comparisons of results with references.
 
 use serde::{Deserialize, Serialize};
 
 use crate::number::{maybe, real};
 
-/// A number of a run beside what it should be. Keys are those of the checks in `result.json` of the example cases.
+/// Comparison of a result of the run with a reference. Keys are those of the checks in `result.json` of the example cases.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Check {
-    /// What it is.
+    /// Name of the quantity.
     pub name: String,
-    /// This run's, in `unit`.
+    /// Result of this run, in `unit`.
     #[serde(with = "real")]
     pub value: f64,
-    /// Its unit; "-" if it has none.
+    /// Unit; "-" if dimensionless.
     pub unit: String,
-    /// What it should be, or the bound that it keeps to.
+    /// Reference value, or a bound.
     #[serde(default, with = "maybe")]
     pub reference: Option<f64>,
-    /// How far from the reference it may be, relative to it (absolute where the reference is 0). `None` of bounds.
+    /// Tolerance relative to the reference (absolute if the reference is 0). `None` for bounds.
     #[serde(default, with = "maybe")]
     pub tolerance: Option<f64>,
-    /// Where the reference is from.
+    /// Source of the reference.
     #[serde(default)]
     pub source: String,
-    /// Is it met? `None` if it is shown and not judged.
+    /// True if passed; `None` if it is shown but not judged.
     #[serde(default)]
     pub pass: Option<bool>,
-    /// Why it is declared as missed at present.
+    /// Reason of a failure that is expected at present.
     #[serde(default)]
     pub known: Option<String>,
 }
 
 impl Check {
-    /// `value` that is shown and not judged.
+    /// Create a check of `value` that is shown but not judged.
     #[must_use]
     pub fn shown(name: impl Into<String>, value: f64, unit: &str, remark: &str) -> Self {
         Check { name: name.into(), value, unit: unit.into(), source: remark.into(), ..Check::default() }
     }
 
-    /// `value` within `tolerance` of `reference`, relative to it (absolute where it is 0). NaN is not.
+    /// Create a check that `value` is within `tolerance` of `reference`, relative to it (absolute if it is 0). NaN fails.
     #[must_use]
     pub fn within(
         name: impl Into<String>,
@@ -54,7 +54,7 @@ impl Check {
         Check::judged(name, value, unit, reference, source, met).with_tolerance(tolerance)
     }
 
-    /// `value` beside `reference`, which another one judged.
+    /// Create a check of `value` against `reference` with a verdict from elsewhere.
     #[must_use]
     pub fn judged(
         name: impl Into<String>,
@@ -68,19 +68,19 @@ impl Check {
         Check { reference: Some(reference), pass: Some(met), ..shown }
     }
 
-    /// How far from the reference it may be, as [`Check::tolerance`].
+    /// Set the tolerance: see [`Check::tolerance`].
     #[must_use]
     pub fn with_tolerance(self, tolerance: f64) -> Self {
         Check { tolerance: Some(tolerance), ..self }
     }
 
-    /// Declared as missed at present, and why.
+    /// Mark the failure as expected at present, with the reason.
     #[must_use]
     pub fn known_miss(self, reason: impl Into<String>) -> Self {
         Check { known: Some(reason.into()), ..self }
     }
 
-    /// Its place in the table: missed, declared as missed, met, shown.
+    /// Rank in the table: failed, expected failure, passed, shown.
     pub(crate) fn rank(&self) -> u8 {
         match (self.pass, &self.known) {
             (Some(false), None) => 0,

@@ -1,59 +1,59 @@
-//! Files that a run left.
+//! Output files of a run.
 
 use serde::{Deserialize, Serialize};
 
 use crate::number::reals;
 
-/// A history in a CSV file, as [`impactite_output::History`] writes them: `name [unit]` above each column, what it runs over first.
+/// History in a CSV file written by [`impactite_output::History`]: header `name [unit]` for each column, the abscissa first.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct HistoryRecord {
-    /// What it shows.
+    /// Title of the history.
     pub title: String,
-    /// The file, relative to the folder of the run.
+    /// Path of the file, relative to the folder of the run.
     pub file: String,
-    /// Names of the columns that are drawn; empty for all.
+    /// Names of the columns to draw; empty for all.
     #[serde(default)]
     pub columns: Vec<String>,
 }
 
 impl HistoryRecord {
-    /// The history `title` in `file`, with all of its columns.
+    /// Create the history `title` in `file`, with all of its columns.
     #[must_use]
     pub fn new(title: impl Into<String>, file: impl Into<String>) -> Self {
         HistoryRecord { title: title.into(), file: file.into(), columns: Vec::new() }
     }
 
-    /// Draw these columns alone, by name.
+    /// Draw only these columns, by name.
     #[must_use]
     pub fn columns<T: Into<String>>(self, names: impl IntoIterator<Item = T>) -> Self {
         HistoryRecord { columns: names.into_iter().map(Into::into).collect(), ..self }
     }
 }
 
-/// A picture in a PNG, JPEG, WebP or SVG file.
+/// Picture in a PNG, JPEG, WebP or SVG file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PictureRecord {
-    /// The file, relative to the folder of the run.
+    /// Path of the file, relative to the folder of the run.
     pub file: String,
-    /// What it shows.
+    /// Caption of the picture.
     pub caption: String,
 }
 
-/// PNG files of one size that make an animation.
+/// Frames of an animation: PNG files of equal size.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Frames {
-    /// The files, relative to the folder of the run, in order.
+    /// Paths of the files, relative to the folder of the run, in order.
     pub files: Vec<String>,
-    /// Simulated times of the frames, s; empty if not told.
+    /// Simulated times of the frames, s; empty if unknown.
     #[serde(default, with = "reals")]
     pub times: Vec<f64>,
-    /// What they show.
+    /// Caption of the animation.
     #[serde(default)]
     pub caption: String,
 }
 
 impl Frames {
-    /// The pictures `name_000000.png`, ... that [`impactite_scene::observe::Pictures`] left in a folder named so, relative to the folder
+    /// Create the frames `name_000000.png`, ... that [`impactite_scene::observe::Pictures`] wrote to `folder`, relative to the folder
     /// of the run (empty for that folder itself).
     #[must_use]
     pub fn series(folder: &str, name: &str, count: usize) -> Self {
@@ -62,13 +62,13 @@ impl Frames {
         Frames { files, ..Frames::default() }
     }
 
-    /// What they show.
+    /// Set the caption.
     #[must_use]
     pub fn caption(self, caption: impl Into<String>) -> Self {
         Frames { caption: caption.into(), ..self }
     }
 
-    /// Their simulated times, s.
+    /// Set the simulated times, s.
     #[must_use]
     pub fn times(self, times: impl IntoIterator<Item = f64>) -> Self {
         Frames { times: times.into_iter().collect(), ..self }

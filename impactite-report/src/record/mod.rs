@@ -1,4 +1,4 @@
-//! All that the page of a run shows, but for its files, which it names.
+//! Record of a run: all data of its page, with references to its files.
 
 mod balances;
 mod check;
@@ -23,16 +23,16 @@ pub use run::{BodyRecord, Limit, Machine, Progress, Setting, Timing};
 use crate::error::ReportError;
 use crate::recorder::{Recorder, Warned};
 
-/// The version of records that this crate writes and reads.
+/// Format version of records that this crate writes and reads.
 pub const FORMAT: u32 = 1;
 
-/// The file of a record in the folder of its run.
+/// Name of the record file in the folder of its run.
 pub const FILE: &str = "run.json";
 
-/// A run: what it computed, what came of it, and what it took.
+/// Record of a run: scene, results and computing time.
 ///
-/// Made by a program after its run, saved whole as `run.json` in the folder of the run, and shown by
-/// [`write_page`](crate::write_page). Files are named relative to that folder.
+/// A program creates it after a run and saves it as `run.json` in the folder of the run;
+/// [`write_page`](crate::write_page) shows it. File paths are relative to that folder.
 ///
 /// ```
 /// use impactite_report::{Check, Record};
@@ -52,65 +52,65 @@ pub const FILE: &str = "run.json";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Record {
-    /// [`FORMAT`].
+    /// Format version, [`FORMAT`].
     pub format: u32,
-    /// What the run is called.
+    /// Title of the run.
     pub title: String,
-    /// The method, in a line of words.
+    /// Numerical method, one line.
     #[serde(default)]
     pub method: String,
-    /// Dimensions of the scene; 0 if not told.
+    /// Number of dimensions of the scene; 0 if unknown.
     #[serde(default)]
     pub dimensions: usize,
-    /// What part of the whole the scene is.
+    /// Fraction of the whole body that the scene models.
     #[serde(default)]
     pub part: Part,
-    /// Description of the scene, in its author's words; paragraphs are separated by empty lines.
+    /// Description of the scene by its author; paragraphs are separated by empty lines.
     #[serde(default)]
     pub description: String,
-    /// The scene as its author wrote it.
+    /// Text of the scene file.
     #[serde(default)]
     pub scene: String,
-    /// Settings, in the order given.
+    /// Settings, in the order of addition.
     #[serde(default)]
     pub settings: Vec<Setting>,
-    /// The bodies.
+    /// Bodies of the scene.
     #[serde(default)]
     pub bodies: Vec<BodyRecord>,
-    /// What it ran on.
+    /// Machine and versions of the run.
     #[serde(default)]
     pub machine: Machine,
-    /// How far it came.
+    /// Progress of the run.
     #[serde(default)]
     pub progress: Progress,
     /// Histories, in CSV files.
     #[serde(default)]
     pub histories: Vec<HistoryRecord>,
-    /// Pictures, the most telling one first.
+    /// Pictures; the first one is the main picture.
     #[serde(default)]
     pub pictures: Vec<PictureRecord>,
     /// Frames of an animation.
     #[serde(default)]
     pub animation: Option<Frames>,
-    /// Mass, momentum and energy.
+    /// Balances of mass, momentum and energy.
     #[serde(default)]
     pub balances: Option<Balances>,
-    /// Numbers of the run beside what they should be.
+    /// Comparisons with references.
     #[serde(default)]
     pub checks: Vec<Check>,
-    /// Where the time went.
+    /// Wall-clock times.
     #[serde(default)]
     pub timing: Timing,
-    /// What limited the step, where that is known.
+    /// Causes of the time step limit, if known.
     #[serde(default)]
     pub limits: Vec<Limit>,
-    /// What the run warned of.
+    /// Warnings of the run.
     #[serde(default)]
     pub warnings: Vec<Warned>,
 }
 
 impl Record {
-    /// A record called so.
+    /// Create a record with this title.
     #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
         Record {
@@ -140,13 +140,13 @@ impl Record {
         }
     }
 
-    /// Description of the scene, in its author's words.
+    /// Set the description of the scene by its author.
     #[must_use]
     pub fn description(self, text: impl Into<String>) -> Self {
         Record { description: text.into(), ..self }
     }
 
-    /// Its warnings and the error that stopped it, each changed by `words`: a front end names remedies as its users write them.
+    /// Translate the warnings, and the error that stopped the run, by `words`: a front end can name remedies in its own terms.
     #[must_use]
     pub fn in_words(mut self, words: impl Fn(&str) -> String) -> Self {
         for warned in &mut self.warnings {
@@ -158,34 +158,34 @@ impl Record {
         self
     }
 
-    /// The scene as its author wrote it.
+    /// Set the text of the scene file.
     #[must_use]
     pub fn scene(self, text: impl Into<String>) -> Self {
         Record { scene: text.into(), ..self }
     }
 
-    /// A setting, in `unit` (empty if it has none).
+    /// Add a setting, in `unit` (empty if it has none).
     #[must_use]
     pub fn setting(mut self, name: impl Into<String>, value: impl ToString, unit: impl Into<String>) -> Self {
         self.settings.push(Setting { name: name.into(), value: value.to_string(), unit: unit.into() });
         self
     }
 
-    /// The whole was cut at so many planes of symmetry: the scene is a half, a quarter, an eighth of it.
+    /// Set the number of symmetry planes: the scene is a half, a quarter, an eighth of the body.
     #[must_use]
     pub fn symmetry_planes(mut self, planes: u32) -> Self {
         self.part.planes = planes;
         self
     }
 
-    /// Another program or library that had to do with the run.
+    /// Add the version of another program or library of the run.
     #[must_use]
     pub fn version(mut self, name: impl Into<String>, version: impl Into<String>) -> Self {
         self.machine.versions.push([name.into(), version.into()]);
         self
     }
 
-    /// Method, dimensions, bodies and memory of a scene as it stands.
+    /// Set method, dimensions, bodies and memory from the current state of a scene.
     #[must_use]
     pub fn bodies_of(mut self, solver: &(dyn Solver + 'static)) -> Self {
         self.method = solver.method();
@@ -218,7 +218,7 @@ impl Record {
         self
     }
 
-    /// Balances, warnings, times and how far the run came, as `recorder` saw it. A run that is said to have
+    /// Set balances, warnings, times and progress from `recorder`. A run that is marked as
     /// [stopped](Record::stopped) stays so.
     #[must_use]
     pub fn balances(mut self, recorder: &Recorder) -> Self {
@@ -247,7 +247,7 @@ impl Record {
         self
     }
 
-    /// What the run took, on so many threads.
+    /// Set steps, times and number of threads from the summary of a run.
     #[must_use]
     pub fn summary(mut self, summary: &RunSummary, threads: usize) -> Self {
         self.timing.steps = summary.steps;
@@ -257,27 +257,27 @@ impl Record {
         self
     }
 
-    /// Seconds by the clock on the wall before the first step.
+    /// Set the wall-clock time before the first step, s.
     #[must_use]
     pub fn setup(mut self, seconds: f64) -> Self {
         self.timing.setup = Some(seconds);
         self
     }
 
-    /// The run stands at `time`, s, and is to go on to `end`: of a record that is saved before the run is over, so that a run that is
-    /// broken off has a page, too.
+    /// Mark the run as unfinished at `time`, s, of `end`: for a record saved during the run, so that an interrupted
+    /// run has a page, too.
     #[must_use]
     pub fn unfinished(self, time: f64, end: f64) -> Self {
         Record { progress: Progress::Interrupted { time, end }, ..self }
     }
 
-    /// The run reached its end, at `time`, s.
+    /// Mark the run as finished at `time`, s.
     #[must_use]
     pub fn finished(self, time: f64) -> Self {
         Record { progress: Progress::Finished { time: Some(time) }, ..self }
     }
 
-    /// An error stopped the run.
+    /// Mark the run as stopped by an error.
     #[must_use]
     pub fn stopped(mut self, error: &dyn std::fmt::Display) -> Self {
         let time = match self.progress {
@@ -289,58 +289,57 @@ impl Record {
         self
     }
 
-    /// A picture in `file`, relative to the folder of the run. The first one is the main one.
+    /// Add a picture in `file`, relative to the folder of the run. The first one is the main picture.
     #[must_use]
     pub fn picture(mut self, file: impl Into<String>, caption: impl Into<String>) -> Self {
         self.pictures.push(PictureRecord { file: file.into(), caption: caption.into() });
         self
     }
 
-    /// Frames of an animation.
+    /// Set the frames of an animation.
     #[must_use]
     pub fn frames(self, frames: Frames) -> Self {
         Record { animation: Some(frames), ..self }
     }
 
-    /// A history in the CSV file `file`, relative to the folder of the run, with all of its columns.
+    /// Add a history in the CSV file `file`, relative to the folder of the run, with all of its columns.
     #[must_use]
     pub fn history(self, title: impl Into<String>, file: impl Into<String>) -> Self {
         self.history_of(HistoryRecord::new(title, file))
     }
 
-    /// A history.
+    /// Add a history.
     #[must_use]
     pub fn history_of(mut self, history: HistoryRecord) -> Self {
         self.histories.push(history);
         self
     }
 
-    /// A number of the run beside what it should be.
+    /// Add a comparison with a reference.
     #[must_use]
     pub fn check(mut self, check: Check) -> Self {
         self.checks.push(check);
         self
     }
 
-    /// Such numbers.
+    /// Add comparisons with references.
     #[must_use]
     pub fn checks(mut self, checks: impl IntoIterator<Item = Check>) -> Self {
         self.checks.extend(checks);
         self
     }
 
-    /// Checks that passed, and checks that are judged.
+    /// Number of checks passed, and number of checks judged.
     #[must_use]
     pub fn met(&self) -> [usize; 2] {
         let judged = self.checks.iter().filter_map(|check| check.pass);
         [judged.clone().filter(|&met| met).count(), judged.count()]
     }
 
-    /// Save it whole as `run.json` in the folder of the run, which is made if it is not there.
+    /// Save the record atomically as `run.json` in the folder of the run, which is created if it does not exist.
     ///
     /// # Errors
-    /// A title that is empty, a file that is not within the folder, times of frames that are not one a frame; a file that cannot be
-    /// written.
+    /// An empty title, a file outside the folder, a number of frame times unlike that of frames; a file that cannot be written.
     pub fn save(&self, folder: impl AsRef<Path>) -> Result<PathBuf, ReportError> {
         self.check_fields()?;
         let folder = folder.as_ref();
@@ -351,7 +350,7 @@ impl Record {
         Ok(path)
     }
 
-    /// Refuse what no record can have.
+    /// Check the fields.
     pub(crate) fn check_fields(&self) -> Result<(), ReportError> {
         let refuse = |field, value: &str, allowed| {
             Err(ReportError::Field { field, value: format!("{value:?}"), allowed })
@@ -392,7 +391,7 @@ fn since_1970(time: SystemTime) -> Option<u64> {
     time.duration_since(SystemTime::UNIX_EPOCH).ok().map(|since| since.as_secs())
 }
 
-/// The architecture, and the vector instructions that the processor has.
+/// Architecture and vector instructions of the processor.
 fn features() -> String {
     let mut words = vec![std::env::consts::ARCH];
     #[cfg(target_arch = "x86_64")]

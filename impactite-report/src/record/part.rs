@@ -1,36 +1,36 @@
-//! What part of the whole a scene is.
+//! Fraction of the whole body that a scene models.
 
 use impactite_scene::embedding::{part_in_words, unit_of_part};
 use serde::{Deserialize, Serialize};
 
-/// What part of the whole the scene is: extensive quantities are of that part.
+/// Fraction of the whole body that the scene models: extensive quantities refer to it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Part {
-    /// Planes of symmetry at which the whole was cut: a quarter has two.
+    /// Number of symmetry planes: a quarter has two.
     pub planes: u32,
-    /// How a scene of less than three dimensions lies in space.
+    /// Reference measure of a scene of less than three dimensions.
     pub per: Per,
 }
 
-/// What extensive quantities are per.
+/// Reference measure of extensive quantities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Per {
-    /// Nothing: they are whole.
+    /// None: whole quantities.
     #[default]
     Whole,
-    /// Radian, around an axis: times 2 pi for a whole turn.
+    /// Per radian about an axis: times 2 pi for a full revolution.
     Radian,
-    /// Metre of depth.
+    /// Per metre of depth.
     Depth,
-    /// Square metre of cross-section, along a line.
+    /// Per square metre of cross-section.
     Area,
 }
 
 impl Part {
-    /// The part in words, `one quarter of the body`; none of the whole.
+    /// The fraction in words, `one quarter of the body`; `None` for the whole.
     #[must_use]
     pub fn share(&self) -> Option<String> {
         match self.planes {
@@ -42,7 +42,7 @@ impl Part {
         }
     }
 
-    /// What masses, momenta, forces and energies are of, in a sentence; none where they are of the whole.
+    /// Note on the reference of masses, momenta, forces and energies, one sentence; `None` if they refer to the whole.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let factor = 2_f64.powi(self.planes.min(64) as i32);
@@ -64,13 +64,13 @@ impl Part {
         }
     }
 
-    /// The unit of an extensive quantity: [`unit_of_part`].
+    /// Unit of an extensive quantity: [`unit_of_part`].
     pub(crate) fn unit(&self, unit: &str) -> String {
         let (dimensions, axisymmetric) = self.per.of();
         unit_of_part(unit, dimensions, axisymmetric)
     }
 
-    /// Names of the axes, and how many of them the scene has.
+    /// Names of the axes of the scene.
     pub(crate) fn axes(&self, dimensions: usize) -> &'static [&'static str] {
         match (self.per, dimensions) {
             (Per::Radian, _) => &["r", "z"],
@@ -82,7 +82,7 @@ impl Part {
 }
 
 impl Per {
-    /// Dimensions of such a scene, and is it axisymmetric?
+    /// Number of dimensions of the scene, and true if axisymmetric.
     fn of(self) -> (usize, bool) {
         match self {
             Per::Whole => (3, false),

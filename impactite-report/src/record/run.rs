@@ -1,130 +1,130 @@
-//! What a run was made of, what it ran on, how far it came, and what it took.
+//! Settings, bodies, machine, progress and timing of a run.
 
 use serde::{Deserialize, Serialize};
 
 use crate::number::{maybe, real};
 
-/// A setting of a run.
+/// Setting of a run.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Setting {
-    /// What it is.
+    /// Name of the setting.
     pub name: String,
-    /// What was chosen, in words or numbers.
+    /// Value, in words or numbers.
     pub value: String,
-    /// Its unit; empty if it has none.
+    /// Unit; empty if it has none.
     #[serde(default)]
     pub unit: String,
 }
 
-/// A body at the time of the record.
+/// State of a body at the time of the record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct BodyRecord {
-    /// Its name.
+    /// Name of the body.
     pub name: String,
-    /// Its constitutive law.
+    /// Name of the constitutive law.
     pub material: String,
-    /// Its points.
+    /// Number of points.
     pub points: usize,
-    /// Mass, kg, of the part that is computed.
+    /// Mass of the modelled part, kg.
     #[serde(with = "real")]
     pub mass: f64,
-    /// Width of its smallest point, m; NaN of a body without points.
+    /// Width of the smallest point, m; NaN for a body without points.
     #[serde(with = "real")]
     pub smallest: f64,
-    /// Speed of its fastest point, m/s; NaN of a body without points.
+    /// Speed of the fastest point, m/s; NaN for a body without points.
     #[serde(with = "real")]
     pub fastest: f64,
 }
 
-/// What a run ran on, and when.
+/// Machine, versions and date of a run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Machine {
-    /// Programs and libraries, and their versions.
+    /// Names and versions of programs and libraries.
     #[serde(default)]
     pub versions: Vec<[String; 2]>,
-    /// Processor architecture, and the vector instructions that it has.
+    /// Processor architecture and its vector instructions.
     #[serde(default)]
     pub features: String,
-    /// Threads; 0 if not told.
+    /// Number of threads; 0 if unknown.
     #[serde(default)]
     pub threads: usize,
-    /// When the run started, seconds since 1970 in universal time.
+    /// Start of the run, seconds since 1970 in universal time.
     #[serde(default)]
     pub started: Option<u64>,
-    /// When it ended.
+    /// End of the run, seconds since 1970 in universal time.
     #[serde(default)]
     pub ended: Option<u64>,
 }
 
-/// How far a run came. Times are s.
+/// Progress of a run. Times in s.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "state", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Progress {
-    /// Nobody said.
+    /// Unknown progress.
     #[default]
     Unknown,
-    /// To its end.
+    /// The run reached its end.
     Finished {
-        /// The end, if that is known.
+        /// End time, if known.
         #[serde(default, with = "maybe")]
         time: Option<f64>,
     },
-    /// An error stopped it.
+    /// The run was stopped by an error.
     Stopped {
-        /// Where, if that is known.
+        /// Time of the error, if known.
         #[serde(default, with = "maybe")]
         time: Option<f64>,
-        /// What it said.
+        /// Message of the error.
         error: String,
     },
-    /// It was broken off, or goes on still.
+    /// The run was interrupted, or is still running.
     Interrupted {
-        /// Where it stood when the record was made.
+        /// Time when the record was saved.
         #[serde(with = "real")]
         time: f64,
-        /// Where it was to end.
+        /// Intended end time.
         #[serde(with = "real")]
         end: f64,
     },
 }
 
-/// Where the time went, by the clock on the wall, s. What is `None` was not measured.
+/// Wall-clock times, s. `None` was not measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Timing {
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// In steps.
+    /// Time in steps.
     #[serde(default, with = "maybe")]
     pub stepping: Option<f64>,
-    /// Between steps: observers, files, pictures, checkpoints.
+    /// Time between steps: observers, files, pictures, checkpoints.
     #[serde(default, with = "maybe")]
     pub observers: Option<f64>,
-    /// Before the first step.
+    /// Time before the first step.
     #[serde(default, with = "maybe")]
     pub setup: Option<f64>,
-    /// Point updates.
+    /// Number of point updates.
     pub updates: f64,
-    /// Bytes of bodies and scratch.
+    /// Memory of bodies and scratch, bytes.
     pub bytes: Option<usize>,
 }
 
 impl Timing {
-    /// Point updates a second, if steps took time.
+    /// Point updates per second, if the time in steps is positive.
     #[must_use]
     pub fn rate(&self) -> Option<f64> {
         self.stepping.filter(|&seconds| seconds > 0.0).map(|seconds| self.updates / seconds)
     }
 }
 
-/// What limited the step, and how often.
+/// Cause of the time step limit, and its frequency.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limit {
-    /// What: a body with its waves and velocities, nodes of the grid, the growth allowed from one step to the next.
+    /// Cause: waves and velocities of a body, nodes of the grid, growth limit from one step to the next.
     pub cause: String,
-    /// At how many looks of the [`Recorder`](crate::Recorder).
+    /// Number of looks of the [`Recorder`](crate::Recorder) with this cause.
     pub looks: u64,
 }

@@ -1,4 +1,4 @@
-//! A scene to report of: points of a block in the plane, joined by springs, that fall on a wall.
+//! Test scene: a block of points in the plane, connected by springs, that falls on a wall.
 
 use impactite_scene::observe::Observer;
 use impactite_scene::{
@@ -7,20 +7,20 @@ use impactite_scene::{
 };
 use impactite_simd::Team;
 
-/// Points along x and y, and their distance, m.
+/// Number of points along x and y; `SPACING`: their distance, m.
 const SIZE: [usize; 2] = [16, 10];
 const SPACING: f64 = 0.01;
-/// Of a point, kg per metre of depth; of a spring, N/m per metre of depth.
+/// Mass of a point, kg per metre of depth; `STIFFNESS` of a spring, N/m per metre of depth.
 const MASS: f64 = 0.1;
 const STIFFNESS: f64 = 1.0e7;
-/// Downwards at the start, m/s.
+/// Initial downward speed, m/s.
 const SPEED: f64 = 8.0;
-/// The step, s: a small part of the period of a point between eight springs.
+/// Time step, s: a small fraction of the period of a point between eight springs.
 const STEP: f64 = 5.0e-6;
-/// After so many steps the run warns.
+/// Step at which the run warns.
 const WARNS: u64 = 300;
 
-/// The block, whose name and law are those that a report shows.
+/// Block of points; a report shows its name and law.
 pub struct Block {
     clock: Clock,
     points: Points,
@@ -32,12 +32,12 @@ struct Points {
     name: String,
     positions: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
-    /// Two points, and the length at rest, m.
+    /// Springs: indices of two points, and rest length, m.
     springs: Vec<([usize; 2], f64)>,
 }
 
 impl Block {
-    /// At its start, with this name.
+    /// Create the block in its initial state, with this name.
     pub fn new(name: &str) -> Self {
         let [nx, ny] = SIZE;
         let place = |n: usize| [(n % nx) as f64 * SPACING, (n / nx) as f64 * SPACING + 0.3 * SPACING];
@@ -134,7 +134,7 @@ impl Solver for Block {
             }
         }
         for (x, v) in positions.iter_mut().zip(velocities.iter_mut()) {
-            // The wall turns points back.
+            // The wall reflects points.
             if x[1] <= 0.0 && v[1] < 0.0 {
                 self.exchange.impulse[1] -= 2.0 * MASS * v[1];
                 v[1] = -v[1];
@@ -170,7 +170,7 @@ impl Solver for Block {
     }
 }
 
-/// A folder for a test, removed at its end.
+/// Temporary folder of a test, removed on drop.
 pub struct Folder(pub std::path::PathBuf);
 
 impl Folder {
@@ -183,14 +183,14 @@ impl Folder {
 
 impl Drop for Folder {
     fn drop(&mut self) {
-        // Kept where somebody asks to look at it.
+        // Kept for inspection if requested by the environment.
         if std::env::var_os("IMPACTITE_KEEP").is_none() {
             let _ = std::fs::remove_dir_all(&self.0);
         }
     }
 }
 
-/// Runs a block until `end`, s, shown to `observers`.
+/// Run a block until `end`, s, with `observers`.
 pub fn run<'a>(block: &'a mut Block, end: f64, observers: Vec<&'a mut dyn Observer>) -> RunSummary {
     Run::new(block).observe_all(observers).until(end).expect("a run")
 }

@@ -1,4 +1,4 @@
-//! Conditions.
+//! Boundary conditions.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -110,7 +110,7 @@ parts! {
     }
 }
 
-/// A velocity, or none: `"free"`.
+/// Velocity, or unconstrained: `"free"`.
 #[derive(Clone, Debug)]
 pub struct MayBeFree(pub Option<Formula<Speed>>);
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Length, Plain, Pressure, Quantity};
 
-/// Contact of the bodies, or none: `"none"`.
+/// Contact of the bodies, or no contact: `"none"`.
 #[derive(Clone, Debug)]
 pub enum ContactChoice {
     /// Bodies share one velocity field (`mpm`): they stick to each other without resistance at their surfaces.

@@ -1,4 +1,4 @@
-//! Materials: named sets of the library, or laws from their parts.
+//! Materials: named sets of the library, or laws composed of parts.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -9,9 +9,9 @@ use crate::quantity::{
     Viscosity,
 };
 
-/// Taylor-Quinney coefficient if none is given.
+/// Default Taylor-Quinney coefficient.
 pub const TAYLOR_QUINNEY: f64 = 0.9;
-/// Width of the burn of an explosive in cells if none is given.
+/// Default burn width of an explosive, in cells.
 pub const BURN_WIDTH: f64 = 1.5;
 
 /// A material: exactly one of `library`, `elastic`, `neo_hookean`, `strength` with `eos`, `ground`, `fluid`, `explosive`; metals with
@@ -64,7 +64,7 @@ macro_rules! library {
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
         pub enum Library { $($(#[$doc])* #[serde(rename = $word)] $name,)* }
         impl Library {
-            /// All of them, with their names.
+            /// All named sets, with their keys.
             pub const ALL: &[(Library, &str)] = &[$((Library::$name, $word),)*];
         }
     };

@@ -64,7 +64,7 @@ pub enum Measurement {
 }
 
 impl Measurement {
-    /// The region whose points alone count.
+    /// Return the region that restricts the points.
     #[must_use]
     pub fn region(&self) -> Option<&Shape> {
         match self {
@@ -78,7 +78,7 @@ impl Measurement {
         }
     }
 
-    /// The same, to be changed.
+    /// Return the region for modification.
     pub(crate) fn region_mut(&mut self) -> Option<&mut Shape> {
         match self {
             Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => {

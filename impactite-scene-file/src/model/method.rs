@@ -1,4 +1,4 @@
-//! Methods.
+//! Numerical methods.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,14 +7,14 @@ use super::Vector;
 use super::parts::parts;
 use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
-/// Penalty of the fluxes over Young's modulus if none is given.
+/// Default penalty of the fluxes over Young's modulus.
 pub const PENALTY: f64 = 5.0;
-/// Tolerance of contact of particles over the spacing if none is given, in the plane and in space: diagonals of a lattice touch from 0.42 on,
-/// those of cubes from 0.74 on.
+/// Default tolerance of particle contact over the spacing, in two and three dimensions: diagonals of a square lattice touch from 0.42,
+/// those of a cubic lattice from 0.74.
 pub const TOLERANCES: [f64; 2] = [0.5, 0.8];
-/// Tolerances beyond which an element is a crack if none are given.
+/// Default gap, in tolerances, beyond which an element is a crack.
 pub const STRETCH: f64 = 2.0;
-/// Steps that a body makes as one if none are given.
+/// Default maximum number of subcycles.
 pub const SUBCYCLES: u32 = 1;
 
 /// The method of a scene.

@@ -1,4 +1,4 @@
-//! What a scene file holds, as types. Every key is checked where it is read; the [schema](crate::schema) is generated from these types.
+//! Types of a scene file. Every key is checked on reading; the [schema](crate::schema) is generated from these types.
 
 pub mod body;
 pub mod condition;

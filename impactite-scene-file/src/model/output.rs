@@ -1,4 +1,4 @@
-//! What is written.
+//! Output of a run.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -54,12 +54,12 @@ parts! {
     }
 }
 
-/// Across which planes of symmetry pictures have mirror images.
+/// Planes of symmetry at which pictures have mirror images.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Mirror {
-    /// That of each axis which has one plane (`true`), or none (`false`).
+    /// At each axis with exactly one plane (`true`), or nowhere (`false`).
     Single(bool),
-    /// All planes across these axes.
+    /// At all planes normal to these axes.
     Axes(Vec<Axis>),
 }
 

@@ -38,10 +38,10 @@ parts! {
 }
 
 impl TableSpec {
-    /// The table, of a file in this folder.
+    /// Build the table; files are relative to `folder`.
     ///
     /// # Errors
-    /// Neither points nor a file, or both; a file that cannot be read or has other columns; points that are no table.
+    /// Neither points nor a file, or both; file that cannot be read or lacks the columns; invalid points.
     pub fn table(&self, folder: &Path) -> Result<Table, String> {
         match (&self.points, &self.file) {
             (Some(points), None) => {
@@ -67,7 +67,7 @@ impl TableSpec {
     }
 }
 
-/// A quantity of any measure, in SI units: a number, or a text with a unit.
+/// Quantity of any dimension, in SI units: a number, or a text with a unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Any(pub f64);
 

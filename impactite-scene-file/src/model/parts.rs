@@ -1,6 +1,6 @@
-//! Tables of keys.
+//! Macro for tables of keys.
 
-/// Structs whose fields are the keys of a table of the file, and no others.
+/// Structs whose fields are the keys of a table; unknown keys are errors.
 macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
         #[derive(Clone, Debug, Deserialize, JsonSchema)]

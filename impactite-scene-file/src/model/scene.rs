@@ -1,4 +1,4 @@
-//! The file as a whole.
+//! Root table of a scene file.
 
 use indexmap::IndexMap;
 use schemars::JsonSchema;
@@ -87,11 +87,11 @@ pub struct SceneFile {
     pub known: Parameters,
 }
 
-/// Most bodies that a repetition makes.
+/// Maximum number of repeated bodies.
 const MOST: u64 = 100_000;
 
 impl SceneFile {
-    /// Contact of the bodies; none of one body, and of bodies that share one velocity field.
+    /// Return the contact of the bodies; `None` for a single body and for bodies that share one velocity field.
     #[must_use]
     pub fn contact(&self) -> Option<&Contact> {
         match &self.contact {
@@ -100,10 +100,10 @@ impl SceneFile {
         }
     }
 
-    /// Bodies that are repeated, one by one.
+    /// Expand repeated bodies to single ones.
     ///
     /// # Errors
-    /// The key, and what is wrong there.
+    /// Key and reason.
     pub fn expand(&mut self) -> Result<(), (String, String)> {
         let mut all = IndexMap::new();
         for (name, body) in &self.bodies {
@@ -151,9 +151,9 @@ impl SceneFile {
         Ok(())
     }
 
-    /// Put shapes of bodies in the place of their names.
+    /// Replace references to bodies by their shapes.
     fn resolve(&mut self) {
-        /// Most names that are resolved.
+        /// Maximum number of resolved references.
         const NAMES: usize = 100_000;
         let spec = |body: &Body| body.shape.clone();
         let mut shapes: IndexMap<String, Option<Shape>> =

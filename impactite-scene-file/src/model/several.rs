@@ -1,4 +1,4 @@
-//! One thing or a list of them.
+//! One table, or a list of tables.
 
 use std::borrow::Cow;
 use std::fmt::{Formatter, Result as Written};
@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Deserializer, MapAccess, SeqAccess, Visitor};
 
-/// A table, or a list of such tables.
+/// One table, or a list of such tables.
 #[derive(Clone, Debug)]
 pub struct Several<T>(pub Vec<T>);
 
@@ -20,7 +20,7 @@ impl<T> Default for Several<T> {
 }
 
 impl<T> Several<T> {
-    /// Each with its key, that of all being `key`.
+    /// Return each table with its key; `key` itself for a single one.
     pub fn keyed<'a>(&'a self, key: &'a str) -> impl Iterator<Item = (String, &'a T)> {
         let one = self.0.len() == 1;
         let at = move |n: usize| if one { key.to_string() } else { format!("{key}[{n}]") };

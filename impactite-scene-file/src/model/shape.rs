@@ -1,4 +1,4 @@
-//! Shapes.
+//! Geometric shapes.
 
 use std::path::PathBuf;
 
@@ -51,8 +51,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Put the shapes of bodies in the place of their names. A name stays of a body that there is not, that has no shape, or whose shape is
-    /// that of itself.
+    /// Replace references to bodies by their shapes. References to a missing body, to a body without a shape, and circular ones stay.
     pub(crate) fn resolve(&mut self, bodies: &mut Bodies<'_>) {
         match self {
             Shape::Union(list) | Shape::Intersection(list) | Shape::Difference(list) => {
@@ -73,12 +72,12 @@ impl Shape {
     }
 }
 
-/// Shapes of bodies by name, while names are resolved.
+/// Shapes of bodies by name, during resolution of references.
 pub(crate) struct Bodies<'a> {
     pub shapes: &'a IndexMap<String, Option<Shape>>,
-    /// Names that are being resolved.
+    /// Names under resolution.
     pub trail: Vec<String>,
-    /// How many names may still be resolved: shapes of shapes could double without end.
+    /// Remaining number of references to resolve: nested shapes could double without end.
     pub left: usize,
 }
 

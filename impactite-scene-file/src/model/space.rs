@@ -24,12 +24,12 @@ pub enum Space {
 }
 
 impl Space {
-    /// 2 or 3.
+    /// Number of dimensions, 2 or 3.
     #[must_use]
     pub fn dimensions(self) -> usize {
         if self == Space::Full { 3 } else { 2 }
     }
-    /// Which coordinates there are.
+    /// Return the coordinate system.
     #[must_use]
     pub fn coordinates(self) -> Coordinates {
         match self {
@@ -38,10 +38,10 @@ impl Space {
             Space::Axisymmetric => Coordinates::Revolved,
         }
     }
-    /// The number of an axis.
+    /// Return the index of an axis.
     ///
     /// # Errors
-    /// An axis that there is not.
+    /// Axis that this space does not have.
     pub fn axis(self, axis: Axis) -> Result<usize, String> {
         let (there, list): (&[Axis], &str) = match self {
             Space::Full => (&[Axis::X, Axis::Y, Axis::Z], "x, y, z"),
@@ -51,7 +51,7 @@ impl Space {
         let missing = || format!("there is no axis {} here; the axes are {list}", axis.name());
         there.iter().position(|a| *a == axis).ok_or_else(missing)
     }
-    /// The word of files.
+    /// Return the word in scene files.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -78,7 +78,7 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// Its letter.
+    /// Return the letter of the axis.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -90,16 +90,16 @@ impl Axis {
     }
 }
 
-/// A place, direction or vector of the scene: 2 or 3 quantities.
+/// Position, direction or vector of the scene: 2 or 3 quantities.
 pub type Vector<U> = Vec<Quantity<U>>;
 
-/// As many numbers as there are dimensions.
+/// Convert a list to one number per dimension.
 pub fn fixed<const D: usize, U: Measure>(list: &[Quantity<U>]) -> Result<[f64; D], String> {
     let numbers: Vec<f64> = list.iter().map(|q| q.value).collect();
     numbers.try_into().map_err(|list: Vec<f64>| components(list.len(), D))
 }
 
-/// As many formulas as there are dimensions.
+/// Convert a list to one formula per dimension.
 pub fn formulas<const D: usize, U: Measure>(list: &[Formula<U>]) -> Result<[Formula<U>; D], String> {
     list.to_vec().try_into().map_err(|list: Vec<_>| components(list.len(), D))
 }

@@ -1,4 +1,4 @@
-//! What every condition must do, as tests that one line applies to any of them, ours or yours. Behind the feature `conformance`.
+//! Conformance tests of boundary conditions, built-in or custom, in one line each. Behind the feature `conformance`.
 //!
 //! ```
 //! use impactite_scene::{Boundary, Side};
@@ -8,28 +8,28 @@
 //!     a_rough_wall: 2, rough, [-1.0, -1.0], [1.0, 1.0];
 //! }
 //! ```
-//! Each line becomes a `#[test]`: its name, the dimensions, the condition, and the corners of a box, m, in whose middle it acts.
+//! Each line becomes a `#[test]`: its name, the dimensions, the condition, and the corners of a box, m, in whose middle the condition acts.
 
 use std::fmt::{Debug, Display};
 
 use super::Broken;
 use crate::condition::{Condition, Place, Reaction};
 
-/// Places that are tried.
+/// Number of trial places.
 const TRIALS: u64 = 2000;
-/// Rounding of a few operations on numbers of the size at hand.
+/// Relative rounding error of a few operations.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// A condition keeps its contract, tried at random places of the box from `low` to `high`, m, and around it, its middle planes
-/// among them, with masses, velocities and steps of all sizes:
+/// Test the contract of a condition at random places in and around the box from `low` to `high`, m, its middle planes included, with
+/// masses, velocities and steps of all sizes:
 ///
-/// - it accepts its own numbers, and names itself for checkpoints the same each time;
-/// - what it answers is finite, and the same each time: it depends on nothing but the place;
-/// - friction takes energy: its heat is zero or positive;
-/// - in directions that it holds, the impulse is the change of momentum that makes the matter move as the boundary does;
-/// - where it alone acts and holds nothing, it gives no energy but the work that it says: the kinetic energy of the matter rises by no
-///   more than work less heat;
-/// - it does nothing where it says that it does not reach;
+/// - it accepts its own parameters, and its description for checkpoints is reproducible;
+/// - its reaction is finite and reproducible: it depends on the place only;
+/// - the heat of friction is zero or positive;
+/// - in constrained directions the impulse is the momentum change to the velocity of the boundary;
+/// - acting alone and without constraints, it adds no energy beyond its work: the kinetic energy of the matter rises by no more than work
+///   minus heat;
+/// - it has no impulse outside of the reach that it declares;
 /// - it acts somewhere in the box.
 ///
 /// # Errors
@@ -80,7 +80,7 @@ fn debug(x: &impl Debug) -> String {
 
 type Requires<'a> = dyn Fn(bool, &'static str, &dyn Display) -> Result<(), Broken> + 'a;
 
-/// What is held moves with the boundary.
+/// Check that constrained matter moves with the boundary.
 fn held<const D: usize>(
     place: &Place<D>,
     reaction: &Reaction<D>,
@@ -96,7 +96,7 @@ fn held<const D: usize>(
     Ok(())
 }
 
-/// The energy of the matter rises by no more than work less heat, where nothing is held.
+/// Check that the energy of unconstrained matter rises by no more than work minus heat.
 fn energy<const D: usize>(
     place: &Place<D>,
     reaction: &Reaction<D>,
@@ -117,7 +117,7 @@ fn energy<const D: usize>(
     require(rise <= said + ROUNDING * size, "giving no more energy than its work", &detail)
 }
 
-/// The place of a trial: positions in the box and around it, a third on its middle planes; the same for the same number.
+/// Return the place of a trial: positions in and around the box, a third on its middle planes; reproducible by number.
 fn place<const D: usize>(trial: u64, low: &[f64; D], high: &[f64; D]) -> Place<D> {
     let mut random = Random(trial.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66_D1CE_4E5B);
     let position = std::array::from_fn(|d| {
@@ -142,7 +142,7 @@ fn place<const D: usize>(trial: u64, low: &[f64; D], high: &[f64; D]) -> Place<D
     }
 }
 
-/// Numbers in -1 .. 1 (SplitMix64).
+/// Random numbers in -1 .. 1 (SplitMix64).
 struct Random(u64);
 
 impl Random {
@@ -156,7 +156,7 @@ impl Random {
     }
 }
 
-/// Make a `#[test]` of each line `name: dimensions, condition, low, high;`: [`condition`] on it.
+/// Make a `#[test]` of each line `name: dimensions, condition, low, high;` that calls [`condition`].
 #[macro_export]
 macro_rules! condition_conforms {
     ($($name:ident: $d:literal, $condition:expr, $low:expr, $high:expr;)*) => {$(
@@ -202,7 +202,7 @@ mod tests {
         prescribed_velocity: 2, prescribed(), [-1.0; 2], [1.0; 2];
     }
 
-    /// What a faulty condition does.
+    /// Fault of a test condition.
     #[derive(Debug)]
     enum Fault {
         Pushes,

@@ -1,5 +1,4 @@
-//! What every solver and every boundary condition must do, as tests that one line applies to any of them, ours or yours. Behind the
-//! feature `conformance`.
+//! Conformance tests of solvers and boundary conditions, built-in or custom, in one line each. Behind the feature `conformance`.
 
 mod condition;
 mod solver;
@@ -7,14 +6,14 @@ mod solver;
 pub use condition::condition;
 pub use solver::{Scene, SolverTests, balances, bodies, errors, observers, restart, steps, threads};
 
-/// A property that does not hold.
+/// Violated property.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{subject}: {property} does not hold: {detail}")]
 pub struct Broken {
-    /// What was tested.
+    /// Subject of the test.
     pub subject: String,
-    /// The property, in words.
+    /// Property, in words.
     pub property: &'static str,
-    /// Where and by how much.
+    /// Place and amount of the violation.
     pub detail: String,
 }

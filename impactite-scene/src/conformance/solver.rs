@@ -1,11 +1,11 @@
-//! What every solver must do, as tests that one line applies to any of them, ours or yours. Behind the feature `conformance`.
+//! Conformance tests of solvers, built-in or custom, in one line each. Behind the feature `conformance`.
 //!
 //! ```ignore
 //! impactite_scene::solver_conforms! {
 //!     bar: || -> Bar { Bar::new(20, 1.0) }, SolverTests::until(1.0e-3).energy_within(0.01).breaking(1.0, || Bar::new(20, f64::NAN));
 //! }
 //! ```
-//! The line becomes a module `bar` of tests, one a property. The functions can also be called; they return what was [`Broken`] first.
+//! The line becomes a module `bar` with one test per property. The functions can also be called; they return the first [`Broken`] property.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,7 +26,7 @@ use crate::solver::Solver;
 type Check = Result<(), Broken>;
 type Maker = Arc<dyn Fn() -> Box<dyn Solver> + Send + Sync>;
 
-/// What the tests of a solver run: a scene from its start to an end of some hundred steps at most, and what is allowed.
+/// Settings of the tests of a solver: end time, some hundred steps from the start at most, and tolerances.
 #[derive(Clone)]
 pub struct SolverTests {
     end: f64,
@@ -36,29 +36,29 @@ pub struct SolverTests {
 }
 
 impl SolverTests {
-    /// Run until `end`, s. Energy is conserved within 1 % of its largest value and momentum within 1e-12 unless told otherwise.
+    /// Run until `end`, s. By default energy is conserved within 1 % of its largest value and momentum within 1e-12.
     #[must_use]
     pub fn until(end: f64) -> Self {
         SolverTests { end, energy: 0.01, momentum: 1e-12, breaking: None }
     }
-    /// Allow energy that no balance has, as a share of the largest energy.
+    /// Set the tolerance of the energy error, as a share of the largest energy.
     #[must_use]
     pub fn energy_within(self, share: f64) -> Self {
         SolverTests { energy: share, ..self }
     }
-    /// Allow momentum that no balance has, as a share of the largest sum of m |v|.
+    /// Set the tolerance of the momentum error, as a share of the largest sum of m |v|.
     #[must_use]
     pub fn momentum_within(self, share: f64) -> Self {
         SolverTests { momentum: share, ..self }
     }
-    /// A scene that breaks before `end`, s: at a point, or at one of its numbers.
+    /// Add a scene that fails before `end`, s, at a point or in one of its own quantities.
     #[must_use]
     pub fn breaking<S: Solver>(self, end: f64, scene: impl Fn() -> S + Send + Sync + 'static) -> Self {
         SolverTests { breaking: Some((end, Arc::new(move || Box::new(scene())))), ..self }
     }
 }
 
-/// A scene as the tests make it.
+/// Constructor of the scene under test.
 pub type Scene<'a> = &'a dyn Fn() -> Box<dyn Solver>;
 
 fn broken<X>(solver: &dyn Solver, property: &'static str, detail: impl Into<String>) -> Result<X, Broken> {
@@ -69,7 +69,7 @@ fn run(solver: &mut dyn Solver, end: f64, property: &'static str) -> Check {
     solver.run_until(end).or_else(|error| broken(solver, property, format!("it stopped: {error}")))
 }
 
-/// All that others see of a scene, by bits.
+/// Public state of a scene, by bits.
 #[derive(PartialEq)]
 struct Seen {
     time: u64,
@@ -126,7 +126,7 @@ fn compare(solver: &dyn Solver, property: &'static str, here: &Seen, there: &See
     broken(solver, property, detail)
 }
 
-/// Bodies have names of their own, their points are counted and finite, and their sums are those of the points.
+/// Test bodies: unique names, finite points with unique numbers, and counts and masses that agree with the points.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -164,7 +164,7 @@ pub fn bodies(scene: Scene<'_>, tests: &SolverTests) -> Check {
                 return broken(&*solver, "points are counted", detail);
             }
             let totals = body.totals();
-            // A rigid body whose motion is prescribed has no mass of its own.
+            // A rigid body with prescribed motion has no mass of its own.
             if totals.mass > 0.0 && (totals.mass - sum.mass).abs() > 1e-12 * sum.mass {
                 let detail = format!("`{name}`: {} kg, and {} kg of its points", totals.mass, sum.mass);
                 return broken(&*solver, "the mass is that of the points", detail);
@@ -183,7 +183,7 @@ pub fn bodies(scene: Scene<'_>, tests: &SolverTests) -> Check {
     Ok(())
 }
 
-/// Mass, momentum and energy are conserved, but for what is exchanged.
+/// Test the conservation of mass, momentum and energy, up to the exchange.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -218,7 +218,7 @@ pub fn balances(scene: Scene<'_>, tests: &SolverTests) -> Check {
     Ok(())
 }
 
-/// Steps are as long as was asked for at most, ends are met exactly, and what no clock can follow is refused.
+/// Test steps: size limit, exact end times, and errors for invalid times.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -230,7 +230,7 @@ pub fn steps(scene: Scene<'_>, tests: &SolverTests) -> Check {
         return broken(&*solver, "the stable step is positive", format!("{stable} s"));
     }
     let left = 0.01 * tests.end.min(stable);
-    // A method may have planned its first step before it is told how long that may be.
+    // A method may have planned its first step before it receives the limit.
     for n in 0..3 {
         let (time, count) = (solver.time(), solver.steps());
         let dt = solver.step_at_most(left).or_else(|e| broken(&*solver, "a step is made", e.to_string()))?;
@@ -265,7 +265,7 @@ pub fn steps(scene: Scene<'_>, tests: &SolverTests) -> Check {
     run(&mut *solver, 1.01 * tests.end, "a run goes on after what was refused")
 }
 
-/// Results are the same bits for any number of threads.
+/// Test that results are the same bits for any number of threads.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -284,7 +284,7 @@ pub fn threads(scene: Scene<'_>, tests: &SolverTests) -> Check {
     Ok(())
 }
 
-/// A folder that is removed at the end.
+/// Temporary folder, removed at the end.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -301,7 +301,7 @@ impl Drop for Folder {
     }
 }
 
-/// Counts how often it looks.
+/// Observer that counts its observations.
 struct Count {
     pace: Pace,
     looks: u64,
@@ -321,7 +321,7 @@ impl Observer for Count {
     }
 }
 
-/// Stops a run after a step, as if it had been killed.
+/// Observer that stops a run after a step, as if it had been killed.
 struct Kill {
     pace: Pace,
     after: u64,
@@ -339,7 +339,7 @@ impl Observer for Kill {
     }
 }
 
-/// Observers change nothing, see every step once, and write what they should.
+/// Test that observers change nothing, are called once per step, and write their output.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -372,8 +372,8 @@ pub fn observers(scene: Scene<'_>, tests: &SolverTests) -> Check {
     Ok(())
 }
 
-/// A run that is saved at any step and resumed makes the steps of the other one, bit for bit, on any number of threads, observers
-/// included; files that are damaged or of another scene are refused.
+/// Test restart: a run that is saved at any step and resumed makes the steps of the uninterrupted one, bit for bit, on any number of
+/// threads, observers included; files that are cut short are errors.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -417,7 +417,7 @@ pub fn restart(scene: Scene<'_>, tests: &SolverTests) -> Check {
     observed_restart(scene, tests, &file)
 }
 
-/// A run with observers, broken off and resumed with its observers.
+/// Test an interrupted run with observers that is resumed with its observers.
 fn observed_restart(scene: Scene<'_>, tests: &SolverTests, file: &PathBuf) -> Check {
     let property = "observers of a run that is resumed saw what those of the other one saw";
     let made = |e: RunError| Broken { subject: "restart".into(), property, detail: e.to_string() };
@@ -425,7 +425,7 @@ fn observed_restart(scene: Scene<'_>, tests: &SolverTests, file: &PathBuf) -> Ch
     let ledger = || Ledger::new(Pace::every_step());
     let (mut whole, mut all) = (scene(), ledger());
     Run::new(&mut *whole).observe(&mut all).until(tests.end).map_err(made)?;
-    // The last checkpoint is of some step before the end.
+    // The last checkpoint is some steps before the end.
     let kill = |after| Kill { pace: Pace::every_step(), after };
     let (mut first, mut lost, mut killed) = (scene(), ledger(), kill(whole.steps() - whole.steps() / 5));
     let every = Pace::steps((whole.steps() / 3).max(1)).map_err(pace)?;
@@ -444,7 +444,7 @@ fn observed_restart(scene: Scene<'_>, tests: &SolverTests, file: &PathBuf) -> Ch
     Ok(())
 }
 
-/// A scene that breaks stops at once, names body, point, place and cause, and makes no step after that.
+/// Test errors: a failing scene stops at once, names body, point, position and cause, and makes no further step.
 ///
 /// # Errors
 /// The first property that does not hold.
@@ -484,7 +484,7 @@ pub fn errors(_: Scene<'_>, tests: &SolverTests) -> Check {
 }
 
 /// Make tests of each line `name: scene, tests;`, where `scene` makes a [`Solver`](crate::Solver) and `tests` are
-/// [`SolverTests`](crate::conformance::SolverTests): a module of this name with one test a property.
+/// [`SolverTests`](crate::conformance::SolverTests): a module of this name with one test per property.
 #[macro_export]
 macro_rules! solver_conforms {
     ($($name:ident: $scene:expr, $tests:expr;)*) => {$(

@@ -1,4 +1,4 @@
-//! A thread for files and pictures, which a run does not wait for.
+//! Background thread for files and pictures, so that a run does not wait for them.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -7,30 +7,30 @@ use std::thread::JoinHandle;
 use impactite_output::OutputError;
 use impactite_simd::Team;
 
-/// A piece of work: a picture to draw, a frame to write.
+/// Task of the thread: draw a picture or write a frame.
 type Work = Box<dyn FnOnce() -> Result<(), OutputError> + Send>;
 
-/// Pieces of work that wait at most, each with its snapshot; a run that makes more waits for the thread.
+/// Capacity of the task queue; each task owns its snapshot. A run that adds more waits for the thread.
 const WAITING: usize = 2;
-/// Bytes of stack of the thread.
+/// Stack size of the thread, bytes.
 const STACK: usize = 8 << 20;
 
-/// A thread that draws and writes, in order, what observers took from a run: [`Pictures`](super::Pictures) and [`VtkSeries`](super::VtkSeries)
-/// of one run share one. At most four snapshots wait or are in work. Files are the same as without it. It is one of the threads of a team: while it
-/// works, loops of the team run on one less.
+/// Background thread that draws and writes the snapshots of observers, in order: [`Pictures`](super::Pictures) and
+/// [`VtkSeries`](super::VtkSeries) of one run share one. At most four snapshots are queued or in work. Files are the same as without it. It
+/// is one of the threads of a thread pool: during a task, loops of the pool run on one thread less.
 ///
-/// An error stops the run when the next piece of work is given, at the next checkpoint, or at the end of the run; from then on nothing more is done, and
-/// all that is given has the same error. Work must not hold the `Background` that it is given to.
+/// An error stops the run at the next task, at the next checkpoint, or at the end of the run; after it no task is executed, and all calls
+/// return the same error. A task must not own the `Background` that executes it.
 #[derive(Clone, Debug, Default)]
 pub struct Background(Option<Arc<Worker>>);
 
 #[derive(Debug)]
 struct Worker {
-    /// None once the worker is dropped.
+    /// None after the worker was dropped.
     queue: Mutex<Option<SyncSender<Message>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
     failed: Failed,
-    /// Process that has the thread: a forked child does not.
+    /// Process of the thread: a forked child does not have it.
     process: u32,
 }
 
@@ -39,23 +39,23 @@ type Failed = Arc<Mutex<Option<Arc<OutputError>>>>;
 
 enum Message {
     Work(Work),
-    /// Answer when all work before is done.
+    /// Answer when all earlier tasks are done.
     Wait(SyncSender<()>),
 }
 
-/// Lock of a mutex; one that a panic poisoned holds what it held.
+/// Lock a mutex; poisoning by a panic is ignored.
 pub(super) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Background {
-    /// No thread: work is done where it is given.
+    /// Create no thread: tasks run in the calling thread.
     #[must_use]
     pub fn none() -> Self {
         Background(None)
     }
 
-    /// A thread of this team; none if it has one alone, or where the operating system refuses one.
+    /// Create a thread of this thread pool; none if the pool has one thread only, or if the operating system refuses one.
     #[must_use]
     pub fn new(team: &Team) -> Self {
         if team.threads() == 1 {
@@ -75,13 +75,13 @@ impl Background {
         }))
     }
 
-    /// Have this done, after what was given before. Waits while the queue is full.
+    /// Execute a task after all earlier ones. Waits while the queue is full.
     ///
     /// # Errors
-    /// The first error of work given before; without a thread, that of this work.
+    /// The first error of earlier tasks; without a thread, the error of this task.
     ///
     /// # Panics
-    /// With the panic of work given before.
+    /// With the panic of an earlier task.
     pub fn run(
         &self,
         work: impl FnOnce() -> Result<(), OutputError> + Send + 'static,
@@ -91,18 +91,18 @@ impl Background {
         worker.error()
     }
 
-    /// Wait until all work is done.
+    /// Wait until all tasks are done.
     ///
     /// # Errors
-    /// The first error of work given before.
+    /// The first error of earlier tasks.
     ///
     /// # Panics
-    /// With the panic of work given before.
+    /// With the panic of an earlier task.
     pub fn wait(&self) -> Result<(), OutputError> {
         let Some(worker) = &self.0 else { return Ok(()) };
         let (answer, answers) = sync_channel(1);
         worker.send(Message::Wait(answer));
-        // A thread that ended answers by hanging up.
+        // The end of the thread closes the channel.
         if answers.recv().is_err() {
             worker.end();
         }
@@ -110,7 +110,7 @@ impl Background {
     }
 }
 
-/// Work until the queue is closed. Once something failed, what follows is left out, as a run would have stopped there.
+/// Execute tasks until the queue is closed. After an error the remaining tasks are skipped, as a run would have stopped there.
 fn work(team: &Team, messages: &Receiver<Message>, failed: &Mutex<Option<Arc<OutputError>>>) {
     let mut stopped = false;
     for message in messages {
@@ -122,7 +122,7 @@ fn work(team: &Team, messages: &Receiver<Message>, failed: &Mutex<Option<Arc<Out
                 }
             }
             Message::Work(_) => {}
-            // Nobody waits any more.
+            // An error means that the caller no longer waits.
             Message::Wait(answer) => drop(answer.send(())),
         }
     }
@@ -144,7 +144,7 @@ impl Worker {
         }
     }
 
-    /// Close the queue, let the thread finish, and pass on its panic.
+    /// Close the queue, join the thread, and propagate its panic.
     fn end(&self) {
         drop(locked(&self.queue).take());
         if self.process != std::process::id() {
@@ -195,7 +195,7 @@ mod tests {
             let said = background.run(|| Err(failure())).and_then(|()| background.wait());
             assert_eq!(said.expect_err("it failed").to_string(), failure().to_string());
             let again = background.wait().map_err(|e| e.to_string());
-            // Without a thread, each piece of work has its own.
+            // Without a thread, each task has its own error.
             assert_eq!(again, if background.0.is_some() { Err(failure().to_string()) } else { Ok(()) });
         }
     }
@@ -223,7 +223,7 @@ mod tests {
         let caught = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| given.and(background.wait())));
         assert!(caught.is_err());
         assert!(matches!(background.run(|| Ok(())), Err(OutputError::Ended)));
-        // And dropped in peace.
+        // Drop does not panic again.
         drop(background);
     }
 

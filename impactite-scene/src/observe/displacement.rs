@@ -1,11 +1,11 @@
-//! Displacements: where points are, less where they were first seen.
+//! Displacements: current positions minus those at the first observation.
 
 use impactite_output::{OutputError, Snapshot};
 
 use crate::archive::{Archive, CheckpointError};
 
-/// Where each point of a run was first seen, by body and number: in that order, so that points are found by bisection and a
-/// checkpoint does not depend on the order of points in memory.
+/// Position of each point at its first observation, sorted by body and number: points are found by bisection, and a checkpoint does not
+/// depend on the order of points in memory.
 #[derive(Default)]
 pub(super) struct FirstSeen(Vec<Seen>);
 
@@ -13,9 +13,9 @@ pub(super) struct FirstSeen(Vec<Seen>);
 struct Seen {
     body: u32,
     number: u64,
-    /// m.
+    /// Position, m.
     position: [f64; 3],
-    /// Corners of its cell, m; none of a particle.
+    /// Corners of an element, m; empty for a particle.
     corners: Vec<[f64; 3]>,
 }
 
@@ -33,7 +33,7 @@ impl Seen {
 }
 
 impl FirstSeen {
-    /// The displacements of the points of a snapshot, m: 0 of those that were not seen before, which count from here on.
+    /// Return the displacements of the points of a snapshot, m: 0 for new points, whose reference is this snapshot.
     ///
     /// # Errors
     /// A snapshot without the field `particle`.
@@ -65,13 +65,13 @@ impl FirstSeen {
         if !new.is_empty() {
             self.0.append(&mut new);
             self.0.sort_by_key(Seen::key);
-            // A number that two points have would be a body's mistake; the first of them stays.
+            // Duplicate numbers would be an error of the body; the first point stays.
             self.0.dedup_by_key(|seen| seen.key());
         }
         Ok(Displacements { points, nodes })
     }
 
-    /// To a checkpoint or from one.
+    /// Write or read the reference positions.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.list(&mut self.0, &Seen::default(), |file, seen| {
             file.index(&mut seen.body, usize::MAX)?;
@@ -92,7 +92,7 @@ mod tests {
 
     use super::*;
 
-    /// Two triangles that share an edge, with the numbers of `order`, sheared so far.
+    /// Two triangles with a common edge, numbered by `order`, sheared by `shear`.
     fn triangles(order: [f64; 2], shear: f64) -> Snapshot {
         let place = |x: f64, y: f64| [x + shear * y, y, 0.0];
         let nodes = vec![place(0.0, 0.0), place(1.0, 0.0), place(1.0, 1.0), place(0.0, 1.0)];
@@ -112,7 +112,7 @@ mod tests {
     fn nodes_are_displaced_with_their_elements() {
         let mut first = FirstSeen::default();
         assert_eq!(first.displacements(&triangles([0.0, 1.0], 0.0)).unwrap().nodes, vec![[0.0; 3]; 4]);
-        // Elements may change places in memory.
+        // The order of elements in memory may change.
         let now = first.displacements(&triangles([1.0, 0.0], 0.5)).unwrap();
         assert_eq!(now.nodes, [[0.0; 3], [0.0; 3], [0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
     }

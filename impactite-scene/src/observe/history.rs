@@ -1,4 +1,4 @@
-//! Any numbers, as CSV.
+//! CSV history of custom quantities.
 
 use std::path::Path;
 
@@ -7,8 +7,7 @@ use crate::archive::{Archive, CheckpointError};
 use super::{ObserveError, Observer, Pace, RunView};
 use impactite_output::{Column, History};
 
-/// Writes numbers of one's own choice, one row a moment, into a CSV file that can be watched while the run goes
-/// on.
+/// Observer that writes custom quantities, one row per observation, into a CSV file that can be read during the run.
 ///
 /// ```
 /// use impactite_scene::observe::{HistoryCsv, Pace, RunView};
@@ -31,7 +30,7 @@ pub struct HistoryCsv<F> {
 }
 
 impl<F> HistoryCsv<F> {
-    /// Write what `measure` returns, a number for each of `columns` (name, unit), into the file at `path`.
+    /// Create the file at `path`. `measure` returns one number for each of `columns` (name, unit).
     ///
     /// # Errors
     /// Bad column names, or a file that cannot be created.
@@ -47,7 +46,7 @@ impl<F> HistoryCsv<F> {
         Ok(HistoryCsv { pace, file: History::create(path, columns)?, rows: Vec::new(), measure })
     }
 
-    /// What was measured, in order of time.
+    /// Rows in order of time.
     #[must_use]
     pub fn rows(&self) -> &[Vec<f64>] {
         &self.rows
@@ -67,7 +66,7 @@ where
         self.rows.push(row);
         Ok(())
     }
-    /// What the measure keeps is its own: only the rows are saved.
+    /// Write or read the rows. A state of `measure` is not saved.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.list(&mut self.rows, &Vec::new(), |file, row| file.list(row, &0.0, Archive::real))?;
         if file.reads() {

@@ -1,4 +1,4 @@
-//! Energy and momentum, and how well they are conserved.
+//! Energy and momentum over time, and their conservation errors.
 
 use std::path::Path;
 
@@ -7,38 +7,38 @@ use crate::archive::{Archive, CheckpointError};
 use crate::balance::{Account, Books, share};
 use impactite_output::{History, OutputError};
 
-/// Energy and momentum at one moment. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+/// Energy and momentum at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LedgerEntry {
     /// Time, s.
     pub time: f64,
-    /// Steps made.
+    /// Number of steps.
     pub step: u64,
     /// Kinetic energy of the particles, J: the balanced one ([`Account::kinetic`]).
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
-    /// Work that boundaries and body forces did on the material since the first entry, J.
+    /// Work of boundaries and body forces on the material since the first entry, J.
     pub work: f64,
     /// Work of friction between bodies since the first entry, J.
     pub friction: f64,
-    /// Kinetic energy that plastic impacts of points took since the first entry, J.
+    /// Kinetic energy lost in plastic impacts of points since the first entry, J.
     pub impacts: f64,
-    /// Energy that damping took since the first entry, J.
+    /// Energy dissipated by damping since the first entry, J.
     pub damping: f64,
-    /// Energy that numerical viscosity took since the first entry, J.
+    /// Energy dissipated by numerical viscosity since the first entry, J.
     pub viscosity: f64,
-    /// Energy that came with points split, merged, made or removed since the first entry, J.
+    /// Energy added by points that were split, merged, created or removed since the first entry, J.
     pub conversion: f64,
-    /// kinetic + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
+    /// Total energy, J: kinetic + internal - work + friction + impacts + damping + viscosity - conversion, constant if energy is conserved.
     pub total: f64,
-    /// Change of `total` since the first entry, relative to the largest kinetic energy, or sum of kinetic and
-    /// internal energy, so far. Negative: the method lost energy.
+    /// Change of `total` since the first entry over the largest energy so far ([`Account::energy_scale`]). Negative if the method lost
+    /// energy.
     pub energy_error: f64,
     /// Momentum, kg m/s.
     pub momentum: [f64; 3],
-    /// |p - p0 - impulse of boundaries - impulse of body forces - dropped| over the largest sum of m |v| so
-    /// far. In axisymmetric scenes along the axis only: hoop stresses push outwards.
+    /// Momentum error |p - p0 - impulse of boundaries - impulse of body forces - dropped| over the largest sum of m |v| so far. In
+    /// axisymmetric scenes along the axis only, since hoop stresses push outwards.
     pub momentum_error: f64,
 }
 
@@ -54,7 +54,7 @@ impl LedgerEntry {
     }
 }
 
-/// Keeps the energy and momentum of a run and, if asked, writes them as CSV.
+/// Observer that stores the energy and momentum of a run and optionally writes them as CSV.
 ///
 /// ```
 /// use impactite_scene::observe::{Ledger, Pace};
@@ -67,7 +67,7 @@ pub struct Ledger {
     pace: Pace,
     file: Option<History>,
     books: Books,
-    /// The most momentum missing so far, kg m/s; NaN from the first look that found that.
+    /// Largest momentum error so far, kg m/s; NaN from the first NaN on.
     worst_missing: f64,
     entries: Vec<LedgerEntry>,
 }
@@ -88,7 +88,7 @@ const COLUMNS: [(&str, &str); 12] = [
 ];
 
 impl Ledger {
-    /// Look at this pace.
+    /// Create a ledger with this pace.
     #[must_use]
     pub fn new(pace: Pace) -> Self {
         Ledger { pace, file: None, books: Books::default(), worst_missing: 0.0, entries: Vec::new() }
@@ -103,13 +103,13 @@ impl Ledger {
         Ok(self)
     }
 
-    /// What was seen, in order of time.
+    /// Entries in order of time.
     #[must_use]
     pub fn entries(&self) -> &[LedgerEntry] {
         &self.entries
     }
 
-    /// The change of the total energy that is largest by amount, with its sign, over the scale of the whole run.
+    /// Return the total energy error of largest magnitude, with its sign, over the scale of the whole run.
     #[must_use]
     pub fn worst_energy_error(&self) -> f64 {
         let first = self.entries.first().map_or(0.0, |e| e.total);
@@ -117,7 +117,7 @@ impl Ledger {
         errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
     }
 
-    /// The largest momentum error, over the scale of the whole run.
+    /// Return the largest momentum error, over the scale of the whole run.
     #[must_use]
     pub fn worst_momentum_error(&self) -> f64 {
         share(self.worst_missing, self.books.scales()[1])

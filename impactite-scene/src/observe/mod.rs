@@ -1,28 +1,27 @@
-//! Observers: what looks at a run between its steps.
+//! Observers: read access to a run between its steps.
 //!
-//! Nothing here is inside a step. A [`Run`](crate::Run) makes steps until the end and shows the scene to every
-//! [`Observer`] that is due, as a [`RunView`]. A run without observers does none of this work, and a run with
-//! them makes the same steps, bit for bit: **an observer sees the first step that ends at or after its due
-//! time; no step is shortened for it.** Only the end of a run is met exactly. Every observer also sees the
-//! first and the last moment of a run.
+//! No observer is called within a step. A [`Run`](crate::Run) makes steps until the end and calls every [`Observer`] that is due, with a
+//! [`RunView`]. Observers do not change the steps, bit for bit: **an observer is called after the first step that ends at or after its due
+//! time; no step is shortened for it.** Only the end of a run is reached exactly. Every observer is also called at the start and at the end
+//! of a run.
 //!
-//! | observer | keeps or writes |
+//! | observer | output |
 //! |---|---|
-//! | [`Ledger`] | energy and momentum, and how well they are conserved |
+//! | [`Ledger`] | energy and momentum, and their conservation errors |
 //! | [`Probes`] | quantities of chosen particles |
-//! | [`HistoryCsv`] | any numbers, one row a moment, as CSV |
+//! | [`HistoryCsv`] | custom quantities over time, as CSV |
 //! | [`VtkSeries`] | frames for ParaView |
 //! | [`Pictures`] | PNG pictures |
 //! | [`Snapshots`] | snapshots, for pictures after the run |
-//! | [`SmallStrain`] | which bodies stayed at small strain: where elements would have done |
-//! | [`Progress`] | a bar on the terminal, lines in a log |
+//! | [`SmallStrain`] | bodies that stayed at small strain: finite elements suffice |
+//! | [`Progress`] | progress bar on the terminal, progress lines in a log |
 //!
-//! Files and pictures are made in the step that they show, or by a thread beside the run: [`Background`].
+//! Files and pictures are written in the observed step, or by a background thread: [`Background`].
 //!
-//! What they keep goes into the checkpoints of a run, so that a run that is broken off and resumed leaves the files and numbers of
-//! one that was not.
+//! The state of observers is part of a run's checkpoints, so that an interrupted and resumed run writes the same files and numbers as an
+//! uninterrupted one.
 //!
-//! An observer of one's own is three methods:
+//! A custom observer has three methods:
 //!
 //! ```
 //! use impactite_scene::observe::{ObserveError, Observer, Pace, RunView};
@@ -76,94 +75,94 @@ use crate::archive::{Archive, CheckpointError};
 use crate::finding::Warning;
 use impactite_output::OutputError;
 
-/// Something that looks at a run between its steps.
+/// Observer of a run between its steps.
 pub trait Observer {
-    /// When it wants to look. The run asks this and keeps it up to date.
+    /// Return the pace of observations. The run queries and updates it.
     fn pace(&mut self) -> &mut Pace;
 
-    /// Look.
+    /// Observe the run.
     ///
     /// # Errors
-    /// Whatever keeps it from doing so; the run stops there.
+    /// Any error; the run stops there.
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError>;
 
-    /// What it keeps, to a checkpoint or from one. Its pace is kept by the run.
+    /// Write or read the observer's state. The run saves the pace.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
 
-    /// The run warned of something ([`crate::watch`]).
+    /// Handle a warning of the run ([`crate::watch`]).
     fn warned(&mut self, warning: &Warning) {
         let _ = warning;
     }
 
-    /// Does it end the run here, as if this were the end that was asked for? Asked after every step, and before the first one.
+    /// Return true to end the run here, as at the requested end. Called before the first step and after every step.
     fn ends_run(&self) -> bool {
         false
     }
 
-    /// The run is over, whether it reached its end or stopped.
+    /// Finish after the run, whether it reached its end or stopped.
     ///
     /// # Errors
-    /// Work that it left for the end and cannot do.
+    /// Failure of deferred work.
     fn finish(&mut self) -> Result<(), ObserveError> {
         Ok(())
     }
 }
 
-/// Why an observer could not be made or could not look.
+/// Error of the set-up of an observer or of an observation.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ObserveError {
-    /// A file or a picture.
+    /// Error of a file or a picture.
     #[error(transparent)]
     Output(#[from] OutputError),
-    /// A pace that no run can keep.
+    /// Invalid pace.
     #[error("pace: {field} = {value} is not allowed; it must be {allowed}")]
     Pace {
-        /// "steps" or "interval".
+        /// Name of the field: "steps" or "interval".
         field: &'static str,
-        /// The number given.
+        /// Value given.
         value: f64,
-        /// What would have been allowed.
+        /// Allowed values, in words.
         allowed: &'static str,
     },
-    /// A probe of a body that is not there.
+    /// Probe of a body that does not exist.
     #[error("probe of body {body} is not allowed; the scene has {bodies} bodies, numbered from 0")]
     NoBody {
-        /// The body asked for.
+        /// Body number given.
         body: usize,
-        /// How many there are.
+        /// Number of bodies.
         bodies: usize,
     },
-    /// A probe of a particle that is not there.
+    /// Probe of a particle that does not exist.
     #[error("probe of particle {particle} of body `{body}` is not allowed; it has {particles} particles")]
     NoParticle {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// The particle asked for.
+        /// Particle number given.
         particle: usize,
-        /// How many there are.
+        /// Number of particles.
         particles: usize,
     },
-    /// A probe of a number that the law does not keep.
+    /// Probe of a state variable that the law does not have.
     #[error("probe of state `{name}` of body `{body}` is not allowed; its law keeps {available}")]
     NoState {
-        /// The body.
+        /// Name of the body.
         body: String,
-        /// The name asked for.
+        /// Name given.
         name: String,
-        /// The names there are.
+        /// Available names.
         available: String,
     },
-    /// A solver of another type than an observer looks at.
+    /// Solver of another type than the observer requires.
     #[error("the solver is no `{wanted}`")]
     OtherSolver {
-        /// The type that the observer looks at.
+        /// Type that the observer requires.
         wanted: &'static str,
     },
-    /// A measure of the user's own.
+    /// Error of a custom measure.
     #[error("{0}")]
     Other(String),
 }

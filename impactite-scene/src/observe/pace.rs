@@ -1,9 +1,9 @@
-//! When an observer looks.
+//! Schedule of observations.
 
 use super::ObserveError;
 use crate::archive::{Archive, CheckpointError};
 
-/// How often an observer looks, and when it did last.
+/// Interval of observations, and the time of the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     every: Every,
@@ -22,17 +22,17 @@ struct Seen {
     time: f64,
 }
 
-/// Times closer than this part of an interval count as equal.
+/// Tolerance of equal times, as a share of the interval.
 const ROUNDING: f64 = 1e-9;
 
 impl Pace {
-    /// After every step.
+    /// Observe after every step.
     #[must_use]
     pub fn every_step() -> Self {
         Pace { every: Every::Steps(1), seen: None }
     }
 
-    /// After every `steps` steps.
+    /// Observe after every `steps` steps.
     ///
     /// # Errors
     /// Zero steps.
@@ -43,7 +43,7 @@ impl Pace {
         Ok(Pace { every: Every::Steps(steps), seen: None })
     }
 
-    /// At the first step that ends at or after each multiple of `seconds`.
+    /// Observe after the first step that ends at or after each multiple of `seconds`.
     ///
     /// # Errors
     /// An interval that is not positive and finite.
@@ -55,7 +55,7 @@ impl Pace {
         Ok(Pace { every: Every::Interval(seconds), seen: None })
     }
 
-    /// Is it time to look, after step number `step` that ended at `time` (s)? Never twice at one step.
+    /// True if an observation is due after step number `step` that ended at `time` (s). Never twice at one step.
     #[must_use]
     pub fn due(&self, step: u64, time: f64) -> bool {
         let Some(seen) = self.seen else { return true };
@@ -68,16 +68,16 @@ impl Pace {
         }
     }
 
-    /// Has it looked after this step?
+    /// True if the last observation was after this step.
     #[must_use]
     pub fn has_seen(&self, step: u64) -> bool {
         self.seen.is_some_and(|seen| seen.step == step)
     }
 
-    /// When it looked last, to a file or from one.
+    /// Write or read the time of the last observation.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.option(&mut self.seen, |file, Seen { step, time }| {
             file.word(step)?;
@@ -85,7 +85,7 @@ impl Pace {
         })
     }
 
-    /// It looked after step number `step` that ended at `time` (s).
+    /// Record an observation after step number `step` that ended at `time` (s).
     pub fn looked(&mut self, step: u64, time: f64) {
         self.seen = Some(Seen { step, time });
     }
@@ -95,7 +95,7 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// The steps at which a pace looks in a run with steps of 0.4 s.
+    /// Steps with an observation in a run with steps of 0.4 s.
     fn looks(mut pace: Pace) -> Vec<u64> {
         let mut steps = Vec::new();
         for step in 0..=12 {
@@ -112,9 +112,9 @@ mod tests {
     fn by_steps_and_by_time() {
         assert_eq!(looks(Pace::every_step()), (0..=12).collect::<Vec<_>>());
         assert_eq!(looks(Pace::steps(5).unwrap()), [0, 5, 10]);
-        // Due at 0, 1, 2, 3, 4 s: seen at the first step that ends then or later, 2 s and 4 s being met.
+        // Due at 0, 1, 2, 3, 4 s: observed after the first step that ends then or later; steps end at exactly 2 s and 4 s.
         assert_eq!(looks(Pace::interval(1.0).unwrap()), [0, 3, 5, 8, 10]);
-        // An interval shorter than a step is every step.
+        // With an interval shorter than a step every step is observed.
         assert_eq!(looks(Pace::interval(0.1).unwrap()), (0..=12).collect::<Vec<_>>());
     }
 

@@ -11,10 +11,10 @@ use super::{ObserveError, Observer, Pace, RunView};
 use impactite_output::picture::Picture;
 use impactite_output::{self as output, Format, OutputError, Snapshot, VtkOptions};
 
-/// The vector field that [`VtkSeries::with_displacement`] adds.
+/// Name of the vector field that [`VtkSeries::with_displacement`] adds.
 const DISPLACEMENT: &str = "displacement";
 
-/// Writes a ParaView series, all bodies in one frame, with the fields of [`RunView::snapshot`].
+/// Observer that writes a ParaView series, all bodies in one frame, with the fields of [`RunView::snapshot`].
 pub struct VtkSeries {
     pace: Pace,
     series: Arc<Mutex<output::VtkSeries>>,
@@ -25,8 +25,8 @@ pub struct VtkSeries {
 }
 
 impl VtkSeries {
-    /// Frames `NAME_000000.vtp`, ... and `NAME.pvd` (or as [`VtkSeries::with_format`] says) in `folder`, which is created if it
-    /// does not exist.
+    /// Create the series: frames `NAME_000000.vtp`, ... and `NAME.pvd` (or the files of [`VtkSeries::with_format`]) in `folder`, which is
+    /// created if it does not exist.
     ///
     /// # Errors
     /// A name that cannot be a file name, or a folder that cannot be created.
@@ -45,51 +45,51 @@ impl VtkSeries {
         })
     }
 
-    /// Write frames so.
+    /// Set the options of frames.
     #[must_use]
     pub fn with_options(self, options: VtkOptions) -> Self {
         let series = locked(&self.series).clone().with_options(options);
         VtkSeries { series: Arc::new(Mutex::new(series)), ..self }
     }
 
-    /// Write frames as such files.
+    /// Set the file format of frames.
     #[must_use]
     pub fn with_format(self, format: Format) -> Self {
         let series = locked(&self.series).clone().with_format(format);
         VtkSeries { series: Arc::new(Mutex::new(series)), ..self }
     }
 
-    /// Write frames there, beside the run.
+    /// Write frames in this background thread.
     #[must_use]
     pub fn in_background(self, background: &Background) -> Self {
         VtkSeries { background: background.clone(), ..self }
     }
 
-    /// Write these fields alone, and `displacement` if [`VtkSeries::with_displacement`] asks for it.
+    /// Write only these fields, and `displacement` if [`VtkSeries::with_displacement`] is set.
     #[must_use]
     pub fn with_fields<S: Into<String>>(self, names: impl IntoIterator<Item = S>) -> Self {
         VtkSeries { fields: Some(names.into_iter().map(Into::into).collect()), ..self }
     }
 
-    /// Write the vector field `displacement`, too (m): where a point is, less where this observer first saw it, at the start of the run.
-    /// A point that comes later, as those that others were split into, counts from where it is in its first frame. Through a
-    /// periodic plane a point is displaced by the period.
+    /// Also write the vector field `displacement`, m: current position minus the position at the first observation, the start of the run.
+    /// The reference of a point created later, for example by splitting, is its position in its first frame. A point that crosses a
+    /// periodic plane is displaced by the period.
     ///
-    /// Nodes of elements have the same field, as point data: "Warp By Vector" moves them. Points are known by body and number (the field
-    /// `particle`). Takes 64 bytes a point, and 24 for each corner of an element, in checkpoints, too: a run that is
-    /// resumed goes on with the same displacements.
+    /// Nodes of elements have the same field, as point data: "Warp By Vector" moves them. Points are identified by body and number (the
+    /// field `particle`). The reference positions need 64 bytes per point, and 24 per corner of an element, in checkpoints, too: a resumed
+    /// run continues with the same displacements.
     #[must_use]
     pub fn with_displacement(self) -> Self {
         VtkSeries { first: Some(FirstSeen::default()), ..self }
     }
 
-    /// The path of the file that lists the frames and is to be opened: `NAME.pvd`, or that of another format.
+    /// Path of the index file of the frames, to be opened: `NAME.pvd`, or that of another format.
     #[must_use]
     pub fn index(&self) -> PathBuf {
         locked(&self.series).index()
     }
 
-    /// How many frames were written; those that wait in the background are not.
+    /// Number of frames written, without those that wait in the background.
     #[must_use]
     pub fn frames(&self) -> usize {
         locked(&self.series).frames()
@@ -137,18 +137,19 @@ impl Observer for VtkSeries {
     }
 }
 
-/// Draws the pictures of a run, with what stays from one to the next, as a [`SeriesView`](output::picture::SeriesView). Functions draw, too.
+/// Renderer of the pictures of a run with state between them, such as a [`SeriesView`](output::picture::SeriesView). Functions implement
+/// it, too.
 pub trait Draw {
     /// Draw a snapshot.
     ///
     /// # Errors
-    /// A snapshot that cannot be drawn so; the run stops there.
+    /// A snapshot that cannot be drawn; the run stops there.
     fn draw(&mut self, now: &Snapshot) -> Result<Picture, OutputError>;
 
-    /// State between pictures, to a checkpoint or from one; none of a function.
+    /// Write or read the state between pictures; none for a function.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let _ = file;
         Ok(())
@@ -164,7 +165,7 @@ where
     }
 }
 
-/// Draws a picture at each look and saves it as `NAME_000000.png`, ...
+/// Observer that draws a picture at each observation and saves it as `NAME_000000.png`, ...
 ///
 /// ```
 /// use impactite_scene::observe::{Pace, Pictures};
@@ -188,11 +189,11 @@ impl<F> Pictures<F>
 where
     F: FnMut(&Snapshot) -> Result<Picture, OutputError> + Send + 'static,
 {
-    /// Pictures in `folder`, which is created if it does not exist, drawn by a function. Parts of files that a killed process left
-    /// there are removed.
+    /// Create pictures in `folder`, which is created if it does not exist, drawn by a function. Partial files of a killed process are
+    /// removed there.
     ///
     /// # Errors
-    /// A name that is empty or holds a path separator, or a folder that cannot be created.
+    /// A name that is empty or contains a path separator, or a folder that cannot be created.
     pub fn create(
         folder: impl AsRef<Path>,
         name: impl Into<String>,
@@ -204,10 +205,10 @@ where
 }
 
 impl<D: Draw + Send + 'static> Pictures<D> {
-    /// Pictures as of [`Pictures::create`], drawn by something that keeps a state between them.
+    /// Create pictures as by [`Pictures::create`], drawn by a renderer with state.
     ///
     /// # Errors
-    /// As for [`Pictures::create`].
+    /// Those of [`Pictures::create`].
     pub fn drawn_by(
         folder: impl AsRef<Path>,
         name: impl Into<String>,
@@ -226,13 +227,13 @@ impl<D: Draw + Send + 'static> Pictures<D> {
         Ok(Pictures { pace, folder, name, draw, background: Background::none(), frames: 0 })
     }
 
-    /// Draw and save there, beside the run.
+    /// Draw and save in this background thread.
     #[must_use]
     pub fn in_background(self, background: &Background) -> Self {
         Pictures { background: background.clone(), ..self }
     }
 
-    /// How many pictures were taken, of which some may still wait in the background.
+    /// Number of pictures taken, some of which may wait in the background.
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames
@@ -260,26 +261,26 @@ impl<D: Draw + Send + 'static> Observer for Pictures<D> {
     }
 }
 
-/// Keeps snapshots, with the fields of [`RunView::snapshot`].
+/// Observer that stores snapshots, with the fields of [`RunView::snapshot`].
 pub struct Snapshots {
     pace: Pace,
     list: Vec<Snapshot>,
 }
 
 impl Snapshots {
-    /// At this pace.
+    /// Create the observer with this pace.
     #[must_use]
     pub fn new(pace: Pace) -> Self {
         Snapshots { pace, list: Vec::new() }
     }
 
-    /// Those taken so far, in order of time.
+    /// Snapshots so far, in order of time.
     #[must_use]
     pub fn list(&self) -> &[Snapshot] {
         &self.list
     }
 
-    /// All, to be kept after the run.
+    /// Return all snapshots, to keep them after the run.
     #[must_use]
     pub fn into_list(self) -> Vec<Snapshot> {
         self.list

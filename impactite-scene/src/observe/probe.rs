@@ -7,38 +7,38 @@ use crate::archive::{Archive, CheckpointError};
 use crate::body::{Body, PointView};
 use impactite_output::{Column, History, OutputError};
 
-/// What a probe reads from its particle.
+/// Quantity that a probe reads from its particle.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Quantity {
-    /// A component of the position, m: 0, 1, 2 are x, y, z (r, z in axisymmetric scenes); 3 and more read z.
+    /// Component of the position, m: 0, 1, 2 are x, y, z (r, z in axisymmetric scenes); 3 and more read z.
     Position(usize),
-    /// A component of the velocity, m/s, numbered likewise.
+    /// Component of the velocity, m/s, numbered as for the position.
     Velocity(usize),
     /// Pressure, compression positive, Pa.
     Pressure,
     /// Von Mises stress, Pa.
     VonMises,
-    /// A component of the Cauchy stress, Pa: 0 to 5 are xx, yy, zz, yz, xz, xy; 6 and more read xy.
+    /// Component of the Cauchy stress, Pa: 0 to 5 are xx, yy, zz, yz, xz, xy; 6 and more read xy.
     Stress(usize),
     /// Volume, m^3 (per radian or metre of depth in two dimensions).
     Volume,
-    /// A number that the law keeps, by its name in [`Body::state_names`], in its own unit.
+    /// State variable of the law, by its name in [`Body::state_names`], in its own unit.
     State(String),
 }
 
-/// A quantity of one particle.
+/// Probe of a quantity of one particle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
-    /// The body, numbered from 0 in the order they were added.
+    /// Number of the body, from 0 in the order of addition.
     pub body: usize,
-    /// The particle's number in its body: its place among the seeds.
+    /// Number of the particle in its body: its index among the seeds.
     pub particle: usize,
-    /// What to read.
+    /// Quantity to read.
     pub quantity: Quantity,
 }
 
 impl Probe {
-    /// A probe of particle number `particle` of body number `body`.
+    /// Create a probe of particle number `particle` of body number `body`.
     #[must_use]
     pub fn new(body: usize, particle: usize, quantity: Quantity) -> Self {
         Probe { body, particle, quantity }
@@ -72,7 +72,7 @@ impl Probe {
         }
     }
 
-    /// The place of the quantity in the law's state, if it is one of its numbers.
+    /// Return the index of the quantity in the law's state, if it is a state variable.
     fn place(&self, body: &dyn Body) -> Result<Option<usize>, ObserveError> {
         let Quantity::State(name) = &self.quantity else { return Ok(None) };
         let names = body.state_names();
@@ -87,17 +87,17 @@ impl Probe {
     }
 }
 
-/// What all probes read at one moment.
+/// Values of all probes at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProbeRow {
     /// Time, s.
     pub time: f64,
-    /// One number a probe, in their order.
+    /// One value per probe, in their order.
     pub values: Vec<f64>,
 }
 
-/// Follows chosen particles and keeps what it reads; writes it as CSV if asked. All particles are visited at
-/// each look, so probe no more often than needed.
+/// Observer that records quantities of chosen particles and optionally writes them as CSV. Each observation visits all particles, so probe
+/// no more often than needed.
 ///
 /// ```
 /// use impactite_scene::observe::{Pace, Probe, Probes, Quantity};
@@ -115,16 +115,16 @@ pub struct Probes {
 }
 
 impl Probes {
-    /// These probes, at this pace.
+    /// Create an observer with these probes and this pace.
     #[must_use]
     pub fn new(probes: impl IntoIterator<Item = Probe>, pace: Pace) -> Self {
         Probes { pace, probes: probes.into_iter().collect(), rows: Vec::new(), file: None }
     }
 
-    /// Also write a CSV file at `path`: time, then a column a probe.
+    /// Also write a CSV file at `path`: time, then one column per probe.
     ///
     /// # Errors
-    /// The same probe twice, or a file that cannot be created.
+    /// A duplicate probe, or a file that cannot be created.
     pub fn with_csv(mut self, path: impl AsRef<Path>) -> Result<Self, ObserveError> {
         let columns = std::iter::once(Column::new("time", "s")).chain(self.probes.iter().map(Probe::column));
         self.file = Some(History::create(path, columns)?);
@@ -138,7 +138,7 @@ impl Probes {
         file.push(&numbers)
     }
 
-    /// What was read, in order of time.
+    /// Recorded values, in order of time.
     #[must_use]
     pub fn rows(&self) -> &[ProbeRow] {
         &self.rows

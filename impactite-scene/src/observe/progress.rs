@@ -1,4 +1,4 @@
-//! A bar on the terminal, lines in a log.
+//! Progress bar on the terminal, progress lines in a log.
 
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -7,33 +7,33 @@ use crate::archive::{Archive, CheckpointError};
 use crate::finding::Warning;
 use impactite_output as output;
 
-/// What a line of a [`Progress`] is.
+/// Kind of a line of a [`Progress`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LineKind {
-    /// How far the run has come.
+    /// Progress of the run.
     Progress,
-    /// Something that the run warns of.
+    /// Warning of the run.
     Warning,
 }
 
-/// Where lines go.
+/// Receiver of lines.
 type Sink = Box<dyn FnMut(LineKind, &str)>;
 
-/// Shows how far the run has come: a bar on a terminal, else a line every minute (time, steps, rate, when the end is expected, energy error).
-/// What the run warns of is a line in any case. Lines go to the standard error stream, or [elsewhere](Progress::with_lines).
+/// Observer that shows the progress of a run: a bar on a terminal, else a line every minute (time, steps, rate, expected end, energy
+/// error). Each warning of the run is a line. Lines are written to the standard error stream, or [elsewhere](Progress::with_lines).
 pub struct Progress {
     pace: Pace,
     bar: output::Progress,
     lines: Option<Sink>,
     every: Duration,
-    /// When the run was first seen, and its time then, s.
+    /// Wall-clock time and simulated time (s) at the first observation.
     start: Option<(Instant, f64)>,
     last: Instant,
 }
 
 impl Progress {
-    /// A bar titled `name`, or a line every minute.
+    /// Create a bar titled `name`, or a line every minute.
     #[must_use]
     pub fn new(name: impl Into<String>) -> Self {
         Progress {
@@ -46,13 +46,13 @@ impl Progress {
         }
     }
 
-    /// The same with lines given to `line`, for logs of one's own; the bar stays on the terminal.
+    /// Pass lines to `line`, for custom logs; the bar stays on the terminal.
     #[must_use]
     pub fn with_lines(self, line: impl FnMut(LineKind, &str) + 'static) -> Self {
         Progress { lines: Some(Box::new(line)), ..self }
     }
 
-    /// The same with a line so often, where there is no bar.
+    /// Set the interval of lines where there is no bar.
     #[must_use]
     pub fn with_a_line_every(self, every: Duration) -> Self {
         Progress { every, ..self }
@@ -66,7 +66,7 @@ impl Progress {
     }
 }
 
-/// How far a run has come, in a line for a log.
+/// Return the progress of a run as a line for a log.
 fn message(now: &RunView<'_>, (start, from): (Instant, f64)) -> String {
     let (time, end) = (now.time(), now.end());
     let part = (time - from) / (end - from);
@@ -85,7 +85,7 @@ fn message(now: &RunView<'_>, (start, from): (Instant, f64)) -> String {
     )
 }
 
-/// When it is so many seconds from now: the time of day and, after a day, the days (UTC).
+/// Return the time of day (UTC) so many seconds from now and, after a day, the number of days.
 fn clock_at(seconds: f64) -> String {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |t| t.as_secs_f64());
     let (today, then) = ((now / 86_400.0).floor(), now + seconds);

@@ -1,4 +1,4 @@
-//! Where elements would have done.
+//! Detection of bodies at small strain, for which finite elements suffice.
 
 use std::fmt;
 
@@ -10,17 +10,18 @@ use super::{ObserveError, Observer, Pace, RunView};
 use crate::archive::{Archive, CheckpointError};
 use crate::body::Body;
 
-/// Neighbours of a point are within this many of its widths at the start: the nearest ones of a lattice, those over its diagonals, too.
+/// Radius of the neighbour search at the start, in point widths: it includes diagonal neighbours of a lattice.
 const NEAR: f64 = 1.8;
-/// Share of the points of a body from which on elements would do for it: the tip of a rod, where particles tremble, may have more.
+/// Share of the points of a body at small strain from which on finite elements suffice: the rest may be oscillating particles, as at the
+/// tip of a rod.
 const ALL: f64 = 0.95;
 
-/// Follows how far the points of each body strain, and tells at the end of a run which bodies stayed at small strain: finite elements are
+/// Observer of the strain of each body, which reports at the end of a run the bodies that stayed at small strain: finite elements are
 /// cheaper and more accurate there (`impactite::fem`).
 ///
-/// The strain of a point is the Frobenius norm of the Green-Lagrange strain E = (F^T F - I) / 2, with the deformation gradient F that fits
-/// the positions of its neighbours at the start best (least squares), and in axisymmetric scenes the hoop strain; so it is of any law and
-/// method, and blind to rotations. Particles that tremble within a cell have some, too: about 0.01.
+/// The strain of a point is the Frobenius norm of the Green-Lagrange strain E = (F^T F - I) / 2, in axisymmetric scenes combined with the
+/// hoop strain. The deformation gradient F is the least-squares fit of the neighbours' positions to those at the start. So the strain
+/// applies to any law and method, and is invariant under rotations. Oscillations of particles within a cell add about 0.01.
 ///
 /// ```
 /// use impactite_scene::observe::{Pace, SmallStrain};
@@ -35,7 +36,7 @@ pub struct SmallStrain {
     bodies: Vec<Followed>,
 }
 
-/// A body as it was, and how far its points strained.
+/// Initial state of a body, and the largest strains of its points.
 #[derive(Clone, Debug, Default)]
 struct Followed {
     name: String,
@@ -43,27 +44,27 @@ struct Followed {
     widths: Vec<f64>,
     neighbours: NeighbourLists,
     largest: Vec<f64>,
-    /// Of elements, without a law, or with other points than at the start: not looked at.
+    /// True for bodies of elements, without a law, or with a changed number of points, which are excluded.
     left_out: bool,
 }
 
-/// What a run was to a body.
+/// Strain statistics of a body over a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyStrain {
-    /// Its name.
+    /// Name of the body.
     pub body: String,
-    /// How many points it has.
+    /// Number of points.
     pub points: usize,
-    /// The share of them whose strain stayed below the threshold, and that.
+    /// Share of the points whose strain stayed below the threshold.
     pub small: f64,
-    /// The threshold.
+    /// Strain threshold.
     pub threshold: f64,
-    /// The share of all points of the scene that are this body's: of the updates of a run that elements would have made instead.
+    /// Points of this body as a share of all points of the scene: the share of point updates that finite elements would replace.
     pub of_all: f64,
 }
 
 impl BodyStrain {
-    /// Would finite elements do for this body? That is so where all but 5 % of its points stay below the threshold.
+    /// True if finite elements suffice for this body: all but 5 % of its points stay below the threshold.
     #[must_use]
     pub fn elements_would_do(&self) -> bool {
         self.small >= ALL
@@ -90,13 +91,13 @@ impl fmt::Display for BodyStrain {
 }
 
 impl SmallStrain {
-    /// At this pace, with a strain that counts as small: 0.05 is usual.
+    /// Create the observer with a pace and a threshold of small strain: 0.05 is usual.
     #[must_use]
     pub fn new(pace: Pace, threshold: f64) -> Self {
         SmallStrain { pace, threshold, bodies: Vec::new() }
     }
 
-    /// What was found so far, a row for each body of points whose number did not change.
+    /// Return the statistics so far, one row for each body of points whose number did not change.
     #[must_use]
     pub fn report(&self) -> Vec<BodyStrain> {
         let all: usize = self.bodies.iter().map(|body| body.start.len()).sum();
@@ -140,7 +141,7 @@ impl Followed {
         let found = Points::new(&self.start, &reaches)
             .and_then(|points| SortedCells::new(&points, Reach::larger(0.0)))
             .and_then(|search| search.neighbours_into(&Team::one(), &mut self.neighbours));
-        // Points that no search can use strain as nobody knows.
+        // A body whose points the neighbour search rejects is excluded.
         self.left_out |= found.is_err();
     }
 
@@ -175,13 +176,13 @@ impl Followed {
     }
 }
 
-/// Norm of the strain that these sums over neighbours say, without unit; none where they do not span the space.
+/// Return the norm of the strain from these sums over neighbours, without unit; 0 if the neighbours do not span the space.
 fn strain(now: &Matrix3<f64>, mut then: Matrix3<f64>, width: f64, dimensions: usize) -> f64 {
     let mut now = *now;
     for d in dimensions..3 {
         (then[(d, d)], now[(d, d)]) = (width * width, width * width);
     }
-    // A thin row of points spans its line alone.
+    // A thin row of points spans its line only.
     let volume = then.diagonal().iter().product::<f64>();
     match then.try_inverse() {
         Some(inverse) if then.determinant() > 1e-6 * volume => {
@@ -252,7 +253,7 @@ mod tests {
         let about_z = nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.7);
         assert!((sums(about_z * stretch, 2) - 0.22).abs() < 1e-12);
         assert!(sums(turn.into_inner(), 3) < 1e-12);
-        // A row of points knows no strain.
+        // A row of points defines no strain.
         assert_eq!(
             strain(&Matrix3::zeros(), Matrix3::from_diagonal(&nalgebra::Vector3::new(2.0, 0.0, 0.0)), 1.0, 2),
             0.0

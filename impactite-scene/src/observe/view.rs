@@ -1,4 +1,4 @@
-//! What observers see.
+//! View of a run for observers.
 
 use std::cell::OnceCell;
 
@@ -11,7 +11,7 @@ use crate::observe::ObserveError;
 use crate::solver::Solver;
 use crate::summary::RunSummary;
 
-/// A run between two steps.
+/// View of a run between two steps.
 pub struct RunView<'a> {
     solver: &'a (dyn Solver + 'static),
     end: f64,
@@ -20,27 +20,27 @@ pub struct RunView<'a> {
 }
 
 impl<'a> RunView<'a> {
-    /// Of a run to `end` (s) that has taken so much.
+    /// Create the view of a run to `end` (s) with the summary so far.
     #[must_use]
     pub fn new(solver: &'a (dyn Solver + 'static), end: f64, run: RunSummary) -> Self {
         RunView { solver, end, run, totals: OnceCell::new() }
     }
 
-    /// Of a scene as it stands, without a run.
+    /// Create the view of a scene without a run.
     #[must_use]
     pub fn of(solver: &'a (dyn Solver + 'static)) -> Self {
         RunView::new(solver, solver.time(), RunSummary::default())
     }
 
-    /// The solver, for what only its method has: `downcast_ref`, or [`RunView::solver_as`].
+    /// Solver, for data of its method: `downcast_ref`, or [`RunView::solver_as`].
     #[must_use]
     pub fn solver(&self) -> &'a (dyn Solver + 'static) {
         self.solver
     }
-    /// The solver as the type that it is.
+    /// Return the solver as its concrete type.
     ///
     /// # Errors
-    /// It is of another type.
+    /// A solver of another type.
     pub fn solver_as<S: Solver>(&self) -> Result<&'a S, ObserveError> {
         let wanted = || ObserveError::OtherSolver { wanted: std::any::type_name::<S>() };
         self.solver.downcast_ref().ok_or_else(wanted)
@@ -50,57 +50,57 @@ impl<'a> RunView<'a> {
     pub fn time(&self) -> f64 {
         self.solver.time()
     }
-    /// When the run ends, s.
+    /// End time of the run, s.
     #[must_use]
     pub fn end(&self) -> f64 {
         self.end
     }
-    /// Steps made since the scene was set up.
+    /// Number of steps since the scene was set up.
     #[must_use]
     pub fn step(&self) -> u64 {
         self.solver.steps()
     }
-    /// The bodies.
+    /// Bodies of the scene.
     #[must_use]
     pub fn bodies(&self) -> Vec<&'a dyn Body> {
         self.solver.bodies()
     }
-    /// The pairs of bodies that were ever in contact: force, places and gap in the last step, energy since the start.
+    /// Pairs of bodies that were ever in contact: force, contact points and gap in the last step, energy since the start.
     #[must_use]
     pub fn contacts(&self) -> Vec<PairContact> {
         self.solver.contacts()
     }
-    /// The places of contact in the last step, with gap, normal and impulse.
+    /// Contact points of the last step, with gap, normal and impulse.
     #[must_use]
     pub fn contact_points(&self) -> Vec<ContactPoint> {
         self.solver.contact_points()
     }
-    /// What boundaries and loads gave to the material since the start, and what contact took.
+    /// Exchange since the start: impulses and work of boundaries and loads, dissipation.
     #[must_use]
     pub fn exchange(&self) -> Exchange {
         self.solver.exchange()
     }
-    /// Are the coordinates (r, z) of a body of revolution? Then extensive quantities are per radian.
+    /// True if the coordinates are (r, z) of a body of revolution. Then extensive quantities are per radian.
     #[must_use]
     pub fn axisymmetric(&self) -> bool {
         self.solver.axisymmetric()
     }
-    /// Seconds of wall-clock time spent in the steps of this run so far, observers left out.
+    /// Wall-clock time of the steps of this run so far, s, without observers.
     #[must_use]
     pub fn wall_seconds(&self) -> f64 {
         self.run.wall_seconds
     }
-    /// Point updates a second in this run so far; 0 before its first step.
+    /// Point updates per second in this run so far; 0 before its first step.
     #[must_use]
     pub fn rate(&self) -> f64 {
         self.run.rate()
     }
-    /// Totals over all bodies, added up once however many observers ask.
+    /// Totals over all bodies, computed once for all observers.
     #[must_use]
     pub fn totals(&self) -> &Totals {
         self.totals.get_or_init(|| self.solver.totals())
     }
-    /// All points of all bodies as pictures and files want them: [`Solver::snapshot`].
+    /// Return all points of all bodies for pictures and files: [`Solver::snapshot`].
     ///
     /// # Errors
     /// A scene without points, or law state names that cannot be field names.

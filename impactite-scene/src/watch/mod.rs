@@ -1,22 +1,22 @@
-//! What every run watches over: its energy and momentum, and whether its bodies are what the method can represent.
+//! Automatic checks of a run: energy and momentum balances, and bodies beyond the validity of the method.
 //!
-//! A scene keeps a balance ([`Account`]): what its points have, and what boundaries, loads, body forces, friction, damping and splitting explain
-//! of its change. A solver that has a [`Watcher`] looks at it now and then, by [`Watch`]: after 16 and 64 steps, every 256 steps, and at the
-//! end of [`Solver::run_until`](crate::Solver::run_until) and of a [`Run`](crate::Run). A gain of energy that nothing explains stops
-//! the run, with time, body, place, likely cause and remedy; what may be wrong becomes a [`Warning`].
+//! A scene keeps a balance ([`Account`]) of its points' mass, momentum and energy against the contributions of boundaries, loads, body
+//! forces, friction, damping and splitting. A solver with a [`Watcher`] checks it at the intervals of [`Watch`]: after 16 and 64 steps,
+//! every 256 steps, and at the end of [`Solver::run_until`](crate::Solver::run_until) and of a [`Run`](crate::Run). Severe findings stop
+//! the run and are reported with time, body, position, likely cause and remedy; other findings become a [`Warning`].
 //!
 //! | finding | sign of | by default |
 //! |---|---|---|
-//! | energy gained | instability: noise that nodes do not see, a time step too long, walls and contacts that give more than they took | warns at 2 %, stops at 10 % |
-//! | energy lost | dissipation of the transfer (PIC, APIC), contact that closes | warns at 3 % |
-//! | energy off after few steps | half a step of work: kinetic and internal energy belong to times half a step apart | warns at 10 % at the end of a run of fewer than 64 steps |
-//! | momentum | a boundary or contact that is no pair of forces | stops at the root of the rounding unit |
-//! | torn body | numerical fracture: particles drawn so far apart that they share no node | warns |
+//! | energy gain | instability: null-space noise, too long a time step, walls and contacts that add energy | warns at 2 %, stops at 10 % |
+//! | energy loss | dissipation of the transfer (PIC, APIC), closing contact | warns at 3 % |
+//! | energy error | half a step of work: kinetic and internal energy are half a step apart | warns at 10 % after fewer than 64 steps |
+//! | momentum | a boundary or contact without equal and opposite forces | stops at the root of the rounding unit |
+//! | torn body | numerical fracture: particles so far apart that they share no node | warns |
 //! | alternating pressure | volumetric locking | warns |
-//! | points that failed alone | stress noise that reached the strength | warns |
+//! | points that failed alone | stress noise above the strength | warns |
 //!
-//! All of it reads and changes nothing: results are the same bits with and without. A look at the books costs one to two steps, one at the bodies
-//! (every sixteenth) some fifteen: below 1 % of a run together (book, "What the watch costs").
+//! The checks do not change the run: results are the same bits with and without them. A balance check costs one to two steps, a check of
+//! the bodies (every sixteenth) some fifteen: together below 1 % of a run (book, "What the watch costs").
 //!
 //! ```ignore
 //! use mpm_core::Watch;
@@ -43,20 +43,20 @@ pub use watcher::{Look, Watcher};
 
 use crate::error::SceneError;
 
-/// What a run watches over, and what it does about it.
+/// Settings of the checks: interval, thresholds, and permission to stop the run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Watch {
     every: u64,
     warn_gain: f64,
     stop_gain: f64,
     warn_loss: f64,
-    /// Momentum, or the root of the rounding unit.
+    /// Threshold of the momentum error; if none, the root of the rounding unit.
     momentum: Option<f64>,
     bodies: bool,
     stops: bool,
 }
 
-/// The defaults of the table above.
+/// The defaults of the module's table.
 impl Default for Watch {
     fn default() -> Self {
         Watch {
@@ -72,40 +72,40 @@ impl Default for Watch {
 }
 
 impl Watch {
-    /// Nothing is watched, and no books are kept.
+    /// Disable all checks, and keep no balance.
     #[must_use]
     pub fn off() -> Self {
         Watch { every: u64::MAX, ..Watch::default() }
     }
-    /// Warn of everything and stop for nothing.
+    /// Issue warnings only; never stop the run.
     #[must_use]
     pub fn only_warn(self) -> Self {
         Watch { stops: false, ..self }
     }
-    /// Look every so many steps; at the bodies at every sixteenth look.
+    /// Check every so many steps, and the bodies at every sixteenth check.
     ///
     /// # Errors
-    /// No steps.
+    /// Zero steps.
     pub fn every(self, steps: u64) -> Result<Self, SceneError> {
         let every = if steps == 0 { None } else { Some(steps) };
         let every = every.ok_or(SceneError::Watch { field: "every", value: 0.0 })?;
         Ok(Watch { every, ..self })
     }
-    /// Look at energy and momentum alone, and not at parts, pressure and failure of bodies.
+    /// Check energy and momentum only, not parts, pressure and failure of bodies.
     #[must_use]
     pub fn without_bodies(self) -> Self {
         Watch { bodies: false, ..self }
     }
-    /// Warn of an energy gain above this share of the largest energy of the run, found at three looks one after the other.
+    /// Warn of an energy gain above this share of the largest energy of the run, found at three consecutive checks.
     ///
     /// # Errors
     /// A share that is not positive.
     pub fn warn_at_gain(self, share: f64) -> Result<Self, SceneError> {
         Ok(Watch { warn_gain: positive("warn at gain", share)?, ..self })
     }
-    /// Stop at an energy gain above this share of the largest energy of the run, found at two looks one after the other, or above half of that
-    /// energy at one. Kinetic and internal energy belong to times half a step apart: a look alone may show a swing, and a run that gathers energy from nothing
-    /// is judged when that no longer doubles from look to look. With kinetic damping energy is not judged.
+    /// Stop at an energy gain above this share of the largest energy of the run, found at two consecutive checks, or above half of that
+    /// energy at one. A single check may see an oscillation, since kinetic and internal energy belong to times half a step apart. While the
+    /// largest energy more than doubles between checks, a smaller gain is not judged. With kinetic damping energy is not judged.
     ///
     /// # Errors
     /// A share that is not positive.
@@ -119,7 +119,7 @@ impl Watch {
     pub fn warn_at_loss(self, share: f64) -> Result<Self, SceneError> {
         Ok(Watch { warn_loss: positive("warn at loss", share)?, ..self })
     }
-    /// Stop where momentum above this share of the largest sum of m |v|, or of all impulses given, is not explained.
+    /// Stop if an unexplained momentum exceeds this share of the largest sum of m |v| or of all applied impulses.
     ///
     /// # Errors
     /// A share that is not positive.
@@ -127,7 +127,7 @@ impl Watch {
         Ok(Watch { momentum: Some(positive("stop at momentum", share)?), ..self })
     }
 
-    /// Is nothing watched?
+    /// True if all checks are disabled.
     #[must_use]
     pub fn is_off(&self) -> bool {
         self.every == u64::MAX

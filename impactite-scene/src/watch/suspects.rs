@@ -1,17 +1,17 @@
-//! Which body and which point a finding is about, where a method knows no better.
+//! Default search for the body and point of a finding, for methods without a better criterion.
 
 use crate::body::Body;
 use crate::finding::{Finding, GainCause};
 
-/// The name of the first body with sums that are not finite numbers; empty if there is none.
+/// Return the name of the first body with non-finite sums; empty if there is none.
 #[must_use]
 pub fn not_finite(bodies: &[&dyn Body]) -> String {
     let broken = bodies.iter().find(|b| !b.totals().is_finite());
     broken.map(|b| b.name().to_string()).unwrap_or_default()
 }
 
-/// What is said of an energy gain: it is most likely where the fastest point is. `why` has the cause, with the remedy, for the number
-/// of a body. For [`Watcher::look`](super::Watcher::look): points are looked at where energy was gained only.
+/// Return a closure for [`Watcher::look`](super::Watcher::look) that locates an energy gain at the fastest point. `why` returns the cause
+/// and the remedy for a body number. Points are visited only after a gain.
 pub fn gain_at_the_fastest<'a>(
     bodies: &'a [&'a dyn Body],
     why: impl FnOnce(usize) -> &'static str + 'a,

@@ -1,4 +1,4 @@
-//! Looks at the balances of a run.
+//! Checks of the balances of a run.
 
 use super::Watch;
 use crate::archive::{Archive, CheckpointError};
@@ -9,66 +9,66 @@ use crate::error::{StepError, Stopped};
 use crate::exchange::Exchange;
 use crate::finding::{Booked, Finding, Loss, Warning};
 
-/// Looks at the bodies, among all looks.
+/// Interval between checks of the bodies, in checks.
 const BODIES_EVERY: u64 = 16;
-/// Steps after which a run is looked at the first times.
+/// Step counts of the first two checks.
 const EARLY: [u64; 2] = [16, 64];
-/// A look at the end of a run is left out where one was made so few steps before, and found nothing.
+/// Number of steps after a check in which the check at the end of a run is omitted, unless the last check found a gain.
 const LATELY: u64 = 16;
-/// A run of fewer steps has had no two looks: its end is judged by one.
+/// Number of steps below which the check at the end judges a run alone, since there were no two checks before.
 const FEW_STEPS: u64 = EARLY[1];
-/// Share of all energy that the balance of a run of few steps may be off by: half a step of its work.
+/// Allowed error of the energy balance after few steps, as a share of the largest energy: half a step of work.
 const OFF: f64 = 0.10;
-/// Part of the speed of waves below which motion is noise that no balance is judged by.
+/// Share of the wave speed below which motion is noise and balances are not judged.
 const NOISE: f64 = 1e-6;
-/// A run whose largest energy grew by more than this since the last look gathers energy from nothing.
+/// Growth of the largest energy since the last check above which the gain is not judged, since half a step of work is large then.
 const GATHERS: f64 = 2.0;
-/// Share of all energy whose gain at one look is no swing.
+/// Share of the largest energy above which a gain at one check is no oscillation.
 const EXPLODES: f64 = 0.5;
 
-/// What a solver has to have its run watched: balances, and what was found.
+/// State of the checks of a run: balances, findings and warnings.
 #[derive(Clone, Debug, Default)]
 pub struct Watcher {
     watch: Watch,
     books: Books,
-    /// The lowest unexplained energy so far, J.
+    /// Lowest unexplained energy so far, J.
     lowest: f64,
-    /// Steps at the first look and the last; none before the first.
+    /// Steps at the first check and at the last one; none before the first.
     first: Option<u64>,
     last: u64,
-    /// Gains that the last looks found, over the scale, the youngest first.
+    /// Energy gains of the last three checks over the energy scale, the latest first.
     gains: [f64; 3],
     warnings: Vec<Warning>,
-    /// The scale that energy was judged by at the last look, J.
+    /// Energy scale of the last check, J.
     scale: f64,
-    /// What stopped the run.
+    /// Error that stopped the run.
     stopped_by: Option<StepError>,
 }
 
-/// What a look sees beside the balance.
+/// Input of a check beside the totals.
 #[derive(Clone, Copy, Debug)]
 pub struct Look<'a> {
-    /// Time and steps.
+    /// Simulated time and step count.
     pub clock: &'a Clock,
-    /// What was exchanged since the start.
+    /// Exchange since the start.
     pub exchange: &'a Exchange,
-    /// The relative rounding error of a number of the points.
+    /// Relative rounding error of the points' numbers.
     pub rounding: f64,
-    /// The speed of waves and points, m/s.
+    /// Speed of waves and points, m/s.
     pub speed: f64,
-    /// Is the energy to be judged?
+    /// True if energy is judged.
     pub energy: bool,
-    /// Where energy that is lost most likely went, and what keeps more.
+    /// Likely sink of lost energy, and the remedy.
     pub loss: Loss,
 }
 
-/// The largest energy of a run so far: what it had, and what it was given, J.
+/// Largest energy of a run so far, J: energy of the points, work and friction.
 fn scale(account: &Account) -> f64 {
     account.energy_scale.max(account.work.abs()).max(account.friction.abs())
 }
 
 impl Watcher {
-    /// Choose what is watched over. A run that the watch stopped may go on after this.
+    /// Set the thresholds. A run that a check stopped can continue after this.
     pub fn set(&mut self, watch: Watch) {
         if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
             self.stopped_by = None;
@@ -76,23 +76,23 @@ impl Watcher {
         self.watch = watch;
         self.gains = [0.0; 3];
     }
-    /// What is watched over.
+    /// Settings of the checks.
     #[must_use]
     pub fn watch(&self) -> &Watch {
         &self.watch
     }
-    /// What the run warned of so far.
+    /// Warnings so far.
     #[must_use]
     pub fn warnings(&self) -> &[Warning] {
         &self.warnings
     }
-    /// The balance if there is `now` and `exchange` was given.
+    /// Return the balance for the totals `now` and the given `exchange`, without entering it.
     #[must_use]
     pub fn account(&self, now: &Totals, exchange: &Exchange, axisymmetric: bool) -> Account {
         let mut books = self.books;
         books.enter(now, exchange, axisymmetric)
     }
-    /// Open the balance anew with the next step, as bodies came.
+    /// Restart the balance at the next step, after bodies were added.
     pub fn reopen(&mut self) {
         *self = Watcher {
             watch: self.watch,
@@ -102,22 +102,22 @@ impl Watcher {
         };
     }
 
-    /// What stopped the run, after which it makes no step.
+    /// Error that stopped the run. A stopped run makes no step.
     #[must_use]
     pub fn stopped_by(&self) -> Option<&StepError> {
         self.stopped_by.as_ref()
     }
-    /// Before a step: may one be made?
+    /// Check before a step that the run was not stopped.
     ///
     /// # Errors
-    /// What stopped the run.
+    /// The error that stopped the run.
     pub fn may_go_on(&self) -> Result<(), StepError> {
         self.stopped_by.clone().map_or(Ok(()), Err)
     }
-    /// Note what became of a step or a look. What the clock refuses does not stop the run.
+    /// Record the result of a step or a check. Errors of the clock do not stop the run.
     ///
     /// # Errors
-    /// Those of the step.
+    /// The error of the step.
     pub fn note<X>(&mut self, made: Result<X, StepError>) -> Result<X, StepError> {
         if let Err(error) = &made
             && !matches!(error.what, Stopped::Clock { .. })
@@ -127,25 +127,25 @@ impl Watcher {
         made
     }
 
-    /// Before a step: is it the first of a run that is watched, so that [`Watcher::open`] is due?
+    /// True before the first step of a run with checks: [`Watcher::open`] is due.
     #[must_use]
     pub fn opens(&self) -> bool {
         self.first.is_none() && !self.watch.is_off()
     }
-    /// Open the balance with what there is.
+    /// Open the balance with the initial totals.
     pub fn open(&mut self, steps: u64, now: &Totals, exchange: &Exchange, axisymmetric: bool) {
         self.first = Some(steps);
         self.last = steps;
         self.books.enter(now, exchange, axisymmetric);
     }
-    /// After a step: is a look due, and one at the bodies with it?
+    /// Return `Some` if a check is due after a step: true if it includes the bodies.
     #[must_use]
     pub fn due(&self, steps: u64) -> Option<bool> {
         let (every, made) = (self.watch.every, steps - self.first?);
         let due = made.is_multiple_of(every) || EARLY.contains(&made);
         due.then(|| made.is_multiple_of(every.saturating_mul(BODIES_EVERY)))
     }
-    /// At the end of a run: is a look due?
+    /// True if a check is due at the end of a run.
     #[must_use]
     pub fn due_at_the_end(&self, steps: u64) -> bool {
         let Some(first) = self.first.filter(|_| self.stopped_by.is_none() && !self.watch.is_off()) else {
@@ -154,18 +154,18 @@ impl Watcher {
         let few = steps - first < FEW_STEPS && steps > self.last;
         few || steps >= self.last + LATELY || self.has_a_gain_to_judge()
     }
-    /// Did the last look find a gain that the one before did not, and that no warning has yet?
+    /// True if the last check found a gain above the stop threshold of which no warning exists yet.
     fn has_a_gain_to_judge(&self) -> bool {
         self.gains[0] > self.watch.stop_gain && !self.knows(|f| matches!(f, Finding::EnergyGain { .. }))
     }
-    /// Are bodies to be looked at?
+    /// True if bodies are checked.
     #[must_use]
     pub fn sees_bodies(&self) -> bool {
         self.watch.bodies
     }
 
-    /// Look: enter the totals `now`, and judge momentum and energy. `broken` names a body with numbers that are not finite, `explain`
-    /// makes a finding of an energy gain: its share of the largest energy, and J.
+    /// Enter the totals `now`, and judge momentum and energy. `broken` returns the name of a body with non-finite numbers. `explain` makes
+    /// a finding from an energy gain: its share of the largest energy, and the gain in J.
     ///
     /// # Errors
     /// A finding that stops the run.
@@ -190,13 +190,13 @@ impl Watcher {
             return Ok(());
         }
         if again {
-            // The end of a run right after a look, whose gain is judged in place of it.
+            // The end of a run right after a check: this gain replaces that of the last check.
             self.gains = [self.gains[1], self.gains[2], 0.0];
         }
         self.look_at_energy(&account, at, at_the_end, explain)
     }
 
-    /// The end of a run of few steps. It may go on: nothing of this look is kept but the warning.
+    /// Check the end of a run of few steps. Only the warning is kept, since the run may continue.
     fn judge_few_steps(&mut self, account: &Account, at: &Look<'_>) {
         let scale = scale(account);
         let off = share(account.unexplained, scale);
@@ -219,7 +219,7 @@ impl Watcher {
         }
         let given = at.exchange;
         let impulses = [given.impulse, given.load].iter().flatten().map(|p| p * p).sum::<f64>().sqrt();
-        // Inner forces round, too: as if what is stored were in motion.
+        // Scale of the rounding of internal forces: momentum of all stored energy as kinetic energy.
         let stored = (2.0 * self.books.mass() * account.energy_scale).sqrt();
         let missed = share(missing, account.momentum_scale.max(impulses).max(stored));
         let limit = self.watch.momentum.unwrap_or(at.rounding.sqrt());
@@ -242,7 +242,7 @@ impl Watcher {
         }
         self.lowest = self.lowest.min(account.unexplained);
         let scale = scale(account);
-        // While a run gathers energy from nothing, half a step of it is much of it.
+        // While the energy scale grows fast, half a step of work is a large share of it.
         let grows = scale > GATHERS * std::mem::replace(&mut self.scale, scale);
         if scale <= self.books.rest() {
             return Ok(());
@@ -254,10 +254,10 @@ impl Watcher {
         }
         let [last, one_before, _] = self.gains;
         self.gains = [gain, last, one_before];
-        // Kinetic and internal energy belong to times half a step apart, so that one look alone may show a swing.
+        // A single check may show an oscillation, since kinetic and internal energy belong to times half a step apart.
         let stops = gain.min(last) > self.watch.stop_gain || gain > EXPLODES;
         let gain_that_lasts = gain.min(last).min(one_before);
-        // No later look judges a gain that the end of a run shows.
+        // No later check judges a gain at the end of a run.
         let warns = gain_that_lasts > self.watch.warn_gain || (at_the_end && gain > self.watch.stop_gain);
         if (stops && self.watch.stops) || (warns && !self.knows(|f| matches!(f, Finding::EnergyGain { .. })))
         {
@@ -283,14 +283,14 @@ impl Watcher {
         self.warnings.iter().any(|w| which(&w.finding))
     }
 
-    /// Warn of what was found, unless something the `same` was found before.
+    /// Add a warning unless a `same` finding is among the warnings.
     pub fn warn_once(&mut self, clock: &Clock, finding: Finding, same: impl Fn(&Finding) -> bool) {
         if !self.knows(same) {
             self.warnings.push(Warning { step: clock.steps, time: clock.time, finding });
         }
     }
 
-    /// Stop for what was found, if it is so bad and the watch may; else warn, once.
+    /// Return an error for a severe finding if stopping is enabled; else warn once.
     fn found(&mut self, clock: &Clock, finding: Finding, stops: bool) -> Result<(), StepError> {
         if stops && self.watch.stops {
             return Err(StepError {
@@ -304,10 +304,10 @@ impl Watcher {
         Ok(())
     }
 
-    /// Balances and what was found so far, to a file or from one; warnings begin anew.
+    /// Write or read balances and past gains. Warnings are not saved.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.books.archive(file)?;
         file.reals([&mut self.lowest, &mut self.scale])?;
@@ -324,7 +324,7 @@ mod tests {
 
     const LOSS: Loss = Loss { by: "a sink", remedy: "mend it" };
 
-    /// A watcher of a scene of 1 kg that began with 1 J.
+    /// Watcher of a scene of 1 kg with 1 J at the start.
     fn watcher() -> Watcher {
         let mut watcher = Watcher::default();
         watcher.open(0, &totals(1.0), &Exchange::default(), false);
@@ -364,7 +364,7 @@ mod tests {
             let found =
                 watcher.warnings().iter().any(|w| matches!(w.finding, Finding::FewSteps { steps: 3, .. }));
             assert_eq!((found, watcher.warnings().len()), (warns, usize::from(warns)), "{kinetic}");
-            // The run goes on, and its books are as if nobody had looked.
+            // After the check at the end the run continues, and the stored gains are unchanged.
             look(&mut watcher, 16, 1.0, 1.0).expect("a look");
             assert_eq!(watcher.gains, [0.0; 3]);
             assert_eq!(watcher.warnings().len(), usize::from(warns));

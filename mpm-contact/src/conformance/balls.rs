@@ -1,4 +1,4 @@
-//! A plain body of particles, for others to collide with.
+//! Simple body of particles for contact tests.
 
 use impactite_scene::{
     Archive, Body, Cause, CheckpointError, Clock, Exchange, PointKind, PointView, SceneError, StepError,
@@ -9,12 +9,12 @@ use impactite_simd::Team;
 use crate::particles::{ContactParticle, Facing, ParticleBody};
 use crate::vector::{difference, dot, length, sum, times, unit, wide};
 
-/// Springs are between balls less than so many radii apart.
+/// Cutoff distance of springs between balls, in radii.
 const BOND: f64 = 3.0;
-/// The part of the sum of unit vectors to neighbours, over their number, that is rounding: the ball is surrounded.
+/// Rounding tolerance of the sum of unit vectors to neighbours, over their number, for a surrounded ball.
 const SURROUNDED: f64 = 1e-9;
 
-/// Balls of equal radius and mass that fly freely, or are bonded by linear springs.
+/// Balls of equal radius and mass: free, or bonded by linear springs.
 ///
 /// ```
 /// use mpm_contact::conformance::Balls;
@@ -41,7 +41,7 @@ pub struct Balls<const D: usize> {
     gravity: [f64; D],
     stiffness: f64,
     springs: Vec<Spring>,
-    /// Of each ball, those it is bonded to, ascending.
+    /// Bonded neighbours of each ball, ascending.
     neighbours: Vec<Vec<u32>>,
     forces: Vec<[f64; 3]>,
     rim_only: bool,
@@ -57,7 +57,7 @@ struct Spring {
 }
 
 impl<const D: usize> Balls<D> {
-    /// Free balls at rest, with a radius in m and a mass in kg.
+    /// Create free balls at rest, with a radius in m and a mass in kg.
     #[must_use]
     pub fn new(positions: Vec<[f64; D]>, radius: f64, mass: f64) -> Self {
         let count = positions.len();
@@ -79,14 +79,14 @@ impl<const D: usize> Balls<D> {
         }
     }
 
-    /// With this velocity, m/s.
+    /// Set the velocity, m/s.
     #[must_use]
     pub fn moving(mut self, velocity: [f64; D]) -> Self {
         self.velocities.fill(velocity);
         self
     }
 
-    /// With springs of this stiffness, N/m, at rest, between all that are less than three radii apart.
+    /// Bond all balls less than three radii apart by springs of this stiffness, N/m, at rest.
     #[must_use]
     pub fn bonded(mut self, stiffness: f64) -> Self {
         self.stiffness = stiffness;
@@ -103,30 +103,30 @@ impl<const D: usize> Balls<D> {
         self
     }
 
-    /// Under this acceleration, m/s^2.
+    /// Set the body force, as an acceleration, m/s^2.
     #[must_use]
     pub fn under(self, gravity: [f64; D]) -> Self {
         Balls { gravity, ..self }
     }
 
-    /// Touched at its surface alone: [`ParticleBody::may_touch`] says no of balls with others all around.
+    /// Restrict contact to the surface: [`ParticleBody::may_touch`] is false for surrounded balls.
     #[must_use]
     pub fn touched_at_the_rim(self) -> Self {
         Balls { rim_only: true, ..self }
     }
 
-    /// In the plane of radius and axis; nothing else changes.
+    /// Declare the coordinates radius and axis; nothing else changes.
     #[must_use]
     pub fn around_an_axis(self) -> Self {
         Balls { axisymmetric: true, ..self }
     }
 
-    /// From ball `a` to ball `b`, m.
+    /// Vector from ball `a` to ball `b`, m.
     fn apart(&self, a: usize, b: usize) -> [f64; 3] {
         difference(wide(&self.positions[b]), wide(&self.positions[a]))
     }
 
-    /// The volume of a ball's cell, m^3.
+    /// Volume of the cell of a ball, m^3.
     fn volume(&self) -> f64 {
         (2.0 * self.radius).powi(D as i32)
     }
@@ -195,7 +195,7 @@ impl<const D: usize> ParticleBody<D> for Balls<D> {
         !self.rim_only || !self.facing(n).is_within()
     }
 
-    /// Away from its neighbours.
+    /// Surface normal away from the neighbours.
     fn facing(&self, n: usize) -> Facing {
         let neighbours = &self.neighbours[n];
         if neighbours.is_empty() {
@@ -217,12 +217,12 @@ impl<const D: usize> ParticleBody<D> for Balls<D> {
         visit(n);
         self.neighbours[n].iter().for_each(|&m| visit(m as usize));
     }
-    /// Springs pull inwards at a surface that is in tension.
+    /// Traction by the springs: they pull inwards at a surface in tension.
     fn traction(&self, n: usize, normal: &[f64; 3]) -> f64 {
         -dot(self.forces[n], *normal) / (2.0 * self.radius).powi(D as i32 - 1)
     }
 
-    /// Half a bound of the highest frequency (Gershgorin), or speed over diameter.
+    /// Courant rate: half a bound of the highest frequency (Gershgorin), or speed over diameter.
     fn rate(&self) -> f64 {
         let most = self.neighbours.iter().map(Vec::len).max().unwrap_or_default() as f64;
         (0.5 * most * self.stiffness / self.mass).sqrt().max(self.fastest() / (2.0 * self.radius))

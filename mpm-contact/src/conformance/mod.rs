@@ -1,5 +1,5 @@
-//! What every law must do, every body of particles, and every method in which bodies collide, as tests that one line applies to any of
-//! them, ours or yours. Behind the feature `conformance`. Detectors are tested by a method: `mpm_core::conformance::detector`.
+//! Conformance tests of contact laws, bodies of particles and contact methods, built-in or custom, one line each. Behind the feature
+//! `conformance`. Detectors are tested by a method: `mpm_core::conformance::detector`.
 //!
 //! ```
 //! use mpm_contact::{Coulomb, Frictionless, conformance};
@@ -7,7 +7,7 @@
 //! conformance::law(&Coulomb::new(0.3).unwrap())?;
 //! # Ok::<(), mpm_contact::conformance::Broken>(())
 //! ```
-//! [`particle_body`] is for bodies of particles ([`crate::particles`]); [`Balls`] are one that others may collide with.
+//! [`particle_body`] tests bodies of particles ([`crate::particles`]); [`Balls`] are a contact partner for tests.
 
 mod balls;
 mod particles;
@@ -18,13 +18,13 @@ pub use particles::particle_body;
 use crate::law::{Contact, ContactLaw, Outcome, Remembers};
 use crate::vector::{difference, dot, length, sum, times};
 
-/// A property that does not hold.
+/// Violated property.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{property} does not hold: {detail}")]
 pub struct Broken {
-    /// The property, in words.
+    /// Name of the property.
     pub property: &'static str,
-    /// Where and by how much.
+    /// Place and amount of the violation.
     pub detail: String,
 }
 
@@ -32,7 +32,7 @@ fn require(holds: bool, property: &'static str, detail: impl FnOnce() -> String)
     if holds { Ok(()) } else { Err(Broken { property, detail: detail() }) }
 }
 
-/// A number in -1..1 from a seed.
+/// Pseudorandom number in -1..1 from a seed.
 fn random(seed: &mut u64) -> f64 {
     *seed ^= *seed << 13;
     *seed ^= *seed >> 7;
@@ -44,16 +44,15 @@ fn vector(seed: &mut u64) -> [f64; 3] {
     [random(seed), random(seed), random(seed)]
 }
 
-/// Round-off of a law's dozens of operations, with room.
+/// Round-off of the dozens of operations of a law, with a margin.
 const ROUND_OFF: f64 = 1e-13;
 
-/// The law is symmetric in the bodies, sees relative velocities alone, turns with space, does not pull (unless
-/// it says so), leaves no approach beyond rounding, never adds energy, and holds for a body of infinite mass; and all that after a
-/// history of contacts, if it remembers some. One that springs instead stops two bodies that run into each other, and they
-/// part with at most the energy that they had.
+/// Test a contact law: symmetry in the bodies, dependence on relative velocities alone, objectivity, no tension (unless the law pulls), no
+/// approach left beyond rounding, no energy gain, bodies of infinite mass; and all this after a history of contacts for laws with memory. A
+/// law that springs must instead stop two colliding bodies, which separate with at most their initial energy.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// First violated property.
 pub fn law(law: &impl ContactLaw<f64>) -> Result<(), Broken> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
     let longest = if law.remembers() == Remembers::Nothing { 1 } else { 4 };
@@ -77,7 +76,7 @@ pub fn law(law: &impl ContactLaw<f64>) -> Result<(), Broken> {
     Ok(())
 }
 
-/// A contact that goes on: what its law remembers.
+/// Continuing contact, with the memory of its law.
 struct Kept<'a, L> {
     law: &'a L,
     slip: f64,
@@ -90,7 +89,7 @@ impl<'a, L: ContactLaw<f64>> Kept<'a, L> {
         Kept { law, slip: 0.0, memory: vec![0.0; own] }
     }
 
-    /// The impulse of a step, and the velocities after it.
+    /// Compute the impulse of a step, and the velocities after it.
     fn step(&mut self, contact: Contact<'_, f64>) -> ([f64; 3], [[f64; 3]; 2]) {
         let before = self.memory.clone();
         let slip = if self.law.remembers() == Remembers::Nothing { 0.0 } else { self.slip };
@@ -107,7 +106,7 @@ impl<'a, L: ContactLaw<f64>> Kept<'a, L> {
     }
 }
 
-/// Two bodies run into each other, in steps so short beside the spring's period that their length does not show.
+/// Collide two bodies, in steps so short beside the spring period that their length has no effect.
 fn bounce(
     law: &impl ContactLaw<f64>,
     normal: [f64; 3],
@@ -140,7 +139,7 @@ fn bounce(
     require(energy(v, w) <= begun * (1.0 + 1e-3), "no energy gained", show)
 }
 
-/// Steps of a contact, the last of which is looked at; and the same seen otherwise.
+/// Check the last step of a contact history, and its symmetries.
 fn one_history(
     law: &impl ContactLaw<f64>,
     history: &[Contact<'_, f64>],
@@ -160,7 +159,7 @@ fn one_history(
     let show = || format!("impulse {impulse:?} for {contact:?} after {} contacts", history.len() - 1);
     let finite = impulse.iter().chain(&kept.memory).all(|x| x.is_finite());
     require(finite, "a finite impulse and memory", show)?;
-    // Each contact of a history adds its round-off, which what is remembered may multiply.
+    // Each contact of a history adds its round-off, which memory may amplify.
     let round_off = ROUND_OFF * if history.len() > 1 { 100.0 } else { 1.0 };
     let scale = masses[0].min(masses[1]) * 4.0;
     let near = |a: [f64; 3], b: [f64; 3]| length(difference(a, b)) <= round_off * scale;
@@ -191,36 +190,36 @@ fn one_history(
     require(dot(impulse, mean) >= -ROUND_OFF * scale, "no energy gained", show)
 }
 
-/// What discs that met show, by any method.
+/// Results of colliding discs, by any method.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Collision {
     /// Positions of the particles, body by body.
     pub positions: Vec<Vec<[f64; 3]>>,
-    /// The largest change of momentum, over the sum of m |v|.
+    /// Largest change of momentum, over the sum of m |v|.
     pub drift: f64,
-    /// Every contact of every step: unit normal from the first body to the second, impulse on the second.
+    /// All contacts of all steps: unit normal from the first body to the second, impulse on the second.
     pub contacts: Vec<[[f64; 3]; 2]>,
 }
 
-/// The friction coefficient of the discs.
+/// Friction coefficient of the discs.
 pub const FRICTION: f64 = 0.3;
 
 /// Radius of the discs, m.
 pub const DISC: f64 = 0.17;
 
-/// Centre, m, and velocity, m/s, of disc `n` of `discs` that meet.
+/// Centre, m, and velocity, m/s, of disc `n` of `discs` colliding discs.
 pub fn disc(n: usize, discs: usize) -> ([f64; 2], [f64; 2]) {
     let angle = 0.3 + std::f64::consts::TAU * n as f64 / discs as f64;
     let (sine, cosine) = angle.sin_cos();
     ([0.5 + 0.22 * cosine, 0.5 + 0.22 * sine], [-3.0 * cosine - 0.4, -3.0 * sine])
 }
 
-/// A scene of two or three discs conserves momentum, contacts push along unit normals and obey the friction cone, the
-/// order of the bodies changes only rounding, and threads change nothing. `run` runs the discs with these
-/// numbers ([`disc`]), in this order, on so many threads, by any method.
+/// Test a contact method by collisions of two or three discs: conservation of momentum, compressive impulses along unit normals, friction
+/// cone, effect of the body order only to rounding, bitwise equality for any number of threads. `run` runs the discs with these numbers
+/// ([`disc`]), in this order, on this number of threads, by any method.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// First violated property.
 pub fn collision(run: impl Fn(&[usize], usize) -> Result<Collision, Broken>) -> Result<(), Broken> {
     for bodies in [2, 3] {
         let order: Vec<usize> = (0..bodies).collect();
@@ -237,7 +236,7 @@ pub fn collision(run: impl Fn(&[usize], usize) -> Result<Collision, Broken>) -> 
         }
         for (n, &name) in turned.iter().enumerate() {
             for (a, b) in one.positions[name].iter().zip(&other.positions[n]) {
-                // A decision that hangs on rounding would show as 1e-3.
+                // A decision sensitive to rounding would show as 1e-3.
                 let error = length(difference(*a, *b));
                 require(error < 1e-9, "no influence of numbering", || format!("{a:?} against {b:?}"))?;
             }

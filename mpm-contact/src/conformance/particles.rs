@@ -1,19 +1,18 @@
-//! What every body of particles must do.
+//! Conformance tests of bodies of particles.
 
 use super::{Broken, ROUND_OFF, require};
 use crate::particles::ParticleBody;
 use crate::vector::{difference, length, sum, times, unit, wide};
 
-/// Steps that are looked at.
+/// Number of checked steps.
 const STEPS: usize = 4;
 
-/// A body's particles are its points; what it says of its surface is finite and in its dimensions; an impulse changes the velocity of one
-/// particle by that over its mass; and in a step of its own momentum is conserved, but for what is exchanged (along the axis,
-/// around one). `make` makes a body of at
-/// least one particle that can make some steps of 1e-3 over its Courant rate.
+/// Test a body of particles: particles are its points; surface data are finite and in its dimensions; an impulse changes the velocity of
+/// one particle by that over its mass; a step conserves momentum except for the exchange (along the axis, if axisymmetric). `make` creates
+/// a body of at least one particle that can make some steps of 1e-3 over its Courant rate.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// First violated property.
 pub fn particle_body<const D: usize, B: ParticleBody<D>>(make: impl Fn() -> B) -> Result<(), Broken> {
     let mut body = make();
     body.rename("another name".into());
@@ -29,7 +28,7 @@ pub fn particle_body<const D: usize, B: ParticleBody<D>>(make: impl Fn() -> B) -
     Ok(())
 }
 
-/// Particles are the points of the body, finite, with masses and radii.
+/// Check that particles are the points of the body, finite, with masses and radii.
 fn particles<const D: usize>(body: &impl ParticleBody<D>) -> Result<(), Broken> {
     let points = body.points();
     require(!points.is_empty() && points.len() == body.len(), "particles that are counted", || {
@@ -43,7 +42,7 @@ fn particles<const D: usize>(body: &impl ParticleBody<D>) -> Result<(), Broken> 
         require(finite, "finite positions and velocities", show)?;
         require(p.mass > 0.0 && p.mass.is_finite(), "a positive mass", show)?;
         require(p.radius > 0.0 && p.radius.is_finite(), "a positive radius", show)?;
-        // Points show velocities of the time of their positions, particles those that the next step begins with: half a step apart.
+        // Points have velocities at the time of their positions, particles those at the start of the next step: half a step apart.
         let apart = p.velocity.iter().zip(&point.velocity).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let speed = point.velocity.iter().map(|v| v.abs()).fold(0.0, f64::max);
         let same = wide(&p.position) == point.position
@@ -59,7 +58,7 @@ fn particles<const D: usize>(body: &impl ParticleBody<D>) -> Result<(), Broken> 
     })
 }
 
-/// What a body says of its surface.
+/// Check the surface data of a body.
 fn surface<const D: usize>(body: &impl ParticleBody<D>) -> Result<(), Broken> {
     for n in 0..body.len() {
         let (facing, beyond) = (body.facing(n), body.beyond(n));
@@ -90,7 +89,7 @@ fn surface<const D: usize>(body: &impl ParticleBody<D>) -> Result<(), Broken> {
     Ok(())
 }
 
-/// A step with an impulse on one particle.
+/// Check a step with an impulse on one particle.
 fn step<const D: usize>(
     body: &mut impl ParticleBody<D>,
     dt: f64,
@@ -131,7 +130,7 @@ fn step<const D: usize>(
     let change = difference(now.momentum, totals.momentum);
     let mut missing = difference(change, sum(given, impulse));
     if body.axisymmetric() {
-        // Hoops push along the radius.
+        // Hoop stresses act along the radius.
         missing[0] = 0.0;
     }
     let missing = length(missing);

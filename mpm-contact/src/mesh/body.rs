@@ -1,4 +1,4 @@
-//! What contact knows of a body in a step, and of its surface from step to step.
+//! Bodies in a contact step, and surface data kept from step to step.
 
 use std::collections::HashMap;
 
@@ -8,10 +8,10 @@ use impactite_scene::{Archive, CheckpointError, SceneError};
 use super::closest::cross;
 use crate::vector::{difference, length, sum, times, unit, wide};
 
-/// What gaps are looked at beyond those that close in the step, as a part of the spacing of the points.
+/// Search margin beyond the gaps that close in the step, over the spacing of the points.
 pub(super) const BESIDE: f64 = 0.1;
 
-/// A body in one step: points of any method, and the facets of its surface if it has a mesh.
+/// Body in one step: points of any method, and the facets of its surface if it has a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactBody<'a, const D: usize> {
     pub(super) name: &'a str,
@@ -24,13 +24,13 @@ pub struct ContactBody<'a, const D: usize> {
     pub(super) labels: &'a [u64],
 }
 
-/// Nodes that carry points, as those of a grid carry its particles: a point moves with v_p = sum_i N_ip v_i, and an impulse J on it is
-/// N_ip J on node i. Points whose nodes are the same push each other's, which the solution of all contacts knows.
+/// Nodes that carry points, as those of a grid carry its particles: a point moves with v_p = sum_i N_ip v_i, and an impulse J on it is N_ip
+/// J on node i. Points with common nodes are coupled, which the solution of all contacts takes into account.
 #[derive(Clone, Copy, Debug)]
 pub struct Carriers<'a, const D: usize> {
-    /// Where the weights of each point begin; one more than there are points.
+    /// Offsets of the weights of each point; one more than the number of points.
     pub starts: &'a [usize],
-    /// Of each point its nodes, every one once, with the weight in each direction.
+    /// Nodes of each point, every one once, with the weight in each direction.
     pub weights: &'a [(u32, [f64; D])],
     /// Trial velocities of the nodes, m/s.
     pub velocities: &'a [[f64; D]],
@@ -44,7 +44,7 @@ impl<'a, const D: usize> Carriers<'a, D> {
         &self.weights[self.starts[point]..self.starts[point + 1]]
     }
 
-    /// Velocities of all points for these of the nodes, m/s.
+    /// Interpolate the velocities of all points, m/s, from those of the nodes.
     pub(super) fn carried(&self, nodes: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let velocity = |point| {
             let mut v = [0.0; 3];
@@ -58,8 +58,8 @@ impl<'a, const D: usize> Carriers<'a, D> {
 }
 
 impl<'a, const D: usize> ContactBody<'a, D> {
-    /// Points without facets, as particles of MPM, PCMM or SPH: positions at the start of the step, m; trial velocities, those that they
-    /// would have at its end without contact, m/s; masses, kg, infinite where motion is prescribed (per metre of depth in plane strain,
+    /// Create a body of points without facets, such as particles of MPM, PCMM or SPH: positions at the start of the step, m; trial
+    /// velocities, those at its end without contact, m/s; masses, kg, infinite for prescribed motion (per metre of depth in plane strain,
     /// per radian in axisymmetric coordinates); half sizes, the distance of the surface from the centre, m.
     pub fn of_points(
         name: &'a str,
@@ -79,8 +79,8 @@ impl<'a, const D: usize> ContactBody<'a, D> {
             labels: &[],
         }
     }
-    /// Points without facets that nodes carry: as [`ContactBody::of_points`], with the velocities that their nodes give them, without
-    /// masses of their own.
+    /// Create a body of carried points without facets: like [`ContactBody::of_points`], with the velocities interpolated from their nodes,
+    /// without masses of their own.
     pub fn of_carried_points(
         name: &'a str,
         positions: &'a [[f64; D]],
@@ -100,7 +100,7 @@ impl<'a, const D: usize> ContactBody<'a, D> {
             labels: &[],
         }
     }
-    /// A mesh: its nodes as [`ContactBody::of_points`], without half sizes, and the facets of its surface, outward
+    /// Create a mesh: nodes like [`ContactBody::of_points`], without half sizes, and the facets of its surface, outward
     /// (`impactite_geometry::ElementKind::facets`): edges in two dimensions, triangles and quadrilaterals in three.
     pub fn of_mesh(
         name: &'a str,
@@ -120,14 +120,14 @@ impl<'a, const D: usize> ContactBody<'a, D> {
             labels: &[],
         }
     }
-    /// Give the points labels, each of another one, by which they are known again where numbers change from step to step.
+    /// Set unique labels of the points, which identify them if numbers change from step to step.
     #[must_use]
     pub fn with_labels(mut self, labels: &'a [u64]) -> Self {
         self.labels = labels;
         self
     }
-    /// Give the nodes of a mesh half sizes, m, one a node: half the thickness of a shell, of which the facets are the middle surface for
-    /// what they touch as points.
+    /// Set half sizes of the nodes of a mesh, m, one a node: half the thickness of a shell, whose facets are the middle surface for contact
+    /// of its nodes.
     #[must_use]
     pub fn with_half_sizes(mut self, half_sizes: &'a [f64]) -> Self {
         self.half_sizes = half_sizes;
@@ -140,11 +140,11 @@ impl<'a, const D: usize> ContactBody<'a, D> {
     pub(super) fn position(&self, n: usize) -> [f64; 3] {
         wide(&self.positions[n])
     }
-    /// Is the motion of a point prescribed?
+    /// True if the motion of a point is prescribed.
     pub(super) fn is_prescribed(&self, n: usize) -> bool {
         self.masses.get(n).is_some_and(|mass| mass.is_infinite())
     }
-    /// Velocities and masses of what impulses act on: nodes that carry points, or the points.
+    /// Velocities and masses on which impulses act: of the nodes that carry points, or of the points.
     pub(super) fn movers(&self) -> (&'a [[f64; D]], &'a [f64]) {
         match self.carriers {
             Some(carriers) => (carriers.velocities, carriers.masses),
@@ -152,7 +152,7 @@ impl<'a, const D: usize> ContactBody<'a, D> {
         }
     }
 
-    /// Refuse what no contact can use.
+    /// Check the input.
     pub(super) fn check(&self) -> Result<(), SceneError> {
         let count = self.positions.len();
         let points_alone = self.facets.is_empty();
@@ -241,25 +241,25 @@ impl<'a, const D: usize> ContactBody<'a, D> {
     }
 }
 
-/// What of a body stays while its facets are the same.
+/// Surface data of a body, valid while its facets are the same.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Surface {
     facets: Vec<Facet>,
     points: usize,
-    /// The points that touch others: nodes of facets, or all without any.
+    /// Points of possible contact: nodes of facets, or all points without facets.
     pub touching: Vec<u32>,
-    /// Mean length of the edges at a node when the surface was new, m; empty without facets.
+    /// Mean edge length at each node when the surface was built, m; empty without facets.
     edges: Vec<f64>,
-    /// Are the edges from a checkpoint, of a surface to come?
+    /// True if the edges are from a checkpoint, before the surface is built.
     kept: bool,
-    /// Does every edge have facets on both sides?
+    /// True if every edge has facets on both sides.
     pub closed: bool,
-    /// Normals of the nodes in this step; empty without facets.
+    /// Nodal normals in this step; empty without facets.
     pub normals: Vec<[f64; 3]>,
 }
 
 impl Surface {
-    /// Look at a body again. Says whether it is another surface.
+    /// Rebuild the surface if the body changed. Returns true if it did.
     pub fn update<const D: usize>(&mut self, body: &ContactBody<'_, D>) -> bool {
         if self.points == body.positions.len() && self.facets == body.facets && !self.touching.is_empty() {
             return false;
@@ -269,7 +269,7 @@ impl Surface {
         let mut balance: HashMap<[u32; 2], i64> = HashMap::new();
         for facet in body.facets {
             let nodes = facet.nodes();
-            // Of the two ends of an edge in the plane as of the edges of a facet in space: each must be left as often as entered.
+            // A closed surface leaves each edge of its facets, in the plane each node, as often as it enters it.
             let edges = if nodes.len() == 2 { 1 } else { nodes.len() };
             for i in 0..edges {
                 let (a, b) = (nodes[i], nodes[(i + 1) % nodes.len()]);
@@ -300,7 +300,7 @@ impl Surface {
         true
     }
 
-    /// Mean normals of the facets at each node, by their areas.
+    /// Compute nodal normals: means of the facet normals, weighted by area.
     pub fn find_normals<const D: usize>(&mut self, body: &ContactBody<'_, D>) {
         self.normals.clear();
         self.normals.resize(if body.facets.is_empty() { 0 } else { body.positions.len() }, [0.0; 3]);
@@ -324,7 +324,7 @@ impl Surface {
         }
     }
 
-    /// The corners of the box that the points which touch others keep to in a step of `dt`, s, with all that is looked at beside them.
+    /// Bounding box, by its corners, of the points of possible contact in a step of `dt`, s, with the search margin.
     pub fn swept_box<const D: usize>(
         &self,
         body: &ContactBody<'_, D>,
@@ -343,7 +343,7 @@ impl Surface {
         [low, high]
     }
 
-    /// To a file, or from one: the surface is looked at again then, but its edges are those of when it was new.
+    /// Store or load the checkpoint data: the surface is rebuilt after loading, but with its original edges.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.list(&mut self.edges, &0.0, Archive::real)?;
         if file.reads() {
@@ -359,22 +359,22 @@ impl Surface {
             + self.normals.capacity() * size_of::<[f64; 3]>()
     }
 
-    /// Distance of a point to its neighbours, m: its diameter, or of a node without half size the mean edge at it.
+    /// Spacing of a point, m: its diameter, or for a node without half size the mean edge at it.
     pub fn spacing<const D: usize>(&self, body: &ContactBody<'_, D>, n: usize) -> f64 {
         let half = body.half_size(n);
         if half > 0.0 { 2.0 * half } else { self.edges.get(n).copied().unwrap_or(0.0) }
     }
 }
 
-/// A sphere around a facet that moves and grows within the step.
+/// Bounding sphere of a facet, which moves and grows within the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sphere {
     pub centre: [f64; 3],
-    /// At the start, m.
+    /// Radius at the start, m.
     pub radius: f64,
     /// Mean velocity of the nodes, m/s.
     pub velocity: [f64; 3],
-    /// How much faster or slower a node may be, m/s.
+    /// Largest deviation of a nodal velocity, m/s.
     pub spread: f64,
 }
 

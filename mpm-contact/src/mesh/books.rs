@@ -1,4 +1,4 @@
-//! What contact did in a step: impulses on points, forces of pairs, energies.
+//! Results of a contact step: impulses on points, forces of pairs, energies.
 
 use impactite_scene::{ContactPoint, Exchange, PairContact};
 
@@ -7,37 +7,37 @@ use super::detect::Touch;
 use super::solve::World;
 use crate::vector::{difference, dot, sum, times, wide};
 
-/// An impulse on a point of a body.
+/// Impulse on a point of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointImpulse<const D: usize> {
     /// Number of the point or node.
     pub point: u32,
-    /// N s: what its momentum changes by; of a body of prescribed motion, what that takes up.
+    /// Impulse, N s: change of momentum of the point, or reaction of a body of prescribed motion.
     pub impulse: [f64; D],
 }
 
-/// What contact did in a step.
+/// Summary of a contact step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshStep {
-    /// Points at facets that were looked at together.
+    /// Number of contacts of points and facets, solved together.
     pub contacts: usize,
-    /// Sweeps of the solution that took most, at most 200 each.
+    /// Largest number of sweeps of a solution, at most 200 each.
     pub sweeps: usize,
-    /// How often impulses were found: once, and again for each set of contacts that showed only then.
+    /// Number of solutions: one, and another for each set of contacts found only then.
     pub rounds: usize,
-    /// What the last sweep still changed of a gap, m; zero where impulses were found.
+    /// Change of a gap in the last sweep, m; zero if converged.
     pub residual: f64,
-    /// How deep the deepest point lies at the end of the step, over its spacing; at most 0.05 but where the step began with more, where
-    /// springs push, or where rounds did not suffice.
+    /// Largest penetration at the end of the step, over the spacing of the point; at most 0.05 unless the step began deeper, springs push,
+    /// or rounds did not suffice.
     pub depth: f64,
-    /// This step's impulse and work of bodies of prescribed motion on others, work of friction, and kinetic energy that plastic impacts
-    /// took beside that (negative by the little that mends depths): kinetic energy after = before + work - friction - impacts.
+    /// Exchange in this step: impulse and work of bodies of prescribed motion on others, work of friction, and plastic impact loss
+    /// (negative by the small energy of penetration correction): kinetic energy after = before + work - friction - impacts.
     pub exchange: Exchange,
-    /// Angular momentum about positions at the start of the step that the impulses made, N m s: sum of (x_p - sum N_a x_a) x J.
+    /// Couple of the impulses: their angular momentum about positions at the start of the step, N m s: sum of (x_p - sum N_a x_a) x J.
     pub couple: [f64; 3],
 }
 
-/// The books of a step.
+/// Collector of the results of a step.
 pub(super) struct Books<'a, const D: usize> {
     pub impulses: &'a mut [Vec<PointImpulse<D>>],
     pub places: &'a mut Vec<ContactPoint>,
@@ -45,7 +45,7 @@ pub(super) struct Books<'a, const D: usize> {
 }
 
 impl<const D: usize> Books<'_, D> {
-    /// Enter all contacts.
+    /// Enter the results of all contacts.
     pub fn enter(mut self, world: &mut World<'_, D>, touches: &[Touch], step: &mut MeshStep) {
         self.sum_up(world, touches);
         for pair in &mut *self.pairs {
@@ -107,7 +107,7 @@ impl<const D: usize> Books<'_, D> {
         }
     }
 
-    /// The impulses on all points that have one; velocities of the world become those after them, without the rounding of sweeps.
+    /// Sum the impulses on each point; set the velocities of the world to those after them, without the rounding of sweeps.
     fn sum_up(&mut self, world: &mut World<'_, D>, touches: &[Touch]) {
         let still = |body: &ContactBody<'_, D>| vec![[0.0; 3]; body.positions.len()];
         let mut sums: Vec<Vec<[f64; 3]>> = world.bodies.iter().map(still).collect();

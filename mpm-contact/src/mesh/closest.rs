@@ -1,28 +1,28 @@
-//! The point of an edge, a triangle or a bilinear quadrilateral that is closest to a point.
+//! Closest-point projection onto an edge, a triangle or a bilinear quadrilateral.
 
 use crate::vector::{difference, dot, length, sum, times};
 
 type Vector = [f64; 3];
 
-/// A weight below this is none: the closest point lies on the opposite edge.
+/// Threshold of weights: a smaller one is zero, and the closest point is on the opposite edge.
 const NO_WEIGHT: f64 = 1e-12;
-/// Newton's steps on a quadrilateral, at most: it takes 3 to 5.
+/// Maximum number of Newton steps on a quadrilateral: 3 to 5 are usual.
 const STEPS: usize = 30;
 
-/// The closest point of a facet.
+/// Closest point of a facet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Closest {
-    /// Shape weights N_a of the nodes; they add up to one, and are exactly zero off its edge or corner.
+    /// Shape weights N_a of the nodes: they sum to one, and are exactly zero off its edge or corner.
     pub weights: [f64; 4],
-    /// Where it is, m.
+    /// Position, m.
     pub at: Vector,
-    /// Unit outward normal of the facet there; zero if it has none.
+    /// Unit outward normal of the facet there; zero for a degenerate facet.
     pub normal: Vector,
-    /// How far it is, m.
+    /// Distance, m.
     pub distance: f64,
 }
 
-/// The closest point of a facet with these corners: two of an edge in the plane, outside on its right; three or four in space,
+/// Find the closest point of a facet with these corners: two for an edge in the plane, outside on its right; three or four in space,
 /// counter-clockwise from outside.
 pub(super) fn closest(x: Vector, corners: &[Vector]) -> Closest {
     match *corners {
@@ -61,7 +61,7 @@ fn edge(x: Vector, a: Vector, b: Vector) -> Closest {
     at(x, [1.0 - s, s, 0.0, 0.0], &[a, b], unit([along[1], -along[0], 0.0]))
 }
 
-/// By the regions of corners, edges and face \[Ericson2005\].
+/// Closest point of a triangle, by the regions of corners, edges and face \[Ericson2005\].
 fn triangle(x: Vector, a: Vector, b: Vector, c: Vector) -> Closest {
     let normal = unit(cross(difference(b, a), difference(c, a)));
     at(x, weights_of_triangle(x, a, b, c), &[a, b, c], normal)
@@ -103,9 +103,9 @@ fn weights_of_triangle(x: Vector, a: Vector, b: Vector, c: Vector) -> [f64; 4] {
     [1.0 - v - w, v, w, 0.0]
 }
 
-/// x(s, t) = a + b s + c t + d s t, 0 <= s, t <= 1: the surface that the nodes' shape functions span. Its edges are straight, so that
-/// neighbours fit, and it is smooth within: no diagonal is chosen. Newton's method with bounds, from the closest point of the two
-/// triangles, which is the answer on a parallelogram.
+/// Closest point of the bilinear surface x(s, t) = a + b s + c t + d s t, 0 <= s, t <= 1, of the nodes' shape functions. Its edges are
+/// straight, so that neighbours fit, and it is smooth within: no diagonal is chosen. Newton's method with bounds, from the closest point of
+/// the two triangles, which is the solution on a parallelogram.
 fn quadrilateral(x: Vector, corners: [Vector; 4]) -> Closest {
     let [p, q, r, o] = corners;
     let (b, c) = (difference(q, p), difference(o, p));
@@ -125,7 +125,7 @@ fn quadrilateral(x: Vector, corners: [Vector; 4]) -> Closest {
         let (along, across) = (sum(b, times(d, t)), sum(c, times(d, s)));
         let e = difference(place(s, t), x);
         let slope = [dot(e, along), dot(e, across)];
-        // A coordinate at a bound that the slope pushes against stays.
+        // Fix a coordinate at a bound against which the slope pushes.
         let free =
             [(s, slope[0]), (t, slope[1])].map(|(u, g)| !((u <= 0.0 && g >= 0.0) || (u >= 1.0 && g <= 0.0)));
         let (ss, tt) = (dot(along, along), dot(across, across));
@@ -172,7 +172,7 @@ fn quadrilateral(x: Vector, corners: [Vector; 4]) -> Closest {
 mod tests {
     use super::*;
 
-    /// Against all points of a fine raster of the facet.
+    /// Comparison with all points of a fine raster of the facet.
     #[test]
     fn no_point_of_a_facet_is_closer() {
         let mut seed = 7_u64;
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn normals_point_out_of_the_element() {
-        // The element on the left of the edge.
+        // The element is on the left of the edge.
         let edge = closest([0.5, -1.0, 0.0], &[[0.0; 3], [1.0, 0.0, 0.0]]);
         assert_eq!((edge.normal, edge.distance), ([0.0, -1.0, 0.0], 1.0));
         let triangle = closest([0.2, 0.2, 1.0], &[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);

@@ -1,4 +1,4 @@
-//! Which points touch which facets in a step: at its start, and where fast ones or turning facets meet within it.
+//! Contact detection of points and facets in a step: at its start, and within it for fast points or turning facets.
 
 use super::body::{BESIDE, ContactBody, Surface};
 use super::closest::{closest, cross};
@@ -9,24 +9,24 @@ use crate::vector::{difference, dot, length, sum, times};
 use impactite_geometry::Facet;
 use impactite_simd::Team;
 
-/// A depth, as a part of the spacing, that contact neither makes nor mends.
+/// Penetration, over the spacing, that contact neither causes nor corrects.
 pub(super) const ALLOWED: f64 = 0.02;
-/// A depth at the end of a step beyond which another contact is looked for.
+/// Penetration at the end of a step, over the spacing, beyond which another contact is sought.
 const DEEP: f64 = 0.04;
-/// What comes nearer in a step by less than this part of the spacing does not come through.
+/// Approach in a step, over the spacing, below which a point does not pass through.
 const SEEN: f64 = 1e-3;
-/// The part of a depth beyond what is allowed that is mended in a step, and at most, as a part of the spacing.
+/// Correction in a step of the penetration beyond the allowed one: relative, and at most, over the spacing.
 const MENDED: [f64; 2] = [0.1, 0.01];
-/// How far behind an open sheet, or behind a second facet at a corner, a point counts as having come through it.
+/// Depth, over the spacing, behind an open sheet, or behind a second facet at a corner, at which a point counts as having passed through.
 const BACK: f64 = 0.1;
-/// A motion along a facet, as a part of the radius of its sphere, up to which its plane at the start stands for it.
+/// Motion along a facet, over the radius of its sphere, up to which its plane at the start represents it.
 const SLOW: f64 = 0.5;
-/// Places along the way of a point that are looked at, at most.
+/// Maximum number of positions checked along the path of a point.
 const PLACES: f64 = 256.0;
-/// Points that a task looks after.
+/// Number of points per task.
 const CHUNK: usize = 128;
 
-/// A point at a facet.
+/// Contact of a point with a facet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Touch {
     /// Number of its [`Facing`].
@@ -34,45 +34,45 @@ pub(super) struct Touch {
     pub point: u32,
     pub facet: u32,
     pub nodes: [u32; 4],
-    /// Of the place that is touched.
+    /// Shape weights of the contact place.
     pub weights: [f64; 4],
-    /// Out of the surface.
+    /// Normal out of the surface.
     pub normal: [f64; 3],
-    /// (x_p - sum N_a x_a) . n - r_p at the start of the step, m.
+    /// Gap (x_p - sum N_a x_a) . n - r_p at the start of the step, m.
     pub gap: f64,
-    /// The least that it may be at the end, m.
+    /// Least gap permitted at the end, m.
     pub target: f64,
-    /// Distance of the point to its neighbours, m.
+    /// Spacing of the point, m.
     pub spacing: f64,
-    /// On the point, N s.
+    /// Impulse on the point, N s.
     pub impulse: [f64; 3],
 }
 
-/// Points and facets in one step, at velocities of the moment.
+/// Points and facets in one step, at the present velocities.
 pub(super) struct View<'a, const D: usize> {
     pub number: u32,
     pub side: &'a Facing<D>,
     pub points: &'a ContactBody<'a, D>,
     pub facets: &'a ContactBody<'a, D>,
     pub surfaces: [&'a Surface; 2],
-    /// Of the points and of the nodes, m/s.
+    /// Velocities of the points and of the nodes, m/s.
     pub velocities: [&'a [[f64; 3]]; 2],
     pub dt: f64,
 }
 
-/// A point on its way through the step.
+/// Path of a point through the step.
 struct Way {
     n: usize,
     x: [f64; 3],
     v: [f64; 3],
     half: f64,
     spacing: f64,
-    /// Of a node on the surface of a mesh.
+    /// Normal of a node on the surface of a mesh.
     normal: Option<[f64; 3]>,
     rules: Side,
 }
 
-/// Memory of a task.
+/// Scratch memory of a task.
 #[derive(Default)]
 struct Scratch {
     facets: Vec<u32>,
@@ -80,7 +80,7 @@ struct Scratch {
     features: Vec<Feature>,
 }
 
-/// What the tasks found.
+/// Results of a task.
 #[derive(Clone, Default)]
 struct Row {
     touches: Vec<Touch>,
@@ -88,19 +88,19 @@ struct Row {
 }
 
 impl<const D: usize> View<'_, D> {
-    /// The contacts at the start of the step that may close in it.
+    /// Find the contacts at the start of the step that may close in it.
     pub fn at_the_start(&self, team: &Team) -> Vec<Touch> {
         self.each(team, |way, scratch, row| self.start(way, scratch, &mut row.touches)).0
     }
 
-    /// What lies too deep at the end of the step for the contacts known so far: where each came through. And the largest depth, as a part
-    /// of the spacing.
+    /// Find penetrations at the end of the step beyond the known contacts: the first passage of each point, and the largest penetration,
+    /// over the spacing.
     pub fn at_the_end(&self, team: &Team) -> (Vec<Touch>, f64) {
         self.each(team, |way, scratch, row| {
             let depth = -self.look(way, 1.0, false, 0.0, scratch)[0] / way.spacing;
             row.depth = row.depth.max(depth);
-            // A ball that is pressed into facets smaller than itself touches many. One that flies by has its way ahead only where the
-            // distance is least.
+            // A ball that is pressed into facets smaller than itself has many contacts. A ball that flies by has its path ahead only where
+            // the distance is least.
             let fast = self.is_fast(way, &scratch.facets);
             if depth > DEEP || fast {
                 self.first_on_the_way(way, way.half > 0.0 && !fast, scratch, &mut row.touches);
@@ -147,7 +147,7 @@ impl<const D: usize> View<'_, D> {
         Way { n, x, v, half, spacing, normal, rules }
     }
 
-    /// The candidates whose spheres the point passes on its way.
+    /// Find the candidates whose spheres the point passes on its path.
     fn reached(&self, way: &Way, candidates: &[u32], reached: &mut Vec<u32>) {
         reached.clear();
         let prescribed = self.points.is_prescribed(way.n);
@@ -157,7 +157,7 @@ impl<const D: usize> View<'_, D> {
             let path = times(difference(way.v, sphere.velocity), self.dt);
             let square = dot(path, path);
             let reach = sphere.radius + sphere.spread * self.dt + way.half + BESIDE * way.spacing;
-            // (a + b)^2 <= 2 (a^2 + b^2): most are told by this, without a root or a division.
+            // (a + b)^2 <= 2 (a^2 + b^2): rejects most candidates without a root or a division.
             if dot(apart, apart) > 2.0001 * (reach * reach + square) {
                 return false;
             }
@@ -172,12 +172,12 @@ impl<const D: usize> View<'_, D> {
         nodes.iter().filter(|&&n| n != Facet::NONE).all(|&n| self.facets.is_prescribed(n as usize))
     }
 
-    /// How far the point moves in the step beside a facet, m.
+    /// Path length of the point relative to a facet in the step, m.
     fn travel(&self, way: &Way, facet: u32) -> f64 {
         length(difference(way.v, self.side.spheres[facet as usize].velocity)) * self.dt
     }
 
-    /// Does it move so far beside one of these facets that a look at the end of the step may miss what is on its way?
+    /// True if the point moves so far relative to one of these facets that a check at the end of the step may miss contacts on its path.
     fn is_fast(&self, way: &Way, facets: &[u32]) -> bool {
         facets.iter().any(|&f| {
             let sphere = &self.side.spheres[f as usize];
@@ -186,22 +186,22 @@ impl<const D: usize> View<'_, D> {
         })
     }
 
-    /// Features at a part of the step, into `scratch`: those no farther than `ahead` (m) beyond what is beside the point. The smallest gap,
-    /// and how far the nearest facet at least is, either side.
+    /// Find the features at a fraction of the step, into `scratch`: those no farther than `ahead` (m) beyond the search margin. Returns the
+    /// smallest gap, and a lower bound of the distance to the nearest facet, on either side.
     fn look(&self, way: &Way, part: f64, every: bool, ahead: f64, scratch: &mut Scratch) -> [f64; 2] {
         let reach = way.half + BESIDE * way.spacing + ahead;
         let [least, clear] = self.look_within(way, part, every, reach, scratch);
-        // Farther facets matter to a point that is deep inside: the nearest of them, which is no farther than any centre of one.
+        // Farther facets matter for a point that is deep inside: the nearest one, which is no farther than any facet centre.
         if least.is_infinite() && (way.rules.closed || way.rules.held.is_some()) {
             let nearest = self.nearest_centre(way, part, &scratch.facets);
             let [least, _] = self.look_within(way, part, every, nearest, scratch);
-            // What was touched before must not decide on how far the way is looked at.
+            // The last contact must not influence how far the path is followed.
             return [least, clear];
         }
         [least, clear]
     }
 
-    /// Distance of the point to the nearest of the centres of these facets at a part of the step, m.
+    /// Distance of the point to the nearest centre of these facets at a fraction of the step, m.
     fn nearest_centre(&self, way: &Way, part: f64, facets: &[u32]) -> f64 {
         let time = part * self.dt;
         let x = sum(way.x, times(way.v, time));
@@ -210,11 +210,11 @@ impl<const D: usize> View<'_, D> {
             let apart = difference(x, sum(sphere.centre, times(sphere.velocity, time)));
             dot(apart, apart)
         };
-        // Of a bilinear quadrilateral the centre is the mean of its corners, as of the others.
+        // The centre of a bilinear quadrilateral is the mean of its corners, like that of the others.
         facets.iter().map(square).fold(f64::INFINITY, f64::min).sqrt() * (1.0 + 1e-9)
     }
 
-    /// How far the point moves beside any of these facets or their nodes, m.
+    /// Largest path length of the point relative to these facets or their nodes, m.
     fn farthest(&self, way: &Way, facets: &[u32]) -> f64 {
         let spread = |f: u32| self.side.spheres[f as usize].spread * self.dt;
         facets.iter().map(|&f| self.travel(way, f) + spread(f)).fold(0.0, f64::max)
@@ -249,7 +249,7 @@ impl<const D: usize> View<'_, D> {
                 clear = clear.min(square.sqrt());
                 continue;
             }
-            // Between planes through its corners lies all of the facet.
+            // The whole facet is between two planes through its corners.
             let off = off_planes(x, &corners[..count]);
             if off > reach {
                 clear = clear.min(off);
@@ -270,7 +270,7 @@ impl<const D: usize> View<'_, D> {
         [least, clear]
     }
 
-    /// Velocity of the point along the normal, relative to the place on the surface, m/s.
+    /// Separation velocity of the point along the normal, relative to the place on the surface, m/s.
     fn parting(&self, way: &Way, feature: &Feature) -> f64 {
         let mut relative = way.v;
         for (&n, w) in feature.nodes.iter().zip(feature.weights).filter(|(_, w)| *w > 0.0) {
@@ -303,7 +303,7 @@ impl<const D: usize> View<'_, D> {
         }
     }
 
-    /// Where the point first comes through: along its way by as much as it is clear of every facet, at least by the depth that is allowed
+    /// Find the first passage of the point: advance along its path by its clearance from every facet, at least by the allowed penetration
     /// (conservative advancement \[Mirtich1996\]).
     fn first_on_the_way(&self, way: &Way, every: bool, scratch: &mut Scratch, touches: &mut Vec<Touch>) {
         let travel = self.farthest(way, &scratch.facets);
@@ -327,8 +327,8 @@ impl<const D: usize> View<'_, D> {
     }
 }
 
-/// Distance of a point to the slab of space between two parallel planes that holds these corners, along the mean normal of the facet; in
-/// the plane there is none.
+/// Distance of a point to the slab between two parallel planes that contains these corners, along the mean normal of the facet; zero in the
+/// plane.
 fn off_planes(x: [f64; 3], corners: &[[f64; 3]]) -> f64 {
     let normal = match *corners {
         [a, b, c] => cross(difference(b, a), difference(c, a)),
@@ -344,6 +344,6 @@ fn off_planes(x: [f64; 3], corners: &[[f64; 3]]) -> f64 {
         .iter()
         .map(height)
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-    // Rounding must leave out nothing that touches.
+    // Rounding must not exclude a contact.
     low.max(-high).max(0.0) / square.sqrt() * (1.0 - 1e-9)
 }

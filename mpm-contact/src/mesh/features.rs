@@ -1,40 +1,41 @@
-//! Which features of a surface a point faces: faces, edges and corners at which its distance is least.
+//! Features of a surface near a point: faces, edges and corners at which its distance is least.
 
 use impactite_geometry::Facet;
 
 use super::closest::Closest;
 use crate::vector::{difference, dot, length, sum, times, unit};
 
-/// A part of the distance within which two facets are equally near.
+/// Relative tolerance of equal distances to two facets.
 const EQUALLY: f64 = 1e-9;
-/// A point this near to an edge or corner, as a part of the facet's size, has the mean normal of the facets there: the direction to it is noise.
+/// Distance to an edge or corner, over the facet's size, below which the mean normal of the facets there is used: the direction to the
+/// point is noise.
 const UPON: f64 = 1e-7;
-/// Sine of the angle by which a facet rises before its neighbour where their edge is concave.
+/// Sine of the angle by which a facet rises before its neighbour at a concave edge.
 const CONCAVE: f64 = 1e-3;
-/// The cosine of the angle between the normals of a point and a facet above which the facet hardly faces it, and how much less that of a
-/// neighbour must be which does.
+/// Cosine of the angle between the normals of a point and a facet above which the facet hardly faces it, and least reduction of it by a
+/// neighbour that does.
 const TURNED: [f64; 2] = [-0.25, 0.5];
 /// Cosine of the angle between outward normals of one surface above which both belong to the same sheet.
 const SAME_SHEET: f64 = 0.5;
 
-/// A facet near a point.
+/// Facet near a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Near {
-    /// Its number.
+    /// Number of the facet.
     pub facet: u32,
     pub nodes: [u32; 4],
-    /// Mean of its corners, m.
+    /// Centre: mean of the corners, m.
     pub centre: [f64; 3],
-    /// Radius of the sphere around it, m.
+    /// Radius of the bounding sphere, m.
     pub size: f64,
     pub closest: Closest,
-    /// Is it turned away from the point ([`turn_away`])?
+    /// True if the facet is turned away from the point ([`turn_away`]).
     pub turned: bool,
 }
 
-/// Mark facets that are turned away from a node of a mesh with this normal: where a neighbour beyond a convex edge, no farther than `back`
-/// (m), opposes it. A node of a flat surface under an edge is below the one face, and not before the other, however near that is. What
-/// sticks out there is another node, which meets facets of the flat surface.
+/// Mark facets that are turned away from a node of a mesh with this normal: a neighbour beyond a convex edge, no farther than `back` (m),
+/// opposes it. A node of a flat surface under an edge is below one face, and not before the other, however near that is. A protruding part
+/// there is another node, in contact with facets of the flat surface.
 pub(super) fn turn_away(near: &mut [Near], normal: [f64; 3], back: f64) {
     for n in 0..near.len() {
         let this = near[n];
@@ -52,31 +53,31 @@ pub(super) fn turn_away(near: &mut [Near], normal: [f64; 3], back: f64) {
     }
 }
 
-/// Where a point may touch a surface.
+/// Possible contact of a point with a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Feature {
     pub facet: u32,
     pub nodes: [u32; 4],
     pub weights: [f64; 4],
-    /// Unit direction out of the surface.
+    /// Unit normal out of the surface.
     pub normal: [f64; 3],
-    /// Signed distance along it, m; negative inside.
+    /// Signed distance along the normal, m; negative inside.
     pub height: f64,
-    /// The closest point and the middle of the facet, m.
+    /// Closest point, and centre of the facet, m.
     pub at: [f64; 3],
     pub centre: [f64; 3],
 }
 
-/// What is known of a point beside its place.
+/// Side information of a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side {
-    /// Does the surface enclose a volume, so that a point nearest to its inside is inside?
+    /// True if the surface encloses a volume, so that a point nearest to its inside is inside.
     pub closed: bool,
-    /// How deep behind a facet a point may be and still count as having come through it, m.
+    /// Largest depth behind a facet at which a point counts as having passed through, m.
     pub back: f64,
-    /// The nodes of the facet that it touched last.
+    /// Nodes of the facet of the last contact.
     pub held: Option<[u32; 4]>,
-    /// Of a node of the same surface: its number and normal.
+    /// Number and normal of a node of the same surface.
     pub own: Option<(u32, [f64; 3])>,
 }
 
@@ -98,10 +99,9 @@ impl Near {
     }
 }
 
-/// The feature of `near[n]`, if the distance is least there among all facets that share it, and if this facet is the one that tells its
-/// sides apart. With how many facets share it.
-/// With `every` place of the facets, be it the nearest or not, before which the point lies.
-/// None beyond an end of the facet where its neighbour is turned away: `beyond` is then at most how far that is, m.
+/// Find the feature of `near[n]`, and the number of facets that share it, if the distance is least there among these facets and this facet
+/// determines the side. With `every`, accept any place of the facets, nearest or not, before which the point is. None beyond an end of the
+/// facet whose neighbour is turned away: `beyond` is then reduced to that distance, m.
 fn feature_of(
     x: [f64; 3],
     near: &[Near],
@@ -140,16 +140,16 @@ fn feature_of(
                 return None;
             }
             sharing += 1;
-            // Before a corner that opens towards it, it touches every side.
+            // Before a corner that opens towards it, the point is in contact with every side.
             concave |= upon && dot(difference(other.centre, at), normal) > CONCAVE * other.size;
             if concave {
                 continue;
             }
-            // A face knows better than its edge, an edge than its end: the same place but for rounding.
+            // A face has priority over its edge, an edge over its end: the same place but for rounding.
             if other.feature().count() > this.feature().count() {
                 return None;
             }
-            // Of a point on their edge or corner one of them speaks for all: what it is away from each is rounding.
+            // For a point on their edge or corner one facet represents all: the distances are rounding.
             if distance <= UPON * this.size.max(other.size) {
                 if m < n {
                     return None;
@@ -157,7 +157,7 @@ fn feature_of(
                 normals = sum(normals, other.closest.normal);
                 continue;
             }
-            // The facet whose plane is farthest knows the side \[BaerentzenAanaes2005\].
+            // The facet with the farthest plane determines the side \[BaerentzenAanaes2005\].
             let here = dot(away, other.closest.normal).abs();
             if here > height.abs() || (here == height.abs() && m < n) {
                 return None;
@@ -179,12 +179,12 @@ fn feature_of(
     ))
 }
 
-/// All features that a point at `x` may touch, into `out`: those before which it lies; or if it lies behind the nearest one, that one
-/// and those with it at a corner. Or `every` place before which it lies: all that a ball larger than facets may press.
+/// Find all features of possible contact of a point at `x`, into `out`: those before which it is; if it is behind the nearest one, that one
+/// and those with it at a corner. With `every`, each place before which it is: all that a ball larger than facets may press.
 pub(super) fn features(x: [f64; 3], near: &[Near], side: &Side, every: bool, out: &mut Vec<Feature>) {
     out.clear();
     let mut before = f64::INFINITY;
-    // The nearest one behind which it lies: of the facets near the held one, if there is any.
+    // Nearest feature behind which the point is; facets near the held one have priority.
     let mut behind: Option<(bool, Feature)> = None;
     let mut shallow = 0;
     let is_held = |feature: &Feature| side.held.is_some_and(|nodes| share(&nodes, &feature.nodes));
@@ -219,13 +219,13 @@ pub(super) fn features(x: [f64; 3], near: &[Near], side: &Side, every: bool, out
     }
     let Some((held, nearest)) = behind else { return };
     if before < -nearest.height && (before_held || !held) {
-        // It is before the nearest feature, or before what it touched, and what it is behind of is the far side of a sheet.
+        // The point is before the nearest feature, or before its last contact: the feature behind is the far side of a sheet.
         if shallow > 0 {
             out.retain(|feature| feature.height >= 0.0);
         }
         return;
     }
-    // It is behind two sides at a concave corner; at a convex one, of something thin too, it came through the nearer one.
+    // At a concave corner the point is behind two sides; at a convex one, of a thin body too, it passed through the nearer one.
     out.retain(|feature| {
         let rise = dot(difference(feature.centre, nearest.at), nearest.normal);
         let concave = rise > CONCAVE * length(difference(feature.centre, nearest.at));

@@ -1,10 +1,10 @@
-//! Contact of points with the facets of meshes, whatever the methods: point to surface.
+//! Point-to-surface contact of points with the facets of meshes, for any method.
 //!
 //! Points are particles of MPM, PCMM or SPH, or nodes of a mesh; surfaces are edges in two dimensions (axisymmetric ones with masses per
-//! radian), triangles and quadrilaterals in three ([`ContactBody`]). Sizes are free: a facet may be many times larger or smaller than the
-//! points. Two meshes touch both ways, nodes of each at facets of the other; a mesh may touch itself. This is the principle of
-//! particle-to-surface contact in the improved coupled finite element material point method \[Chen2015\], of which no numbers are
-//! printed in the review that describes it \[Zhang2017\]; gates of our own judge it.
+//! radian), triangles and quadrilaterals in three ([`ContactBody`]). Any ratio of sizes is permitted: a facet may be many times larger or
+//! smaller than the points. Contact of two meshes is two-way, nodes of each against facets of the other; self-contact is possible. This is
+//! the principle of particle-to-surface contact in the improved coupled finite element material point method \[Chen2015\]; the review that
+//! describes it \[Zhang2017\] prints no numbers, so that acceptance tests of our own apply.
 //!
 //! ```
 //! use impactite_geometry::Facet;
@@ -40,47 +40,46 @@
 //! # }
 //! ```
 //!
-//! # A step
-//! All methods have their trial velocities v*; contact gives impulses, and positions go on with v = v* + J / m.
+//! # Time step
+//! All methods have their trial velocities v*; contact computes impulses, and positions are updated with v = v* + J / m.
 //!
-//! 1. *Search.* Of bodies whose boxes have a place in common in the step: spheres around points and facets that hold their motion, on
-//!    the shared neighbour search, with a skin (`impactite_geometry::search::VerletListsBetween`); any ratio of sizes.
-//! 2. *Features.* The distance of a point to a surface has its least values at faces, edges and corners; each of them is a contact. So a
-//!    point beyond a convex edge has the edge's direction, one in a concave corner touches both sides, and one above a flat mesh a single
-//!    facet. On quadrilaterals it is the closest point of the bilinear surface: smooth, with no diagonal, and fitting its neighbours. A
-//!    point is inside where the facet nearest to it says so; which facet it touched last is remembered, and goes before. At a convex
-//!    edge a node of a mesh meets the side that its own normal opposes, not the one turned away, however near: so faces of one outline
-//!    meet flat, and an edge slides over the nodes below it.
-//! 3. *Impulses.* With the weights N_a of the closest point x_c = sum N_a x_a, gap g = (x_p - x_c) . n - r_p and relative velocity
-//!    u = v_p - sum N_a v_a, J is on the point and -N_a J on the nodes, so that the effective mass is
-//!    1 / (1/m_p + sum N_a^2 / m_a). Along the normal: g + u_n dt >= 0, J_n >= 0, one of them zero: plastic impact at a point that
-//!    closes, and rest where it lies. Across it, the law of the pair. All contacts together by projected Gauss-Seidel, each island of
-//!    contacts that share masses by itself.
-//! 4. *A look at the end.* Where a point would lie deeper than 0.04 of the spacing, or flies by more than half a facet, its way is
-//!    followed to where it first comes through; that facet becomes a contact, and impulses are found again.
+//! 1. *Search.* Between bodies whose bounding boxes overlap in the step: spheres around points and facets that contain their motion, by the
+//!    shared neighbour search, with a skin (`impactite_geometry::search::VerletListsBetween`); any ratio of sizes.
+//! 2. *Features.* The distance of a point to a surface has minima at faces, edges and corners; each of them is a contact. A point beyond a
+//!    convex edge thus has the edge's direction, one in a concave corner touches both sides, and one above a flat mesh a single facet. On
+//!    quadrilaterals the closest point of the bilinear surface is used: smooth, without a diagonal, and compatible with neighbours. A point
+//!    is inside if it is behind its nearest facet; the facet of its last contact is remembered, and has priority. At a convex edge a node
+//!    of a mesh is in contact with the side that its own normal opposes, not the one turned away, however near: faces of one outline meet
+//!    flat, and an edge slides over the nodes below it.
+//! 3. *Impulses.* With the weights N_a of the closest point x_c = sum N_a x_a, gap g = (x_p - x_c) . n - r_p and relative velocity u =
+//!    v_p - sum N_a v_a, J acts on the point and -N_a J on the nodes, so that the effective mass is 1 / (1/m_p + sum N_a^2 / m_a). Normal
+//!    direction: g + u_n dt >= 0, J_n >= 0, one of them zero: plastic impact of a closing point, and static contact. Tangential direction:
+//!    the law of the pair. All contacts are solved together by projected Gauss-Seidel, each island of contacts that share masses by itself.
+//! 4. *Check at the end.* If a point would be deeper than 0.04 of the spacing, or flies by more than half a facet, its path is followed to
+//!    its first passage; that facet becomes a contact, and impulses are solved for again.
 //!
-//! # What holds
-//! - Momentum to rounding. Angular momentum too, about positions at the start of the step (with which it is constant in free flight), for
-//!   the normal parts of contacts found there: J_n lies along x_p - x_c. *Friction has a lever:* it acts at the surface, while the point's
-//!   mass is its half size (and the gap that closes in the step) above it, and a point has no spin to take the couple up. That couple, and
-//!   that of contacts found on the way, is [`MeshStep::couple`]: the change of angular momentum to rounding.
+//! # Properties
+//! - Momentum is conserved to rounding. Angular momentum too, about positions at the start of the step (with which it is constant in free
+//!   flight), for the normal parts of contacts found there: J_n is along x_p - x_c. *Friction has a lever:* it acts at the surface, while
+//!   the point's mass is its half size (and the gap that closes in the step) above it, and a point has no spin to take the couple up. That
+//!   couple, and that of contacts found on the path, is [`MeshStep::couple`]: the change of angular momentum to rounding.
 //! - Kinetic energy after = before + work of prescribed bodies - friction - impacts, to rounding ([`MeshStep::exchange`]); friction is the
-//!   work on the slip left at the end of the step. Contact adds no energy but where a step begins deeper than 0.02 of the spacing: a
-//!   tenth of what is deeper, at most 0.01 of the spacing, is mended in each step.
-//! - No point lies deeper than 0.05 of its spacing (the diameter of a point; of a node without half size the mean edge there) at the end
-//!   of a step that did not begin so; [`MeshStep::depth`] says how deep the deepest is.
-//! - The same bits for any number of threads.
+//!   work on the slip left at the end of the step. Contact adds no energy unless a step begins deeper than 0.02 of the spacing: a tenth of
+//!   the excess, at most 0.01 of the spacing, is corrected in each step.
+//! - Penetration is at most 0.05 of the spacing of a point (its diameter; for a node without half size the mean edge there) at the end of a
+//!   step that did not begin deeper; [`MeshStep::depth`] is the largest one.
+//! - Results are bitwise equal for any number of threads.
 //!
 //! # Limits
-//! - Nodes are tested against facets, not edges against edges: two meshes in space may cross along edges between their nodes, by about
-//!   half of the smaller edge at a sharp angle.
-//! - Half sizes are along the normal: a point is a ball at edges and corners.
-//! - Laws that remember are refused: a point that slides changes its facet, and no memory follows it yet. A law that springs
-//!   ([`crate::Penalty`]) lets points in and is not followed along the way.
-//! - A mesh with an open edge is a sheet with one side that pushes. A point further behind it than a tenth of the spacing, that did not
-//!   touch it before, is not pulled through; nor does it push from behind.
-//! - Self-contact: a node does not touch facets of which it is a node, nor those its own normal says are of the same sheet (less than 60
-//!   degrees). Parts thinner than a tenth of an edge are not told from what came through.
+//! - Nodes are tested against facets, not edges against edges: two meshes in space may cross along edges between their nodes, by about half
+//!   of the smaller edge at a sharp angle.
+//! - Half sizes act along the normal: a point is a ball at edges and corners.
+//! - Laws with memory are refused: a sliding point changes its facet, and no memory follows it yet. A law that springs ([`crate::Penalty`])
+//!   permits penetration, and its points are not followed along the path.
+//! - Meshes with an open edge are sheets with contact on one side. A point further behind it than a tenth of the spacing, without contact
+//!   before, is not pulled through; nor does it push from behind.
+//! - Self-contact excludes facets of which the node is a node, and those of the same sheet by its own normal (less than 60 degrees). Parts
+//!   thinner than a tenth of an edge are not distinguished from penetrations.
 //! - The solution of one island runs on one thread.
 
 mod body;
@@ -106,11 +105,10 @@ use solve::World;
 pub use body::{Carriers, ContactBody};
 pub use books::{MeshStep, PointImpulse};
 
-/// Most rounds of a step: a point at speed may meet one facet after the other.
+/// Maximum number of rounds of a step: a fast point may be in contact with one facet after the other.
 const ROUNDS: usize = 32;
 
-/// Contact among bodies of which some have meshes: who may touch whom, by which laws, and what must last from step to step. See the
-/// [module](self).
+/// Contact between bodies of which some have meshes: pairs, laws, and data kept from step to step. See the [module](self).
 #[derive(Clone, Debug)]
 pub struct MeshContact<const D: usize> {
     laws: Pairs<f64>,
@@ -122,13 +120,13 @@ pub struct MeshContact<const D: usize> {
     impulses: Vec<Vec<PointImpulse<D>>>,
 }
 
-/// Have two boxes, by their corners, a place in common?
+/// True if two boxes, by their corners, overlap.
 fn overlap(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> bool {
     (0..3).all(|d| a[0][d] <= b[1][d] && b[0][d] <= a[1][d])
 }
 
 impl<const D: usize> MeshContact<D> {
-    /// No contacts yet; this law in all, or the laws of pairs.
+    /// Create without pairs; one law for all contacts, or the laws of pairs.
     pub fn new(laws: impl Into<Pairs<f64>>) -> Self {
         MeshContact {
             laws: laws.into(),
@@ -140,13 +138,13 @@ impl<const D: usize> MeshContact<D> {
             impulses: Vec::new(),
         }
     }
-    /// Another law between two bodies, by number; twice the same one for a body with itself.
+    /// Set another law between two bodies, by number; twice the same one for self-contact.
     #[must_use]
     pub fn with(mut self, one: usize, other: usize, law: impl ContactLaw<f64>) -> Self {
         self.laws = self.laws.with(one, other, law);
         self
     }
-    /// Contact between two bodies, by number: points of each at facets of the other.
+    /// Add contact between two bodies, by number: points of each against facets of the other.
     #[must_use]
     pub fn between(mut self, one: usize, other: usize) -> Self {
         let bodies = [one.min(other), one.max(other)];
@@ -159,7 +157,7 @@ impl<const D: usize> MeshContact<D> {
         }
         self
     }
-    /// Contact of a body's nodes with its own facets.
+    /// Add self-contact of a body: its nodes against its own facets.
     #[must_use]
     pub fn within(mut self, body: usize) -> Self {
         if self.pairs.iter().all(|pair| pair.bodies != [body; 2]) {
@@ -168,19 +166,19 @@ impl<const D: usize> MeshContact<D> {
         }
         self
     }
-    /// Positions are (r, z), masses and impulses per radian: areas that laws ask for are too.
+    /// Use axisymmetric coordinates (r, z): masses, impulses and areas for laws are per radian.
     #[must_use]
     pub fn axisymmetric(mut self) -> Self {
         self.axisymmetric = true;
         self
     }
 
-    /// Find the impulses of a step `dt` (s) at `time` (s). Bodies are those numbered in [`MeshContact::between`]; numbers of points and
-    /// facets may change from step to step, which takes another search and forgets what was touched.
+    /// Solve for the impulses of a step `dt` (s) at `time` (s). Bodies are those numbered in [`MeshContact::between`]; numbers of points
+    /// and facets may change from step to step, which causes another search and clears the last contacts.
     ///
     /// # Errors
-    /// A law that remembers; a pair without facets, or a body that is not there; lists of unequal lengths; masses, positions, velocities,
-    /// half sizes or facets that no contact can use; points that no search can. Nothing has changed then.
+    /// A law with memory; a pair without facets, or a body that does not exist; lists of unequal lengths; invalid masses, positions,
+    /// velocities, half sizes or facets; points beyond the range of the search. Nothing is changed then.
     pub fn step(
         &mut self,
         bodies: &[ContactBody<'_, D>],
@@ -278,7 +276,7 @@ impl<const D: usize> MeshContact<D> {
                 return parameter("number of a body in contact", b as f64, "below the number of bodies");
             };
             let one = &bodies[a];
-            // Nobody is there to meet where every element of a body has left.
+            // A body without elements has no contact.
             let is_one_gone = one.positions.is_empty() || last.positions.is_empty();
             if one.facets.is_empty() && last.facets.is_empty() && !is_one_gone {
                 return Err(SceneError::NotWith {
@@ -291,14 +289,14 @@ impl<const D: usize> MeshContact<D> {
         bodies.iter().try_for_each(ContactBody::check)
     }
 
-    /// See which surfaces are new.
+    /// Update the surfaces that changed.
     fn look_at(&mut self, bodies: &[ContactBody<'_, D>]) {
         self.surfaces.resize(bodies.len(), Surface::default());
         self.impulses.resize(bodies.len(), Vec::new());
         for (n, body) in bodies.iter().enumerate() {
             if self.surfaces[n].update(body) {
                 let of_this = self.sides.iter_mut().filter(|side| side.bodies.contains(&n));
-                // What an archive held is of this surface.
+                // Data from an archive belong to this surface.
                 of_this.for_each(|side| side.is_of(n, body));
             }
         }
@@ -364,28 +362,28 @@ impl<const D: usize> MeshContact<D> {
         }
     }
 
-    /// The laws.
+    /// Contact laws.
     pub fn laws(&self) -> &Pairs<f64> {
         &self.laws
     }
-    /// The impulses on points of a body in the last step, ascending by point.
+    /// Impulses on points of a body in the last step, ascending by point.
     pub fn impulses(&self, body: usize) -> &[PointImpulse<D>] {
         self.impulses.get(body).map_or(&[], Vec::as_slice)
     }
-    /// Each pair of bodies in the last step, in the order they were named; of a body with itself the force is zero.
+    /// Pairs of bodies in the last step, in the order of definition; the force of self-contact is zero.
     pub fn pairs(&self) -> &[PairContact] {
         &self.pairs
     }
-    /// Where bodies touched in the last step, with gaps at its end.
+    /// Contact points in the last step, with gaps at its end.
     pub fn places(&self) -> &[ContactPoint] {
         &self.places
     }
-    /// Searches for neighbours since the start.
+    /// Number of neighbour searches since the start.
     pub fn searches(&self) -> u64 {
         self.sides.iter().map(Facing::searches).sum()
     }
 
-    /// Bytes of memory.
+    /// Memory, bytes.
     pub fn bytes(&self) -> usize {
         self.surfaces.iter().map(Surface::bytes).sum::<usize>()
             + self.sides.iter().map(|side| side.bytes() + size_of::<Facing<D>>()).sum::<usize>()
@@ -394,11 +392,11 @@ impl<const D: usize> MeshContact<D> {
             + self.pairs.capacity() * size_of::<PairContact>()
     }
 
-    /// What must last, to a file or from one: which facets points touch, and what pairs took. Lists of neighbours are found again, and
-    /// change nothing.
+    /// Store or load the checkpoint data: last contacts of points, and energies of pairs. Neighbour lists are rebuilt, without effect on
+    /// results.
     ///
     /// # Errors
-    /// The file; other laws or pairs than the ones saved.
+    /// File errors; other laws or pairs than the ones saved.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("contact of meshes", &format!("{:?}", self.laws))?;
         let pairs: Vec<_> = self.pairs.iter().map(|pair| pair.bodies).collect();

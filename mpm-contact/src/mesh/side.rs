@@ -1,4 +1,4 @@
-//! Points of one body beside facets of another, or of the same: who is near whom.
+//! Points of one body against facets of another, or of the same: neighbour search.
 
 use std::collections::HashMap;
 
@@ -10,37 +10,37 @@ use impactite_simd::Team;
 use super::body::{BESIDE, ContactBody, Sphere, Surface};
 use crate::vector::{dot, sum, times};
 
-/// The skin of the lists at first, as a part of the mean spacing of the points, and at most.
+/// Initial and largest skin of the lists, over the mean spacing of the points.
 const SKIN: [f64; 2] = [0.5, 4.0];
-/// The skin of lists of points with labels, of which others come every step.
+/// Skin of lists of points with labels, which change in every step.
 const BRIEF: f64 = 0.1;
-/// Lists that serve fewer steps than this get a thicker skin.
+/// Number of steps served by lists below which their skin is increased.
 const OFTEN: u64 = 4;
-/// Points that a task looks after.
+/// Number of points per task.
 const CHUNK: usize = 256;
 
 /// Points of one body against the facets of another.
 #[derive(Clone, Debug)]
 pub(super) struct Facing<const D: usize> {
-    /// The body of the points and that of the facets.
+    /// Body of the points, and body of the facets.
     pub bodies: [usize; 2],
-    /// May any of them meet in the step?
+    /// True if contact is possible in the step.
     pub near: bool,
     lists: Option<VerletListsBetween<D>>,
-    /// Updates since the last search.
+    /// Number of updates since the last search.
     age: u64,
     searches: u64,
-    /// For each point of the body the facet that it touched last; [`Facet::NONE`] for none.
+    /// Facet of the last contact of each point; [`Facet::NONE`] for none.
     pub held: Vec<u32>,
-    /// Labels of those points, where they have any.
+    /// Labels of these points, if any.
     labels: Vec<u64>,
     pub spheres: Vec<Sphere>,
     swept: [Swept<D>; 2],
-    /// Was there a step since the start, or since a checkpoint was read?
+    /// True after a step since the start, or since a checkpoint was loaded.
     seen: bool,
 }
 
-/// Spheres that hold what moves through the whole step.
+/// Spheres that contain moving objects through the whole step.
 #[derive(Clone, Debug)]
 struct Swept<const D: usize> {
     centres: Vec<[f64; D]>,
@@ -86,7 +86,7 @@ impl<const D: usize> Facing<D> {
         }
     }
 
-    /// Are points and facets those of one body?
+    /// True if points and facets belong to one body.
     pub fn is_within(&self) -> bool {
         self.bodies[0] == self.bodies[1]
     }
@@ -103,8 +103,8 @@ impl<const D: usize> Facing<D> {
             + self.swept.iter().map(swept).sum::<usize>()
     }
 
-    /// Body `n` is one of these points and facets from now on. What was remembered is kept where it may be of them: after a checkpoint, and
-    /// of points with labels.
+    /// Register that body `n` has another surface. The last contacts are kept where they may be valid: after a checkpoint, and for points
+    /// with labels.
     pub fn is_of(&mut self, n: usize, body: &ContactBody<'_, D>) {
         let [points, facets] = self.bodies;
         let labelled = n == points && !body.labels.is_empty();
@@ -121,7 +121,7 @@ impl<const D: usize> Facing<D> {
         }
     }
 
-    /// Know points again by their labels.
+    /// Reassign the last contacts to points by their labels.
     pub fn follow(&mut self, labels: &[u64]) {
         if self.labels == labels {
             return;
@@ -132,7 +132,7 @@ impl<const D: usize> Facing<D> {
         self.labels = labels.to_vec();
     }
 
-    /// To a file, or from one.
+    /// Store or load the checkpoint data.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.list(&mut self.held, &Facet::NONE, |file, facet| file.index(facet, 1 << 32))?;
         file.list(&mut self.labels, &0, Archive::word)?;
@@ -142,7 +142,7 @@ impl<const D: usize> Facing<D> {
         Ok(())
     }
 
-    /// Candidates for these velocities (of both bodies, by point), over a step `dt`.
+    /// Update the candidates for these velocities (of both bodies, by point), over a step `dt`.
     pub fn update(
         &mut self,
         points: &ContactBody<'_, D>,
@@ -180,7 +180,7 @@ impl<const D: usize> Facing<D> {
             let Sphere { centre, radius, velocity, spread } = spheres[f];
             let half_way = times(velocity, 0.5 * dt);
             let radius = radius + spread * dt + dot(half_way, half_way).sqrt();
-            // Rounding must lose no facet that touches its sphere.
+            // Rounding must not lose a facet that touches its sphere.
             (narrow(sum(centre, half_way)), radius * (1.0 + 1e-12))
         });
         self.spheres = spheres;
@@ -208,7 +208,7 @@ impl<const D: usize> Facing<D> {
         let facets = Points::new(&of_facets.centres, &of_facets.radii)?;
         if lists.update(&facets, &Points::new(&of_points.centres, &of_points.radii)?, team)? {
             self.searches += 1;
-            // A thicker skin from the next search on.
+            // Increase the skin from the next search on.
             if self.age < OFTEN && self.labels.is_empty() {
                 let spacing =
                     surface.touching.iter().map(|&n| surface.spacing(points, n as usize)).sum::<f64>()
@@ -225,7 +225,7 @@ impl<const D: usize> Facing<D> {
         Ok(())
     }
 
-    /// Facets that may be near the point at place `i` of those that touch, in ascending order.
+    /// Facets that may be near point `i` of those in `touching`, in ascending order.
     pub fn candidates(&self, i: usize) -> &[u32] {
         self.lists.as_ref().map_or(&[], |lists| lists.of(i))
     }

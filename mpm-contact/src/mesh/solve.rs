@@ -1,15 +1,14 @@
-//! Impulses of all contacts: projected Gauss-Seidel with the laws as local solvers.
+//! Solution for the impulses of all contacts: projected Gauss-Seidel with the laws as local solvers.
 //!
-//! A contact of a point p with the place x_c = sum N_a x_a of a facet changes the velocity of one relative to the other by
-//! (1/m_p + sum N_a^2 / m_a) J, the same in all directions: the law, asked with the masses m_p and 1 / sum(N_a^2 / m_a) and with the
-//! velocities that both would have without J, solves it exactly. Of a point that nodes carry ([`super::Carriers`]) 1/m_p is
-//! sum_i N_ip^2 / m_i, of the direction where that is largest: near planes of symmetry it differs by direction, and too large a value only
-//! takes more sweeps. The normal velocity that it sees is less by what closes the gap,
-//! (gap - target) / dt, so that its rule for bodies that touch is one for the end of the step.
+//! A contact of a point p with the place x_c = sum N_a x_a of a facet changes their relative velocity by (1/m_p + sum N_a^2 / m_a) J, the
+//! same in all directions: the law, called with the masses m_p and 1 / sum(N_a^2 / m_a) and with both velocities without J, solves it
+//! exactly. For a carried point ([`super::Carriers`]) 1/m_p is sum_i N_ip^2 / m_i in the direction where that is largest: near planes of
+//! symmetry it differs by direction, and too large a value only takes more sweeps. The normal velocity passed to the law is reduced by the
+//! closure of the gap, (gap - target) / dt, so that its rule for bodies in contact applies at the end of the step.
 //!
-//! For frictionless contacts each of these steps minimises the dual of |v - v*|^2 (masses as weights) under the constraints
-//! gap + u_n dt >= target; the dual rises from zero, so that the kinetic energy after any number of sweeps is at most that before if no
-//! gap is below its target \[Moreau1999\], \[JourdanAlartJean1998\].
+//! For frictionless contacts each of these steps optimises the dual of |v - v*|^2 (masses as weights) under the constraints gap + u_n dt >=
+//! target; the dual rises from zero, so that the kinetic energy after any number of sweeps is at most that before if no gap is below its
+//! target \[Moreau1999\], \[JourdanAlartJean1998\].
 
 use impactite_geometry::Facet;
 use impactite_simd::Team;
@@ -22,23 +21,23 @@ use crate::vector::{difference, dot, length, sum, times, wide};
 
 type Vector = [f64; 3];
 
-/// Most sweeps of a solution.
+/// Maximum number of sweeps of a solution.
 pub(super) const SWEEPS: usize = 200;
-/// Change of velocity in a sweep, over the largest that contact makes, at which impulses count as found.
+/// Convergence tolerance: change of velocity in a sweep, over the largest change by contact.
 const FOUND: f64 = 1e-6;
-/// Change of velocity, over the velocities that meet, that is rounding.
+/// Rounding tolerance: change of velocity, over the velocities in contact.
 const ROUNDING: f64 = 1e-14;
-/// A gap within which a law that pulls holds, as a part of the spacing.
+/// Gap up to which a law that pulls acts, over the spacing.
 const HOLDS: f64 = 1e-3;
-/// Contacts that a task takes at least, if there are as many: whole islands of those that depend on each other.
+/// Least number of contacts per task, if there are as many: whole islands of coupled contacts.
 const BATCH: usize = 128;
 
-/// What the contacts act on.
+/// State on which the contacts act.
 pub(super) struct World<'a, const D: usize> {
     pub bodies: &'a [ContactBody<'a, D>],
-    /// Of all points of each body, m/s.
+    /// Velocities of all points of each body, m/s.
     pub velocities: &'a mut [Vec<Vector>],
-    /// Of the nodes that carry those of a body, m/s; empty of other bodies.
+    /// Velocities of the nodes that carry points of a body, m/s; empty for other bodies.
     pub carrying: &'a mut [Vec<Vector>],
     pub sides: &'a [Facing<D>],
     pub laws: &'a Pairs<f64>,
@@ -47,34 +46,34 @@ pub(super) struct World<'a, const D: usize> {
     pub axisymmetric: bool,
 }
 
-/// How the impulses were found.
+/// Convergence of a solution.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Found {
     pub sweeps: usize,
-    /// The last change of a velocity, times the step, m.
+    /// Last change of a velocity, times the step, m.
     pub residual: f64,
 }
 
-/// A point, or the place on a facet, among the movers of a batch.
+/// Local problem of one contact in a batch.
 struct Local<'a> {
     law: &'a dyn ContactLaw<f64>,
     contact: Contact<'static, f64>,
-    /// Is the point's body the first of the contact?
+    /// True if the point's body is the first of the contact.
     point_first: bool,
     pulls: bool,
     normal: Vector,
-    /// What the approach is less by, m/s.
+    /// Reduction of the approach velocity, m/s.
     shift: f64,
     held: bool,
-    /// Its links among those of the batch: those of the point, then those of the facet's nodes.
+    /// Bounds of its links in the batch: those of the point, then those of the facet's nodes.
     links: [usize; 3],
-    /// 1/m_p, sum N_a^2 / m_a.
+    /// Inverse masses 1/m_p and sum N_a^2 / m_a, 1/kg.
     inverse: [f64; 2],
     impulse: Vector,
 }
 
-/// What a mover is to a contact: the relative velocity is the sum of shares times velocities, by direction, and impulses change the
-/// mover's by gains.
+/// Link of a contact to a mover: the relative velocity is the sum of shares times velocities, by direction, and impulses change the mover's
+/// by gains.
 #[derive(Clone, Copy)]
 struct Link {
     mover: usize,
@@ -85,7 +84,7 @@ struct Link {
 #[derive(Default)]
 struct Batch {
     contacts: Vec<u32>,
-    /// Contacts of each island, one after the other.
+    /// Number of contacts of each island, in order.
     lengths: Vec<usize>,
     movers: Vec<u32>,
     velocities: Vec<Vector>,
@@ -94,7 +93,7 @@ struct Batch {
 }
 
 impl<const D: usize> World<'_, D> {
-    /// The point, and the nodes with their weights: body, number, share of the relative velocity.
+    /// Point, and nodes with their weights: body, number, share of the relative velocity.
     pub fn shares(&self, touch: &Touch) -> impl Iterator<Item = (usize, usize, f64)> {
         let [of_point, of_facet] = self.sides[touch.side as usize].bodies;
         let nodes = touch.nodes.into_iter().zip(touch.weights);
@@ -103,8 +102,8 @@ impl<const D: usize> World<'_, D> {
             .chain(nodes.map(move |(n, w)| (of_facet, n as usize, -w)))
     }
 
-    /// What moves: the point or the nodes that carry it, and the facet's nodes: body, number, share of the relative velocity in each
-    /// direction.
+    /// Movers of a contact: the point or the nodes that carry it, and the facet's nodes: body, number, share of the relative velocity in
+    /// each direction.
     fn movers(&self, touch: &Touch) -> impl Iterator<Item = (usize, usize, Vector)> {
         let [of_point, _] = self.sides[touch.side as usize].bodies;
         let carriers = self.bodies[of_point].carriers;
@@ -130,7 +129,8 @@ impl<const D: usize> World<'_, D> {
         }
     }
 
-    /// Find the impulses of all contacts, and change velocities by them; what has nothing to do with those from number `first` on stays.
+    /// Solve for the impulses of all contacts, and update velocities by them; islands without contacts from number `first` on are
+    /// unchanged.
     pub fn solve(&mut self, touches: &mut [Touch], first: usize, team: &Team) -> Found {
         let starts = self.starts();
         let mut batches = self.batches(touches, first, &starts);
@@ -156,7 +156,7 @@ impl<const D: usize> World<'_, D> {
         found
     }
 
-    /// Contacts that share no mass that moves with those of other batches.
+    /// Group contacts into batches without a common movable mass.
     fn batches(&self, touches: &[Touch], first: usize, starts: &[usize]) -> Vec<Batch> {
         const FREE: u32 = u32::MAX;
         let mut parents: Vec<u32> = vec![FREE; starts[starts.len() - 1]];
@@ -296,7 +296,7 @@ impl<const D: usize> World<'_, D> {
     }
 }
 
-/// Sweep over an island until nothing changes any more.
+/// Sweep over an island until convergence.
 fn relax(island: &mut [Local<'_>], links: &[Link], velocities: &mut [Vector], dt: f64) -> Found {
     let mut residual = 0.0;
     for sweep in 1..=SWEEPS {
@@ -306,7 +306,7 @@ fn relax(island: &mut [Local<'_>], links: &[Link], velocities: &mut [Vector], dt
             change = change.max(step);
             enough = enough.max(FOUND * whole + ROUNDING * speed);
         };
-        // To and fro, so that what one end of a row does reaches the other.
+        // Alternate directions, so that a change at one end of a row reaches the other.
         match sweep % 2 {
             1 => island.iter_mut().for_each(&mut take),
             _ => island.iter_mut().rev().for_each(&mut take),
@@ -320,8 +320,8 @@ fn relax(island: &mut [Local<'_>], links: &[Link], velocities: &mut [Vector], dt
 }
 
 impl Local<'_> {
-    /// Give this contact the impulse that its law wants, everything else as it is. How much that changes the relative velocity, how much
-    /// all of the impulse does, and how large velocities are, m/s.
+    /// Update the impulse of this contact by its law, with all others fixed. Returns the change of the relative velocity, its change by the
+    /// whole impulse, and the magnitude of velocities, m/s.
     fn relax(&mut self, links: &[Link], velocities: &mut [Vector]) -> [f64; 3] {
         let [first, middle, end] = self.links;
         let carried = |links: &[Link]| {
@@ -330,7 +330,7 @@ impl Local<'_> {
         let (mut point, mut place) = (carried(&links[first..middle]), carried(&links[middle..end]));
         place = times(place, -1.0);
         let speed = length(point) + length(place);
-        // Without its own impulse.
+        // Remove its own impulse.
         point = difference(point, times(self.impulse, self.inverse[0]));
         place = sum(place, times(self.impulse, self.inverse[1]));
         let parting = dot(difference(point, place), self.normal);

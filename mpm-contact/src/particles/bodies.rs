@@ -1,4 +1,4 @@
-//! Several bodies, each with its law and method, and contact between them.
+//! Scene of several bodies of particles, each with its law and method, and contact between them.
 
 use std::any::Any;
 
@@ -19,13 +19,13 @@ use super::wall::RigidWall;
 use crate::detect::ContactDetector;
 use crate::law::Pairs;
 
-/// The default safety factor of the time step.
+/// Default Courant factor of the time step.
 const COURANT: f64 = 0.5;
 
-/// Bodies of particles that meet: any number of any laws and methods ([`ParticleBody`]), which take their steps together, and rigid
-/// walls. A scene of one body needs none of this, and pays nothing for it.
+/// Scene of bodies of particles in contact: any number of any laws and methods ([`ParticleBody`]), with common time steps, and rigid walls.
+/// A scene of one body does not need this, and has no cost from it.
 ///
-/// The [module](crate::particles) says how they meet, and has an example.
+/// Contact and an example: see the [module](crate::particles).
 pub struct Bodies<const D: usize, S> {
     detector: S,
     laws: Pairs<f64>,
@@ -34,18 +34,18 @@ pub struct Bodies<const D: usize, S> {
     control: TimeControl,
     team: Team,
     spacing: f64,
-    /// Was a body added since particles were looked at?
+    /// True if a body was added since the last check of particles.
     unchecked: bool,
     clock: Clock,
     contacts: Vec<PairOfParticles>,
     pairs: Vec<PairContact>,
-    /// What moving walls gave.
+    /// Exchange with moving walls.
     walls: Exchange,
     watcher: Watcher,
 }
 
 impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
-    /// A scene without bodies. Takes steps of half of one over the largest Courant rate, on the caller's thread.
+    /// Create a scene without bodies. It makes steps of half of one over the largest Courant rate, on the caller's thread.
     pub fn new(detector: S, laws: Pairs<f64>) -> Self {
         Bodies {
             detector,
@@ -64,8 +64,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         }
     }
 
-    /// Add a body, with the loads and conditions that it has. Its threads and time control are those of the scene from now on.
-    /// Returns its number.
+    /// Add a body, with its loads and conditions. The scene sets its threads and time step from now on. Returns its number.
     pub fn add(&mut self, name: impl Into<String>, body: impl ParticleBody<D>) -> usize {
         let mut part: Box<dyn ParticleBody<D>> = Box::new(body);
         part.set_team(self.team.clone());
@@ -73,7 +72,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.join(Member::Body { part, start: Vec::new() })
     }
 
-    /// Add a rigid wall. Returns its number, which is one among those of the bodies.
+    /// Add a rigid wall. Returns its number, counted among those of the bodies.
     pub fn add_wall(&mut self, mut wall: RigidWall<D>) -> usize {
         wall.rename(format!("wall {}", self.members.len()));
         self.join(Member::Wall { wall })
@@ -93,7 +92,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.members.len() - 1
     }
 
-    /// Run on these threads. Results are the same bits for any number.
+    /// Set the thread pool. Results are bitwise equal for any number of threads.
     pub fn set_team(&mut self, team: Team) {
         for member in &mut self.members {
             if let Member::Body { part, .. } = member {
@@ -103,31 +102,31 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.team = team;
     }
 
-    /// Choose the time step otherwise, by the largest Courant rate of all bodies.
+    /// Set the time step control, by the largest Courant rate of all bodies.
     ///
     /// # Errors
-    /// A control that no run can use.
+    /// Invalid time step control.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
         control.check_without_grid()?;
         self.control = control;
         Ok(())
     }
 
-    /// The size of the next step by the time control, s.
+    /// Size of the next time step by the time step control, s.
     pub fn next_time_step(&self) -> f64 {
         let rate = self.parts().map(|part| part.rate()).fold(0.0, f64::max);
         self.control.next(rate, self.clock.last)
     }
 
-    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    /// Set the run monitoring ([`Watch`]). A run that it stopped may continue after this.
     pub fn set_watch(&mut self, watch: Watch) {
         self.watcher.set(watch);
     }
 
-    /// Step until `end` (s), which is met exactly.
+    /// Run until `end` (s), which is reached exactly.
     ///
     /// # Errors
-    /// As [`Solver::run_until`].
+    /// Errors of [`Solver::run_until`].
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         Solver::run_until(self, end)
     }
@@ -153,7 +152,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.clock.stopped(Stopped::Scene(error))
     }
 
-    /// Can the members and laws be those of one scene?
+    /// Check that the members and laws are compatible with one scene.
     fn check_members(&self) -> Result<(), SceneError> {
         let refused = |what: String, why: &'static str| {
             Err(SceneError::NotWith { what, method: "contact of pairs of particles".into(), why })
@@ -215,7 +214,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.body(body).map_or(Advice::default(), ParticleBody::advice)
     }
 
-    /// The list of [`ParticleBody`].
+    /// Make a step, by the list of [`ParticleBody`].
     fn step(&mut self, dt: f64) -> Result<(), StepError> {
         for member in &mut self.members {
             if let Member::Body { part, start, .. } = member {
@@ -279,39 +278,39 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     pub fn time(&self) -> f64 {
         self.clock.time
     }
-    /// Steps made.
+    /// Number of steps made.
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
-    /// A body; `None` of a wall.
+    /// Body by number; `None` for a wall.
     pub fn body(&self, body: usize) -> Option<&dyn ParticleBody<D>> {
         self.members.get(body)?.part()
     }
-    /// A body as the type that it is; `None` of another one, and of a wall.
+    /// Body by number as its own type; `None` for another type, and for a wall.
     pub fn part<B: ParticleBody<D>>(&self, body: usize) -> Option<&B> {
         let part: &dyn Any = self.body(body)?;
         part.downcast_ref()
     }
-    /// The particles of a body; none of a wall.
+    /// Particles of a body; none for a wall.
     pub fn particles(&self, body: usize) -> impl Iterator<Item = ContactParticle<D>> + '_ {
         self.body(body).into_iter().flat_map(particles)
     }
-    /// Sums over a body; `None` of a wall.
+    /// Totals of a body; `None` for a wall.
     pub fn totals_of(&self, body: usize) -> Option<Totals> {
         self.body(body).map(|part| part.totals())
     }
-    /// The pairs of particles in contact in the last step.
+    /// Pairs of particles in contact in the last step.
     pub fn particles_in_contact(&self) -> &[PairOfParticles] {
         &self.contacts
     }
-    /// Searches for pairs of particles of different bodies.
+    /// Number of searches for pairs of particles of different bodies.
     pub fn searches(&self) -> u64 {
         self.candidates.searches
     }
 }
 
 impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
-    /// What each body says of its method.
+    /// Description of the method of each body.
     fn method(&self) -> String {
         let of = |part: &dyn ParticleBody<D>| format!("; {}: {}", part.name(), part.describe());
         format!("bodies of particles{}", self.parts().map(of).collect::<String>())
@@ -347,7 +346,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
     fn bodies(&self) -> Vec<&dyn Body> {
         self.members.iter().map(Member::body).collect()
     }
-    /// What boundaries and walls gave to the bodies since the start, and what contact took.
+    /// Exchange with boundaries and walls since the start, and energy taken by contact.
     fn exchange(&self) -> Exchange {
         let mut sum = self.parts().fold(self.walls, |sum, part| sum.plus(&part.exchange()));
         for pair in &self.pairs {

@@ -1,64 +1,64 @@
-//! Pairs of particles of different bodies that may touch.
+//! Candidate pairs of particles of different bodies for contact.
 
 use impactite_geometry::search::{FARTHEST, NeighbourSearch, Points, Reach, SortedCells};
 
 use super::body::ParticleBody;
 use super::member::{Member, Place, particles};
 
-/// Particles are looked at up to this many sums of radii apart: with surfaces through the centres, particles of two bodies
-/// face each other half a spacing beside each other.
+/// Range of candidate pairs, in sums of radii: with surfaces through the centres, particles of two bodies face each other half a spacing
+/// beside each other.
 pub(super) const RANGE: f64 = 1.5;
-/// The same of surfaces, whose points are up to 1.8 spacings beside each other.
+/// Range with surfaces, in sums of radii: their points are up to 1.8 spacings beside each other.
 const SURFACE_RANGE: f64 = 2.25;
-/// The skin of the lists over the mean radius.
+/// Skin of the lists, over the mean radius.
 const SKIN: f64 = 1.0;
 
-/// Pairs within range plus a skin, kept until something has moved half the skin. In ascending order: the list does not
-/// depend on where cells lie.
+/// Pairs within range plus a skin, kept until something has moved half the skin. Ascending order: the list does not depend on the cell
+/// grid.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Candidates {
     pairs: Vec<[Place; 2]>,
-    /// Particles and walls of the pairs of which a body has a surface, ascending, and for each the others of its pairs, ascending.
+    /// Particles and walls of pairs of which a body has a surface, ascending; `others`: the partners of each, ascending.
     pub near: Vec<Place>,
     starts: Vec<u32>,
     others: Vec<u32>,
     searched: bool,
-    /// How far the fastest particle may have moved since the search, m.
+    /// Largest motion of a particle since the search, m.
     moved: f64,
     skin: f64,
     pub searches: u64,
 }
 
 impl Candidates {
-    /// The lists are no longer of this scene.
+    /// Invalidate the lists.
     pub fn forget(&mut self) {
         self.searched = false;
     }
 
-    /// Something moved at most this far.
+    /// Register a motion of at most this distance, m.
     pub fn moved(&mut self, distance: f64) {
         self.moved += distance;
     }
 
-    /// Search anew if pairs may have changed.
+    /// Search again if pairs may have changed.
     pub fn update<const D: usize>(&mut self, members: &[Member<D>]) {
-        // Two that approach each other may both have moved.
+        // Two particles that approach each other may both have moved.
         if !self.searched || 2.0 * self.moved > self.skin {
             self.search(members);
         }
     }
 
-    /// The pairs of bodies without surfaces.
+    /// Pairs of bodies without surfaces.
     pub fn pairs(&self) -> &[[Place; 2]] {
         &self.pairs
     }
 
-    /// The numbers among [`near`](Candidates::near) of what number `p` of these may touch.
+    /// Partners of number `p` of [`near`](Candidates::near), by their numbers there.
     pub fn others(&self, p: usize) -> &[u32] {
         &self.others[self.starts[p] as usize..self.starts[p + 1] as usize]
     }
 
-    /// Pairs of which a body has a surface are kept by particle.
+    /// Move pairs of which a body has a surface to lists by particle.
     fn sort_by_particle<const D: usize>(&mut self, members: &[Member<D>]) {
         let has: Vec<bool> =
             members.iter().map(|m| m.part().is_some_and(ParticleBody::has_surface)).collect();
@@ -98,7 +98,7 @@ impl Candidates {
         let factor = if surfaces { SURFACE_RANGE } else { RANGE };
         let reach = 2.0 * factor * largest + self.skin;
         let Found { positions, radii, owners } = near_others(members, reach);
-        // Refused are only ranges that no distance reaches.
+        // Only ranges that no distance reaches are refused.
         let range = Reach::Sum { factor, tolerance: self.skin };
         let sorted = Points::new(&positions, &radii).and_then(|points| SortedCells::new(&points, range));
         if let Ok(cells) = sorted {
@@ -130,7 +130,7 @@ impl Candidates {
 
 type Box2<const D: usize> = ([f64; D], [f64; D]);
 
-/// Some particles of all bodies.
+/// Selected particles of all bodies.
 #[derive(Default)]
 struct Found<const D: usize> {
     positions: Vec<[f64; D]>,
@@ -138,8 +138,8 @@ struct Found<const D: usize> {
     owners: Vec<Place>,
 }
 
-/// The particles of each body that lie in the box of another, `reach` wider, and not where distances are no longer
-/// told apart. Whether they may touch is asked in each step: it may change, and what a search finds must not hang on when it was made.
+/// Select the particles of each body within the bounding box of another, enlarged by `reach`, where distances can be resolved. Permission
+/// for contact is checked in each step: it may change, and the result of a search must not depend on its time.
 fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> Found<D> {
     let bounds = |part: &dyn ParticleBody<D>| -> Box2<D> {
         let mut range = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);

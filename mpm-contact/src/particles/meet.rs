@@ -1,4 +1,4 @@
-//! Contact in one step: who faces whom, who touches, impulses, books.
+//! Contact in one step: facing pairs, detection, impulses, energy balance.
 
 use std::collections::HashMap;
 
@@ -14,20 +14,20 @@ use crate::law::{Contact, Pairs};
 use crate::normal::{Memory, Nodal, NormalRule};
 use crate::vector::{difference, dot, wide};
 
-/// Pairs looked at together: a bit each.
+/// Number of pairs processed together, one bit each.
 const BATCH: usize = 64;
-/// Two partners whose distances differ by less than this part are equally near.
+/// Relative tolerance of equal distances to two partners.
 const EQUALLY_NEAR: f64 = 1e-9;
-/// Cosine of the angle between outward normals above which they point the same way.
+/// Cosine of the angle between outward normals above which they have the same direction.
 const SAME_WAY: f64 = 0.7;
 
-/// The squared distance of two places, m^2.
+/// Squared distance of two positions, m^2.
 fn distance_squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     let apart = difference(wide(b), wide(a));
     dot(apart, apart)
 }
 
-/// A particle, by itself; a wall without a place.
+/// Particle as one side, without a partner; a wall without a position.
 fn alone<const D: usize>(members: &[Member<D>], place: Place) -> Side<D> {
     match &members[place.body as usize] {
         Member::Body { part, .. } => {
@@ -43,12 +43,12 @@ fn alone<const D: usize>(members: &[Member<D>], place: Place) -> Side<D> {
     }
 }
 
-/// One side of a pair, towards the other.
+/// One side of a pair, oriented towards the other.
 fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) -> Side<D> {
     let (at, other) = (one.place, two.place);
     let towards = |normal: [f64; 3], amount: f64| normal.map(|c| c * amount);
     match (&members[at.body as usize], &members[other.body as usize]) {
-        // The foot of the particle.
+        // Foot of the particle.
         (Member::Wall { wall }, _) => {
             one.position = two.position;
             let (height, normal) = (wall.height(&two.position), wall.normal());
@@ -56,7 +56,7 @@ fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) 
                 one.position[d] -= height * normal[d];
             }
         }
-        // A plane is known better than the particle's surface.
+        // The plane is more accurate than the particle's surface.
         (_, Member::Wall { wall }) => {
             let amount = |v: [f64; 3]| if one.facing.lone { 1.0 } else { dot(v, v).sqrt() };
             let minus = wall.normal().map(|c| -c);
@@ -65,7 +65,7 @@ fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) 
             one.facing.mass = towards(minus, mass);
         }
         _ if one.facing.lone => {
-            // A ball.
+            // Ball.
             let apart = difference(wide(&two.position), wide(&one.position));
             let length = dot(apart, apart).sqrt();
             if length > 0.0 {
@@ -80,8 +80,8 @@ fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) 
     one
 }
 
-/// Do two surfaces with these normals face each other? Corners of two blocks that meet face to face are at angles of 90
-/// degrees, in space of 71; a sheet's far side points the same way as what comes from the near one.
+/// True if two surfaces with these normals face each other. Corners of two blocks in contact face to face are at angles of 90 degrees, in
+/// space of 71; the far side of a sheet has the same direction as a surface that approaches the near one.
 fn face(a: [f64; 3], b: [f64; 3]) -> bool {
     dot(a, b) < SAME_WAY * (dot(a, a) * dot(b, b)).sqrt()
 }
@@ -95,8 +95,8 @@ fn in_range<const D: usize>(members: &[Member<D>], pair: [Place; 2]) -> bool {
     distance_squared(&a.position, &b.position) <= (RANGE * (a.radius + b.radius)).powi(2)
 }
 
-/// The candidates whose surfaces face each other, or that are balls which touch within a body, and that are nearest to
-/// each other: every particle with its nearest in every other body.
+/// Select the candidates whose surfaces face each other, or balls in contact within a body, that are nearest to each other: every particle
+/// with its nearest in every other body.
 fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> Vec<FacingPair<D>> {
     let is_wall = |p: &Place| members[p.body as usize].part().is_none();
     let mut known: HashMap<Place, Side<D>> = HashMap::new();
@@ -107,11 +107,11 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
             continue;
         }
         let [mut one, mut two] = [a, b].map(|p| *known.entry(p).or_insert_with(|| alone(members, p)));
-        // A particle that is surrounded by its body has no surface; it may be under a wall.
+        // A particle surrounded by its body has no surface; it may be under a wall.
         let within = !wall && (one.facing.is_within() || two.facing.is_within());
         if within {
-            // What came through the surface of a body meets its inside, ball by ball: as far as surfaces meet, or half of
-            // that where they go through the centres, since the layer behind a surface is then a spacing away.
+            // A particle that passed through the surface of a body is in contact with its inside, ball by ball: at the distance of surfaces
+            // in contact, or at half of that where they go through the centres, since the layer behind a surface is then a spacing away.
             for ball in [&mut one, &mut two] {
                 ball.facing.lone = true;
                 ball.beyond = ball.beyond.max(0.5 * ball.radius);
@@ -126,7 +126,7 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
             pairs.push(pair);
         }
     }
-    // Nearest by particle and other body.
+    // Least distance by particle and other body.
     let mut nearest = HashMap::new();
     for pair in &pairs {
         let apart = pair.apart();
@@ -149,14 +149,14 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
     pairs
 }
 
-/// A pair that touches.
+/// Pair in contact.
 struct Touching<const D: usize> {
     pair: FacingPair<D>,
     normal: [f64; 3],
     gap: Option<f64>,
 }
 
-/// Normals and detection, batch by batch.
+/// Compute normals and detect contact, batch by batch.
 fn touching<const D: usize, S: ContactDetector<f64, D>>(
     members: &[Member<D>],
     detector: &S,
@@ -177,7 +177,7 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
         let have = detector.normals().normals(&at, [0, 1], all, &memory, &mut normals);
         let touches = detector.touching(&at, [0, 1], have, &normals, &mut gaps);
         for (n, pair) in batch.iter().enumerate().filter(|(n, _)| touches & (1 << n) != 0) {
-            // Beside each other by more than both radii, they pass.
+            // Particles beside each other by more than both radii pass.
             let (apart, normal) = (pair.apart(), normals[n]);
             let along = dot(apart, normal);
             let beside = dot(apart, apart) - along * along;
@@ -191,8 +191,7 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
     list
 }
 
-/// Exchange impulses between members that have their trial velocities: between surfaces where a body has one, else between pairs of
-/// particles.
+/// Exchange impulses between members with trial velocities: between surfaces where a body has one, else between pairs of particles.
 pub(super) fn meet<const D: usize, S: ContactDetector<f64, D>>(
     members: &mut [Member<D>],
     detector: &S,
@@ -202,13 +201,13 @@ pub(super) fn meet<const D: usize, S: ContactDetector<f64, D>>(
     (time, dt): (f64, f64),
 ) -> Met {
     let mut met = meet_pairs(members, detector, laws, spacing, candidates.pairs(), time, dt);
-    // Detectors that do not measure gaps touch where surfaces do.
+    // Detectors without gaps: contact at zero distance of surfaces.
     let threshold = if let Criterion::Gap(gap) = detector.criterion(spacing) { gap } else { 0.0 };
     meet_surfaces(members, laws, threshold, candidates, (time, dt), &mut met);
     met
 }
 
-/// The same between pairs of particles.
+/// Exchange impulses between pairs of particles.
 fn meet_pairs<const D: usize, S: ContactDetector<f64, D>>(
     members: &mut [Member<D>],
     detector: &S,
@@ -240,7 +239,7 @@ fn meet_pairs<const D: usize, S: ContactDetector<f64, D>>(
         let [[old_a, new_a], [old_b, new_b]] = [velocities(&a.place), velocities(&b.place)];
         let mut seen = [new_a, new_b];
         if !law.pulls() && !law.springs() {
-            // Where they part already an impulse would drive them on: they may end with the opposite of that at most
+            // An impulse would do work on separating bodies: their approach at the end may be at most the separation velocity at the start
             // (as on the grid, `mpm_core::GridContact`).
             let parting = dot(difference(old_b, old_a), *normal).max(0.0);
             for d in 0..3 {
@@ -258,7 +257,7 @@ fn meet_pairs<const D: usize, S: ContactDetector<f64, D>>(
             time,
             gap: *gap,
             area,
-            // Laws that remember contacts find every one new.
+            // Laws with memory treat every contact as new.
             ..Contact::new(*normal, [a.mass, b.mass], seen, dt)
         };
         touches.push(Touch { law, contact, movers: [number(&a.place), number(&b.place)], impulse: [0.0; 3] });
@@ -274,7 +273,7 @@ fn meet_pairs<const D: usize, S: ContactDetector<f64, D>>(
         let change = |s: &Side<D>, m: usize| sums[m].map(|j| j / s.mass);
         let [[old_a, new_a], [old_b, new_b]] = [velocities(&a.place), velocities(&b.place)];
         let (on_a, on_b) = (change(a, touch.movers[0]), change(b, touch.movers[1]));
-        // Velocity of the first relative to the second, at the start and at the end of the step.
+        // Relative velocity of the first to the second, at the start and at the end of the step.
         let before = difference(old_a, old_b);
         let mut after = difference(new_a, new_b);
         for d in 0..3 {

@@ -1,21 +1,21 @@
-//! Who is in a scene: bodies and walls, and places in them.
+//! Members of a scene: bodies and walls, and their particles.
 
 use impactite_scene::Body;
 
 use super::body::{ContactParticle, ParticleBody};
 use super::wall::RigidWall;
 
-/// A particle of a body.
+/// Particle of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub(super) struct Place {
     pub body: u32,
-    /// Zero for a wall.
+    /// Number of the particle; zero for a wall.
     pub particle: u32,
 }
 
-/// A body or a wall.
+/// Body or wall.
 pub(super) enum Member<const D: usize> {
-    /// `start` holds the velocities at the start of a step.
+    /// Body, with the velocities at the start of a step in `start`.
     Body {
         part: Box<dyn ParticleBody<D>>,
         start: Vec<[f64; D]>,
@@ -40,7 +40,7 @@ impl<const D: usize> Member<D> {
     }
 }
 
-/// The particles of a body, in their order.
+/// Particles of a body, in their order.
 pub(super) fn particles<const D: usize>(
     part: &dyn ParticleBody<D>,
 ) -> impl Iterator<Item = ContactParticle<D>> + '_ {

@@ -1,18 +1,18 @@
-//! Contact between bodies of particles, whatever their methods.
+//! Contact between bodies of particles, of any method.
 //!
-//! Bodies that know their surface ([`ParticleBody::has_surface`]) are in contact by the points of that: each with the surface interpolated
-//! between the points of the other body, from both sides (book, "Contact at surfaces"). Of other bodies every particle of a surface touches the
-//! nearest of the other body that faces it. Detectors, normals and laws are those of this crate:
-//! where the material point method has nodes, there are pairs of particles. Impulses of all pairs are found together
-//! ([`crate::relax`]); every one acts on two bodies with opposite signs.
+//! Bodies with a known surface ([`ParticleBody::has_surface`]) are in contact by its points: each with the surface interpolated between the
+//! points of the other body, from both sides (book, "Contact at surfaces"). Every surface particle of other bodies is in contact with the
+//! nearest particle of the other body that faces it. Detectors, normals and laws are those of this crate: pairs of particles replace the
+//! nodes of the material point method. Impulses of all pairs are solved for together ([`crate::relax`]); each acts on two bodies with
+//! opposite signs.
 //!
 //! | item | |
 //! |---|---|
-//! | [`Bodies`] | a scene: bodies that take their steps together, and meet |
-//! | [`ParticleBody`] | what a body answers: `pcmm::Pcmm` is one, and one's own may be |
-//! | [`RigidWall`] | a half space that moves as prescribed |
-//! | [`PairOfParticles`] | two that touched in the last step |
-//! | [`SurfacePoint`] | a point of a surface, with its normal |
+//! | [`Bodies`] | scene of bodies with common time steps, in contact |
+//! | [`ParticleBody`] | interface of a body: `pcmm::Pcmm` has it, and custom bodies may |
+//! | [`RigidWall`] | half space with prescribed motion |
+//! | [`PairOfParticles`] | pair in contact in the last step |
+//! | [`SurfacePoint`] | surface point, with its normal |
 //! | [`press_on_walls`] | keeps a surface in front of walls across axes |
 //!
 //! ```
@@ -30,24 +30,25 @@
 //!
 //! # Pairs of bodies without a surface of their own
 //! - Particles of two bodies less than one and a half times the sum of their radii apart whose surfaces face each other
-//!   ([`ParticleBody::facing`]), each the nearest of its body to the other. With normals of the surface a flat one is flat: blocks slide
-//!   on each other and on walls without interlocking of circles. Surfaces lie [`ParticleBody::beyond`] the centres.
-//! - A particle without neighbours in its body is a ball: its normal is towards the other.
-//! - What came through the surface meets the inside ball by ball, as far as [`ParticleBody::may_touch`] says.
-//! - A particle and a wall that it is under, or will be in the step.
+//!   ([`ParticleBody::facing`]), each the nearest of its body to the other. With surface normals a flat surface is flat: blocks slide on
+//!   each other and on walls without interlocking of circles. Surfaces are [`ParticleBody::beyond`] the centres.
+//! - Particles without neighbours in their body are balls: the normal is towards the other particle.
+//! - Particles that passed through the surface are in contact with the inside ball by ball, as far as [`ParticleBody::may_touch`] permits.
+//! - Particles under a wall, or that will be in the step, are in contact with it.
 //!
-//! # What holds
-//! Momentum to rounding, between surfaces angular momentum too. Kinetic energy that impulses take, friction apart, in [`impactite_scene::Exchange`]: J . (u + u') / 2 with the
-//! relative velocities at the start and the end of the step. The same bits for any number of threads; checkpoints hold all.
+//! # Properties
+//! Momentum is conserved to rounding, between surfaces angular momentum too. Kinetic energy taken by impulses, friction apart, is in
+//! [`impactite_scene::Exchange`]: J . (u + u') / 2 with the relative velocities at the start and the end of the step. Results are bitwise
+//! equal for any number of threads; checkpoints are complete.
 //!
 //! # Cost
-//! Pairs that may touch are searched among the particles in the boxes of other bodies, and kept until something has moved half a mean
-//! radius. A step looks at those pairs alone, besides the speeds of all particles; of what is surrounded by its own body
-//! ([`ParticleBody::may_touch`]) at nothing more.
+//! Candidate pairs are searched among the particles in the boxes of other bodies, and kept until something has moved half a mean radius. A
+//! step processes these pairs alone, and the speeds of all particles; particles surrounded by their own body ([`ParticleBody::may_touch`])
+//! cost nothing more.
 //!
 //! # Limits
-//! `f64`, steps of one length for all bodies, no contact of a body with itself, no laws that remember. At the edges of cubes in space
-//! normals of elements slant by up to 35 degrees, since one or two triangles of each face meet there.
+//! `f64`, equal steps for all bodies, no self-contact, no laws with memory. At the edges of cubes in space, normals of elements are
+//! inclined by up to 35 degrees, since one or two triangles of each face meet there.
 
 mod bodies;
 mod body;

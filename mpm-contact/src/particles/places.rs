@@ -1,32 +1,32 @@
-//! Pairs of particles as detectors and rules for normals see them.
+//! Pairs of particles as places for detectors and normal rules.
 
 use super::body::{Facing, ParticleBody};
 use super::member::{Member, Place};
 use crate::places::{NearPoint, Places, SurfaceQuantity, each_place};
 use crate::vector::{difference, dot, wide};
 
-/// A particle, or the foot of one on a wall, as one side of a pair.
+/// Particle, or the foot of one on a wall, as one side of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Side<const D: usize> {
     pub place: Place,
     pub position: [f64; D],
-    /// Infinite for a wall.
+    /// Mass, kg; infinite for a wall.
     pub mass: f64,
-    /// Out of its body: of a lone particle, and beside a wall, towards the other side.
+    /// Outward surface; for a lone particle, and beside a wall, towards the other side.
     pub facing: Facing,
     pub radius: f64,
-    /// How far the surface lies beyond the position, m.
+    /// Distance of the surface beyond the position, m.
     pub beyond: f64,
 }
 
-/// A pair whose surfaces face each other.
+/// Pair whose surfaces face each other.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FacingPair<const D: usize> {
     pub sides: [Side<D>; 2],
 }
 
 impl<const D: usize> FacingPair<D> {
-    /// From the first to the second.
+    /// Vector from the first to the second, m.
     pub fn apart(&self) -> [f64; 3] {
         let [a, b] = &self.sides;
         difference(wide(&b.position), wide(&a.position))
@@ -53,7 +53,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
     fn spacing(&self) -> f64 {
         self.spacing
     }
-    /// Of pairs without a wall, whose normal is known.
+    /// True for pairs without a wall, whose normal is known, if a body defines normals by positions.
     fn around_nodes(&self) -> bool {
         let parts = self.pairs[0].sides.iter().map(|side| self.part(side));
         parts.clone().all(|part| part.is_some()) && parts.flatten().any(|part| part.by_places())
@@ -110,7 +110,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
         }
     }
 
-    /// The particle of the pair and those of its piece of surface; of a wall, the foot of the other side.
+    /// Visit the particle of the pair and those of its piece of surface; for a wall, the foot of the other side.
     fn near_points(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &NearPoint<f64>)) {
         let origin = self.position(0);
         for n in each_place(places) {

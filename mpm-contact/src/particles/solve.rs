@@ -1,23 +1,23 @@
-//! Impulses of all pairs of particles that touch, relaxed as at a node of the grid where three bodies meet.
+//! Solution for the impulses of all pairs of particles in contact, relaxed as at a grid node with three bodies.
 
 use crate::law::{Contact, ContactLaw};
 use crate::relax::relax;
 
-/// Change of the impulses, over the largest, at which they count as found.
+/// Convergence tolerance: change of the impulses, over the largest.
 const FOUND: f64 = 1e-9;
 
-/// Two particles that touch.
+/// Two particles in contact.
 pub(super) struct Touch<'a> {
     pub law: &'a dyn ContactLaw<f64>,
-    /// Masses and trial velocities without any impulse among it.
+    /// Contact data, with masses and trial velocities without any of these impulses.
     pub contact: Contact<'a, f64>,
-    /// Who moves: numbers from 0 without gaps.
+    /// Movers: numbers from 0 without gaps.
     pub movers: [usize; 2],
-    /// On the second.
+    /// Impulse on the second.
     pub impulse: [f64; 3],
 }
 
-/// Find the impulses of pairs among `movers` movers.
+/// Solve for the impulses of pairs among `movers` movers.
 pub(super) fn solve(touches: &mut [Touch<'_>], movers: usize) {
     let mut shares = vec![0.0; movers];
     for touch in touches.iter() {
@@ -44,7 +44,7 @@ pub(super) fn solve(touches: &mut [Touch<'_>], movers: usize) {
     touches.iter_mut().zip(&impulses).for_each(|(touch, [impulse, ..])| touch.impulse = *impulse);
 }
 
-/// The sum of the impulses on every mover.
+/// Sum the impulses on every mover.
 pub(super) fn gather(
     touches: &[Touch<'_>],
     movers: usize,

@@ -1,15 +1,15 @@
-//! Surfaces of bodies as points with normals, and the contact of such points with the surface of another body.
+//! Surfaces of bodies as points with normals, and contact of such points with the surface of another body.
 //!
-//! A surface point s lies beyond a particle, where the volumes of the body end. It moves with a linear combination of particles,
-//! u = sum_k W_k v_k, and an impulse J on it acts on particle k by W_k J: with sum_k W_k = 1 and sum_k W_k x_k = s momentum and angular
-//! momentum are those of J at s. The surface of the other body is interpolated between its points,
+//! A surface point s is beyond a particle, where the volumes of the body end. It moves with a linear combination of particles, u = sum_k
+//! W_k v_k, and an impulse J on it acts on particle k by W_k J: with sum_k W_k = 1 and sum_k W_k x_k = s momentum and angular momentum are
+//! those of J at s. The surface of the other body is interpolated between its points,
 //!
 //! ```text
 //! x = sum_j w_j s_j,   sum_j w_j = 1,   sum_j w_j (s_j - s) = g n
 //! ```
 //!
-//! by moving least squares with weights that are singular at the points, so that x lies on the line through s along the normal n, at the
-//! gap g: the line of action of the normal impulse is that of both bodies.
+//! by moving least squares with weights that are singular at the points, so that x is on the line through s along the normal n, at the gap
+//! g: the normal impulses on both bodies have the same line of action.
 
 use std::ops::Range;
 
@@ -24,30 +24,30 @@ use crate::friction::Coulomb;
 use crate::law::{Contact, Pairs};
 use crate::vector::{difference, dot, length, sum, times, unit, wide};
 
-/// Largest cosine between the normals of two surfaces that face each other.
+/// Largest cosine between the normals of two facing surfaces.
 const OPPOSED: f64 = -0.3;
 /// Radius of interpolation on the surface of the other body, in spacings.
 const PATCH: f64 = 1.8;
-/// Largest distance along the surface to its nearest point, in spacings: half the diagonal of a square, and some more.
+/// Largest distance along the surface to its nearest point, in spacings: half the diagonal of a square, with a margin.
 const BESIDE: f64 = 0.75;
-/// Largest sum of the amounts of weights: that at a corner of a square of points is 3 half a spacing outside. Beyond, the points are so
-/// nearly in a line that weights are as of a mean.
+/// Largest sum of the absolute weights: it is 3 at half a spacing outside the corner of a square of points. Beyond it the points are so
+/// nearly collinear that weights of a mean are used.
 const LARGEST: f64 = 3.2;
-/// Least weight of a point that lies between those it is interpolated from.
+/// Least weight of a point between its interpolation points.
 const WITHIN: f64 = -0.1;
-/// Distance of two particles of different bodies, in sums of radii, below which they touch as balls: what is left where surfaces are so
-/// ragged that particles came through.
+/// Distance of two particles of different bodies, in sums of radii, below which they are in contact as balls: for surfaces so ragged that
+/// particles passed through.
 const CORE: f64 = 0.6;
-/// Largest depth of a point in the other body, in spacings: what is deeper belongs to another face.
+/// Largest depth of a point in the other body, in spacings: deeper points belong to another face.
 const DEEPEST: f64 = 1.0;
-/// Squared distance at which the singularity of interpolation ends, in squared spacings.
+/// Regularisation of the interpolation: squared distance at which its singularity ends, in squared spacings.
 const ROUNDED: f64 = 1e-3;
-/// Gap up to which laws that pull hold surfaces together, in spacings.
+/// Gap up to which laws that pull act, in spacings.
 pub(super) const BOND: f64 = 0.1;
-/// Part of an overlap with a rigid plane that a step takes away.
+/// Part of an overlap with a rigid plane that is corrected in a step.
 const RETURN: f64 = 0.1;
 
-/// A surface point of a particle, with the particle's size.
+/// Surface point of a particle, with the particle's size.
 #[derive(Clone, Copy, Debug)]
 struct Sample {
     point: SurfacePoint,
@@ -56,7 +56,7 @@ struct Sample {
     velocity: [f64; 3],
 }
 
-/// The surface points of a particle of a body that has no surface of its own: the one at the particle, or a ball.
+/// Append the surface points of a particle of a body without a surface of its own: the one at the particle, or a ball.
 fn of_facing<const D: usize>(part: &dyn ParticleBody<D>, n: usize, out: &mut Vec<SurfacePoint>) {
     if !part.may_touch(n) {
         return;
@@ -71,8 +71,8 @@ fn of_facing<const D: usize>(part: &dyn ParticleBody<D>, n: usize, out: &mut Vec
     }
 }
 
-/// Weights by which a point at the origin is interpolated between points at tangential places: sum w = 1, sum w t = 0 as far as the
-/// points span the tangent plane. None if there are none near.
+/// Compute the weights that interpolate a point at the origin between points at tangential places: sum w = 1, sum w t = 0 as far as the
+/// points span the tangent plane. Returns false if there are none near.
 fn interpolate(points: &[([f64; 3], f64)], normal: [f64; 3], spacing: f64, out: &mut Vec<f64>) -> bool {
     out.clear();
     let square = spacing * spacing;
@@ -90,7 +90,7 @@ fn interpolate(points: &[([f64; 3], f64)], normal: [f64; 3], spacing: f64, out: 
         return false;
     }
     mean = times(mean, 1.0 / all);
-    // Second moments about the mean, with the normal added so that they have an inverse.
+    // Second moments about the mean, in the tangent plane.
     let mut m = [[0.0; 3]; 3];
     let mut trace = 0.0;
     for ((t, _), weight) in points.iter().zip(&*out) {
@@ -108,13 +108,13 @@ fn interpolate(points: &[([f64; 3], f64)], normal: [f64; 3], spacing: f64, out: 
     if nearest <= BESIDE * BESIDE {
         return true;
     }
-    // Farther off it is to lie between the points.
+    // A point farther off must be between the points.
     let mut off = [0.0; 3];
     points.iter().zip(&*out).for_each(|((t, _), weight)| off = sum(off, times(*t, *weight)));
     dot(off, off) <= ROUNDED * square && out.iter().all(|weight| *weight >= WITHIN)
 }
 
-/// The solution y of M y = b in the tangent plane of a normal, M of rank 1 or 2 there with this trace; of rank 1 along its range.
+/// Solve M y = b in the tangent plane of a normal, M of rank 1 or 2 there with this trace; for rank 1 along its range.
 fn solve(m: [[f64; 3]; 3], trace: f64, normal: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     // Two directions in the tangent plane.
     let least = (0..3).min_by(|a, c| normal[*a].abs().total_cmp(&normal[*c].abs())).unwrap_or(0);
@@ -131,7 +131,7 @@ fn solve(m: [[f64; 3]; 3], trace: f64, normal: [f64; 3], b: [f64; 3]) -> [f64; 3
         let (x, y) = ((ff * be - ef * bf) / det, (ee * bf - ef * be) / det);
         return sum(times(e, x), times(f, y));
     }
-    // A line of points: along the greater column.
+    // Collinear points: along the greater column.
     let line = if ee >= ff { me } else { mf };
     let Some(line) = unit(line) else { return [0.0; 3] };
     times(line, dot(b, line) / trace)
@@ -141,33 +141,33 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// A surface point against the surface of another body, or a plane.
+/// Contact of a surface point with the surface of another body, or a plane.
 struct Meeting {
     slave: usize,
     /// Samples of the other body with their weights; empty for a wall.
     masters: Range<usize>,
     wall: Option<u32>,
-    /// From the point to the other body.
+    /// Normal from the point to the other body.
     normal: [f64; 3],
     gap: f64,
-    /// Of the surface that it is in contact with, m; zero of balls.
+    /// Spacing of the other surface, m; zero for balls.
     spacing: f64,
 }
 
 impl Meeting {
-    /// Are these two particles as balls?
+    /// True for two particles as balls.
     fn is_of_balls(&self) -> bool {
         self.spacing == 0.0
     }
 }
 
-/// What is near in a step.
+/// Surface points near contacts in a step.
 struct Near<'a, const D: usize> {
     candidates: &'a Candidates,
     samples: Vec<Sample>,
-    /// Of each place that is near.
+    /// Samples of each near place.
     ranges: Vec<Range<usize>>,
-    /// Particles that are near, as balls.
+    /// Near particles, as balls.
     cores: Vec<Option<Sample>>,
 }
 
@@ -214,7 +214,7 @@ impl<const D: usize> Near<'_, D> {
         near
     }
 
-    /// All points with the bodies or walls that they may touch in the step. Weights of masters are appended to `weights`.
+    /// Find all points with the bodies or walls of possible contact in the step. Weights of masters are appended to `weights`.
     fn meetings(&mut self, members: &[Member<D>], dt: f64, weights: &mut Vec<(u32, f64)>) -> Vec<Meeting> {
         let mut found = Vec::new();
         self.balls(dt, weights, &mut found);
@@ -243,7 +243,7 @@ impl<const D: usize> Near<'_, D> {
         found
     }
 
-    /// Particles that are as near to each other as they are where one came through the surface of the other's body.
+    /// Find particles so near to each other that one passed through the surface of the other's body.
     fn balls(&mut self, dt: f64, weights: &mut Vec<(u32, f64)>, found: &mut Vec<Meeting>) {
         for (p, one) in self.cores.iter().enumerate() {
             let Some(one) = one else { continue };
@@ -281,7 +281,7 @@ impl<const D: usize> Near<'_, D> {
     ) -> Option<Meeting> {
         let s = &self.samples[slave];
         let ball = s.point.reach > 0.0;
-        // Points that face this one, and their mean normal.
+        // Facing points, and their mean normal.
         let mut facing: Vec<(usize, [f64; 3])> = Vec::new();
         let (mut normal, mut spacing) = ([0.0; 3], 0.0f64);
         for q in others.iter().flat_map(|q| self.ranges[*q as usize].clone()) {
@@ -297,7 +297,7 @@ impl<const D: usize> Near<'_, D> {
                 normal = sum(normal, times(m.point.normal, 1.0 / (q2 * q2 + 0.1)));
             }
         }
-        // From the point to the body.
+        // Direction from the point to the body.
         let mut normal = times(unit(normal)?, -1.0);
         if !s.point.corner {
             normal = unit(sum(normal, s.point.normal))?;
@@ -310,7 +310,7 @@ impl<const D: usize> Near<'_, D> {
             if dot(t, t) >= (PATCH * spacing).powi(2) || along.abs() > 1.5 * DEEPEST * spacing {
                 continue;
             }
-            // Out of the other body this point is in front of it, or not deep within.
+            // Keep points of the other body that have this point in front of them, or not deep inside.
             if dot(apart, m.point.normal) > DEEPEST * spacing {
                 continue;
             }
@@ -338,7 +338,7 @@ impl<const D: usize> Near<'_, D> {
     }
 }
 
-/// Movers of a step, numbered as they are first needed.
+/// Movers of a step, numbered on first use.
 #[derive(Default)]
 struct Movers {
     system: System,
@@ -369,7 +369,7 @@ impl Movers {
         number
     }
 
-    /// Append what a weighted sum of surface points moves with, all `beyond` (m) from where they are.
+    /// Append the movers of a weighted sum of surface points, all shifted by `beyond` (m).
     fn row<const D: usize>(
         &mut self,
         part: &dyn ParticleBody<D>,
@@ -400,7 +400,7 @@ impl Movers {
         first..pool.len()
     }
 
-    /// Velocities of a row, from those of movers.
+    /// Interpolate the velocity of a row from those of movers.
     fn of_row(&self, row: &Row, velocities: &[[f64; 3]]) -> [f64; 3] {
         let mut u = [0.0; 3];
         for (number, share) in &self.system.pool[row.clone()] {
@@ -410,7 +410,7 @@ impl Movers {
         u
     }
 
-    /// Impulses on all movers, and the velocities that these leave them with.
+    /// Sum the impulses on all movers, and compute the velocities after them.
     fn gather(&self, touches: &[SurfaceTouch<'_>]) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
         let mut sums = vec![[0.0; 3]; self.places.len()];
         for touch in touches {
@@ -428,7 +428,7 @@ impl Movers {
     }
 }
 
-/// Exchange impulses between surfaces of members that have their trial velocities.
+/// Exchange impulses between surfaces of members with trial velocities.
 pub(super) fn meet_surfaces<const D: usize>(
     members: &mut [Member<D>],
     laws: &Pairs<f64>,
@@ -459,7 +459,7 @@ pub(super) fn meet_surfaces<const D: usize>(
         let law = laws.law(s.place.body as usize, other.body as usize);
         let near_enough = if law.pulls() { threshold.max(BOND * meeting.spacing) } else { threshold };
         let rows_at = movers.system.pool.len();
-        // Both sides are pushed at the point between them; balls, and particles on planes, at their centres.
+        // The impulse acts on both sides at the midpoint; on balls, and on particles at planes, at their centres.
         let half = if meeting.is_of_balls() || meeting.wall.is_some() { 0.0 } else { 0.5 * meeting.gap };
         let mut row = |place: Place, points: &[(&Sample, f64)], sign: f64| match &members[place.body as usize]
         {
@@ -488,7 +488,7 @@ pub(super) fn meet_surfaces<const D: usize>(
         }
         let [u, v] = seen(&movers.start);
         let parting = dot(difference(v, u), meeting.normal).max(0.0);
-        // Approach that leaves no overlap; where they part already, the opposite of that at most (no work is done on them).
+        // Approach velocity that leaves no overlap; for separating bodies at most the opposite (no work is done on them).
         let allowed = match () {
             () if law.springs() || (law.pulls() && meeting.gap <= near_enough) => 0.0,
             () => parting.max(open / dt),
@@ -508,7 +508,7 @@ pub(super) fn meet_surfaces<const D: usize>(
             position: middle,
             time,
             gap: Some(meeting.gap),
-            // Points of both surfaces touch: each stands for half of the area; on a wall for all.
+            // Points of both surfaces are in contact: each has half of the area; on a wall all of it.
             area: if meeting.wall.is_some() { s.point.area } else { 0.5 * s.point.area },
             ..Contact::new(normal, [f64::INFINITY; 2], [[0.0; 3]; 2], dt)
         };
@@ -538,7 +538,7 @@ pub(super) fn meet_surfaces<const D: usize>(
         let friction = dot(touch.impulse, end) - along * dot(end, normal);
         let all = 0.5 * (dot(touch.impulse, before) + dot(touch.impulse, end));
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
-            // What a wall gets the bodies give.
+            // Exchange with a wall: the reaction of its impulse.
             if let Member::Wall { wall } = &members[bodies[side]] {
                 for d in 0..3 {
                     met.impulse[d] -= sign * touch.impulse[d];
@@ -566,9 +566,9 @@ pub(super) fn meet_surfaces<const D: usize>(
     }
 }
 
-/// Keep the surface of a body in front of walls across axes ([`Boundary::Wall`], [`Boundary::FrictionWall`]; others are not looked at), in
-/// the step of `dt` seconds from `time`. The body has its trial velocities; `start` has those at the start of the step, by particle.
-/// Returns what the walls gave, and the particles that they moved with a bit for each axis.
+/// Keep the surface of a body in front of walls across axes ([`Boundary::Wall`], [`Boundary::FrictionWall`]; others are ignored), in the
+/// step of `dt` seconds from `time`. The body has its trial velocities; `start` returns those at the start of the step, by particle.
+/// Returns the exchange with the walls, and the particles that they moved with a bit for each axis.
 pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
     body: &mut B,
     walls: &[Boundary<D>],
@@ -660,7 +660,7 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
     let (sums, after) = movers.gather(&touches);
     for touch in touches.iter().filter(|touch| touch.impulse != [0.0; 3]) {
         let (normal, wall) = (touch.contact.normal, touch.rigid[1]);
-        // On the body.
+        // Impulse on the body.
         let impulse = times(touch.impulse, -1.0);
         let [before, end] =
             [&movers.start, &after].map(|v| difference(movers.of_row(&touch.rows[0], v), wall));

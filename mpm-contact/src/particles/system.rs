@@ -1,41 +1,41 @@
-//! Impulses of surface points that move with several particles each.
+//! Solution for the impulses of surface points that move with several particles each.
 
 use std::ops::Range;
 
 use crate::law::{Contact, ContactLaw};
 use crate::vector::{difference, dot, length, sum, times};
 
-/// Largest change of an impulse in a sweep, over the largest impulse, at which impulses count as found.
+/// Convergence tolerance: largest change of an impulse in a sweep, over the largest impulse.
 const FOUND: f64 = 1e-4;
-/// Most sweeps.
+/// Maximum number of sweeps.
 const SWEEPS: usize = 30;
 
-/// What an impulse moves.
+/// Particle that impulses move.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mover {
-    /// Trial velocity, m/s; where it is held the prescribed one.
+    /// Trial velocity, m/s; the prescribed one where it is held.
     pub velocity: [f64; 3],
     /// Inverse mass by axis, 1/kg: zero where it is held.
     pub inverse: [f64; 3],
 }
 
-/// Entries of the pool of a [`System`].
+/// Range of entries in the pool of a [`System`].
 pub(super) type Row = Range<usize>;
 
-/// Two surfaces that touch at a point.
+/// Contact of two surfaces at a point.
 pub(super) struct SurfaceTouch<'a> {
     pub law: &'a dyn ContactLaw<f64>,
-    /// Masses and velocities are filled in by the solver.
+    /// Contact data; masses and velocities are set by the solver.
     pub contact: Contact<'a, f64>,
-    /// What each side moves with; empty if it is rigid.
+    /// Movers of each side; empty if it is rigid.
     pub rows: [Row; 2],
     /// Velocity of a rigid side, m/s.
     pub rigid: [[f64; 3]; 2],
-    /// Approach along the normal that is allowed at the end of the step, m/s.
+    /// Allowed approach velocity along the normal at the end of the step, m/s.
     pub allowed: f64,
-    /// Do only normal impulses act? Those of two balls act at two points, where friction would turn them both.
+    /// True if only normal impulses act. Those of two balls act at two points, where friction would turn both.
     pub central: bool,
-    /// On the second side, N s; the first gets its opposite.
+    /// Impulse on the second side, N s; the first receives its opposite.
     pub impulse: [f64; 3],
 }
 
@@ -43,7 +43,7 @@ pub(super) struct SurfaceTouch<'a> {
 #[derive(Default)]
 pub(super) struct System {
     pub movers: Vec<Mover>,
-    /// Mover and its weight by axis (an image in a plane of symmetry has another sign across it).
+    /// Mover and its weight by axis (an image in a plane of symmetry has the opposite sign across it).
     pub pool: Vec<(u32, [f64; 3])>,
 }
 
@@ -57,7 +57,7 @@ impl System {
         u
     }
 
-    /// The inverse mass of a row, 1/kg: sum_k W_k^2 / m_k.
+    /// Inverse mass of a row, 1/kg: sum_k W_k^2 / m_k.
     fn inverse(&self, row: &Row) -> f64 {
         let mut inverse = [0.0f64; 3];
         for (number, share) in &self.pool[row.clone()] {
@@ -74,8 +74,8 @@ impl System {
         }
     }
 
-    /// Find the impulses of all touches: each in turn as its law demands, the others as they stand, forwards and backwards, until none
-    /// changes (projected Gauss-Seidel). Momentum is exact however far this came.
+    /// Solve for the impulses of all contacts: each in turn by its law, with the others fixed, forwards and backwards, until none changes
+    /// (projected Gauss-Seidel). Momentum is exact at any stage.
     pub fn solve(&mut self, touches: &mut [SurfaceTouch<'_>]) {
         let inverses: Vec<[f64; 2]> =
             touches.iter().map(|touch| [0, 1].map(|side| self.inverse(&touch.rows[side]))).collect();
@@ -85,7 +85,7 @@ impl System {
             for k in 0..count {
                 let n = if sweep % 2 == 0 { k } else { count - 1 - k };
                 let (touch, inverse) = (&mut touches[n], inverses[n]);
-                // Nothing moves what is held on both sides.
+                // Contacts between two held sides have no effect.
                 if inverse[0] + inverse[1] <= 0.0 {
                     continue;
                 }

@@ -1,13 +1,13 @@
-//! Rigid planes.
+//! Rigid walls.
 
 use impactite_scene::error::parameter;
 use impactite_scene::{Archive, Body, CheckpointError, PointView, SceneError, Totals};
 
 use crate::vector::wide;
 
-/// A rigid half space that moves as prescribed and meets bodies by the laws of the scene, friction included.
+/// Rigid half space with prescribed motion, in contact with bodies by the laws of the scene, friction included.
 ///
-/// [`impactite_scene::Boundary::Wall`] and [`impactite_scene::Boundary::FrictionWall`] are the cheaper walls: across an axis.
+/// Cheaper walls, across an axis: [`impactite_scene::Boundary::Wall`] and [`impactite_scene::Boundary::FrictionWall`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidWall<const D: usize> {
     point: [f64; D],
@@ -17,7 +17,7 @@ pub struct RigidWall<const D: usize> {
 }
 
 impl<const D: usize> RigidWall<D> {
-    /// Through a point (m), its normal towards the bodies (any length), at rest.
+    /// Create a wall at rest through a point (m), with its normal towards the bodies (any length).
     ///
     /// # Errors
     /// Numbers that are not finite, a normal without length.
@@ -31,7 +31,7 @@ impl<const D: usize> RigidWall<D> {
         Ok(RigidWall { point, normal: normal.map(|n| n / length), velocity: [0.0; D], name: String::new() })
     }
 
-    /// With a constant velocity, m/s; along the wall it drags what it touches by friction.
+    /// Set a constant velocity, m/s; motion along the wall drags bodies by friction.
     ///
     /// # Errors
     /// A velocity that is not finite.
@@ -46,14 +46,14 @@ impl<const D: usize> RigidWall<D> {
         self.name = name;
     }
 
-    /// Where it is, to a file or from one; what it is, to be compared.
+    /// Store or load the position; compare the definition.
     pub(super) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let (normal, velocity) = (self.normal, self.velocity);
         file.same(&self.name, &format!("normal {normal:?}, velocity {velocity:?} m/s"))?;
         file.reals(&mut self.point)
     }
 
-    /// Height of a place above it, m.
+    /// Height of a position above the wall, m.
     pub(super) fn height(&self, x: &[f64; D]) -> f64 {
         (0..D).map(|d| (x[d] - self.point[d]) * self.normal[d]).sum()
     }
@@ -75,7 +75,7 @@ impl<const D: usize> RigidWall<D> {
     }
 }
 
-/// A body without points.
+/// Body without points.
 impl<const D: usize> Body for RigidWall<D> {
     fn name(&self) -> &str {
         &self.name

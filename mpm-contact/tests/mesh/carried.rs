@@ -1,4 +1,4 @@
-//! Points that nodes carry.
+//! Points carried by nodes.
 
 use impactite_simd::Team;
 use mpm_contact::Coulomb;
@@ -8,7 +8,7 @@ use crate::scene::{Body, Random, collide, outline, sheet};
 
 const DT: f64 = 1e-3;
 
-/// Particles above a floor that moves, fast enough to meet it.
+/// Particles above a moving floor, fast enough to hit it.
 fn crowd(random: &mut Random) -> [Body<3>; 2] {
     let place = |i: i32, random: &mut Random| {
         let jitter: [f64; 3] = random.vector();
@@ -31,7 +31,7 @@ fn a_node_for_each_point_is_as_points_with_masses() {
         let mut bodies = crowd(&mut random);
         let [points, floor] = bodies.clone();
         let starts: Vec<usize> = (0..=25).collect();
-        // Nodes in another order than the points.
+        // The nodes have another order than the points.
         let weights: Vec<(u32, [f64; 3])> = (0..25).map(|n| ((n * 7) % 25, [1.0; 3])).collect();
         let (mut velocities, masses) = (vec![[0.0; 3]; 25], vec![0.7; 25]);
         for (v, (node, _)) in points.v.iter().zip(&weights) {
@@ -57,14 +57,14 @@ fn a_node_for_each_point_is_as_points_with_masses() {
     }
 }
 
-/// Particles of one cell move together: against a dense solution by hand, a rigid floor takes the momentum of their nodes once, however
-/// many of them touch it.
+/// Particles of one cell against a dense solution by hand: they move together, and a rigid floor takes the momentum of their nodes once,
+/// for any number of particles in contact.
 #[test]
 fn points_of_the_same_nodes_yield_to_each_others_impulses() {
     let mut floor = outline([-2.0, -1.0], [2.0, 0.0], [5, 1]);
     floor.m.fill(f64::INFINITY);
     for count in [1, 4, 30] {
-        // Two nodes; all points lie between them.
+        // Two nodes; all points are between them.
         let (masses, velocities) = ([2.0, 3.0], [[1.0, -4.0]; 2]);
         let x: Vec<[f64; 2]> =
             (0..count).map(|n| [0.1 + 0.8 * (f64::from(n) + 0.5) / f64::from(count), 0.02]).collect();
@@ -85,17 +85,17 @@ fn points_of_the_same_nodes_yield_to_each_others_impulses() {
                 });
             }
         }
-        // No point goes on into the floor, and nothing is thrown back by more than one point needs.
+        // No point moves on into the floor, and the rebound is no larger than one point needs.
         for x in &x {
             let v = (1.0 - x[0]) * after[0][1] + x[0] * after[1][1];
-            // Of thirty points that two would do for, sweeps leave the others a little.
+            // Two of the thirty points would suffice: sweeps leave the others a small velocity.
             assert!(v > -0.01, "{count}: {after:?}");
         }
         let kinetic = |v: &[[f64; 2]; 2]| 0.5 * (0..2).map(|n| masses[n] * v[n][1] * v[n][1]).sum::<f64>();
         let taken = kinetic(&velocities) - kinetic(&after);
         assert!((taken - step.exchange.impacts).abs() < 1e-9 * taken, "{taken} {step:?}");
         if count > 1 {
-            // Both ends stop: the floor holds all of it.
+            // Both ends stop: the floor supports all points.
             assert!(
                 after.iter().all(|v| v[1].abs() < 0.05 && (v[0] - 1.0).abs() < 1e-9),
                 "{count}: {after:?}"
@@ -104,7 +104,7 @@ fn points_of_the_same_nodes_yield_to_each_others_impulses() {
     }
 }
 
-/// On a plane of symmetry a point moves along it with all of its node, across with none.
+/// Weights on a plane of symmetry: a point moves along it with all of its node, across it with none.
 #[test]
 fn weights_differ_by_direction() {
     let mut floor = outline([-2.0, -1.0], [2.0, 0.0], [5, 1]);
@@ -118,7 +118,7 @@ fn weights_differ_by_direction() {
     assert!(push[0].abs() < 1e-12 && (push[1] - 8.0).abs() < 1e-9, "{push:?}");
 }
 
-/// A point that has come through an open sheet is known to be on its front by what it touched, if it is known again.
+/// Labels of points: a point that passed through an open sheet is assigned to its front by its last contact, if it is identified again.
 #[test]
 fn labels_follow_points_whose_numbers_change() {
     let deep = |labels: [u64; 2], x: [[f64; 3]; 2], contact: &mut MeshContact<3>, floor: &Body<3>| {
@@ -130,7 +130,7 @@ fn labels_follow_points_whose_numbers_change() {
     let mut floor = sheet(1.0, 4, false);
     floor.m.fill(f64::INFINITY);
     let (near, far) = ([0.1, 0.1, 0.05], [0.3, 0.3, 0.5]);
-    // Behind the sheet by more than what does not touch it is pulled through from.
+    // Behind the sheet by more than the depth from which points without contact are pulled through.
     let behind = [0.1, 0.1, -0.08];
     for again in [[7, 8], [8, 7]] {
         let mut contact = contact();

@@ -1,4 +1,4 @@
-//! Faces, edges and corners, one by one.
+//! Contact with faces, edges and corners, one by one.
 
 use impactite_simd::Team;
 use mpm_contact::Frictionless;
@@ -8,7 +8,7 @@ use crate::scene::{Body, advance, brick, collide, outline, sheet};
 
 const DT: f64 = 1e-3;
 
-/// The velocity after a step of a point beside a body that does not move.
+/// Velocity of a point after a step beside a fixed body, and number of contacts.
 fn meet<const D: usize>(body: &Body<D>, x: [f64; D], v: [f64; D], half: f64) -> ([f64; D], usize) {
     let mut fixed = body.clone();
     fixed.m.fill(f64::INFINITY);
@@ -29,11 +29,11 @@ fn near<const D: usize>(a: [f64; D], b: [f64; D]) {
 fn a_face_stops_what_closes_once_the_gap_is_closed() {
     let square = outline([0.0; 2], [1.0; 2], [4, 4]);
     near(meet(&square, [0.3, 1.1], [7.0, -5.0], 0.1).0, [7.0, 0.0]);
-    // 2 mm away: closed by 2 m/s in a step of 1 ms.
+    // Gap of 2 mm: closed by 2 m/s in a step of 1 ms.
     near(meet(&square, [0.3, 1.102], [7.0, -5.0], 0.1).0, [7.0, -2.0]);
     near(meet(&square, [0.3, 1.102], [7.0, 5.0], 0.1).0, [7.0, 5.0]);
     near(meet(&square, [0.3, 1.106], [7.0, -5.0], 0.1).0, [7.0, -5.0]);
-    // Above a node of a flat side, it has one normal, and one facet pushes.
+    // Above a node of a flat side there is one normal, and one facet pushes.
     let (v, places) = meet(&square, [0.5, 1.1], [7.0, -5.0], 0.1);
     near(v, [7.0, 0.0]);
     assert_eq!(places, 1);
@@ -44,10 +44,10 @@ fn beyond_a_convex_edge_the_direction_is_to_the_edge() {
     let square = outline([0.0; 2], [1.0; 2], [4, 4]);
     let s = 0.1 / 2f64.sqrt();
     near(meet(&square, [1.0 + s, 1.0 + s], [-3.0, -1.0], 0.1).0, [-1.0, 1.0]);
-    // Past it, it goes by.
+    // A point that moves past the corner has no contact.
     near(meet(&square, [1.0 + s, 1.0 + s], [3.0, -3.0], 0.1).0, [3.0, -3.0]);
     let cube = brick([0.0; 3], [1.0; 3], [2; 3]);
-    // An edge and a corner of a cube.
+    // Edge and corner of a cube.
     near(meet(&cube, [1.0 + s, 0.7, 1.0 + s], [-3.0, 2.0, -1.0], 0.1).0, [-1.0, 2.0, 1.0]);
     let c = 0.1 / 3f64.sqrt();
     near(meet(&cube, [1.0 + c; 3], [-3.0; 3], 0.1).0, [0.0; 3]);
@@ -56,7 +56,7 @@ fn beyond_a_convex_edge_the_direction_is_to_the_edge() {
 
 #[test]
 fn a_concave_corner_touches_on_both_sides() {
-    // An L, outside in its corner at the origin.
+    // L-shaped body, with its concave corner at the origin.
     let x = vec![[0.0, 0.0], [0.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [1.0, 0.0]];
     let n = x.len() as u32;
     let facets = (0..n).map(|i| crate::scene::facet(&[i, (i + 1) % n])).collect();
@@ -65,7 +65,7 @@ fn a_concave_corner_touches_on_both_sides() {
     near(v, [0.0, 0.0]);
     assert_eq!(places, 2);
     near(meet(&corner, [0.1, 0.1], [-2.0, 3.0], 0.1).0, [0.0, 3.0]);
-    // A node in its very corner.
+    // Node exactly in the corner.
     let square = outline([0.0; 2], [0.5; 2], [1, 1]).moving([-2.0, -3.0]);
     let mut fixed = corner.clone();
     fixed.m.fill(f64::INFINITY);
@@ -83,13 +83,13 @@ fn a_point_above_the_middle_of_warped_quadrilaterals_has_no_diagonal() {
     for (n, x) in warped.x.iter_mut().enumerate() {
         x[2] = if n == 0 || n == 3 { 0.2 } else { -0.2 };
     }
-    // The middle of the bilinear surface is at the mean of its corners, and level.
+    // The middle of the bilinear surface is at the mean of its corners, and horizontal.
     near(meet(&warped, [0.0, 0.0, 0.1], [1.0, 2.0, -3.0], 0.1).0, [1.0, 2.0, 0.0]);
 }
 
 #[test]
 fn nobody_is_dragged_through_a_thin_plate() {
-    // 2 mm thick under points of 20 mm, on both sides.
+    // Plate of 2 mm thickness under points of 20 mm, on both sides.
     let mut plate = outline([-1.0, -0.001], [1.0, 0.001], [20, 1]);
     plate.m.fill(f64::INFINITY);
     let points = Body::points(vec![[0.33, 0.011], [0.37, -0.011], [0.0, 0.011]], 1.0, 0.01);
@@ -101,7 +101,7 @@ fn nobody_is_dragged_through_a_thin_plate() {
         assert!(step.depth < 0.01);
     }
     assert!((bodies[0].x[0][1] - 0.011).abs() < 1e-3 && (bodies[0].x[1][1] + 0.011).abs() < 1e-3);
-    // A sheet pushes in front and does nothing behind.
+    // A sheet pushes in front, and has no effect behind.
     let plate = sheet(1.0, 4, true);
     near(meet(&plate, [0.1, 0.1, -0.05], [0.0, 0.0, 3.0], 0.01).0, [0.0, 0.0, 3.0]);
     near(meet(&plate, [0.1, 0.1, 0.01], [0.0, 0.0, -3.0], 0.01).0, [0.0, 0.0, 0.0]);
@@ -111,23 +111,23 @@ fn nobody_is_dragged_through_a_thin_plate() {
 fn what_begins_inside_is_let_out_the_nearest_way_and_slowly() {
     let mut square = outline([0.0; 2], [1.0; 2], [4, 4]);
     square.m.fill(f64::INFINITY);
-    // The centre of a point of 0.1 is 0.06 under the upper side, so that its surface is 0.11 deep.
+    // The centre of a point of 0.1 is 0.06 under the upper side: its surface is 0.11 deep.
     let mut bodies = [Body::points(vec![[0.3, 0.94]], 1.0, 0.05), square];
     let mut contact = MeshContact::new(Frictionless).between(0, 1);
     let mut given = 0.0;
     for _ in 0..400 {
         given -= advance(&mut contact, &mut bodies, DT).exchange.impacts;
-        // Each step mends at most 0.01 of its size.
+        // Each step corrects at most 0.01 of its size.
         assert!(bodies[0].v[0][1] <= 0.01 * 0.1 / DT * (1.0 + 1e-9));
     }
     assert!(bodies[0].x[0][1] > 1.0 + 0.05 - 0.0021, "{:?}", bodies[0].x);
-    // It was paid for.
+    // The added kinetic energy is booked.
     assert!((given - bodies[0].kinetic()).abs() < 1e-12);
 }
 
 #[test]
 fn a_mesh_touches_itself_and_not_its_neighbours() {
-    // A C of unit thickness whose arms close; flat parts must not touch themselves.
+    // C-shaped body of unit thickness whose arms close; flat parts must not touch themselves.
     let x = [
         [0.0, 0.0],
         [1.0, 0.0],
@@ -152,7 +152,7 @@ fn a_mesh_touches_itself_and_not_its_neighbours() {
     let mut contact = MeshContact::new(Frictionless).within(0);
     let step = collide(&mut contact, &mut body, DT, &Team::one());
     assert!(contact.impulses(0).is_empty() && step.depth == 0.0, "{step:?}");
-    // The upper arm comes down on the lower one, at 30 m/s over a gap of 1.
+    // The upper arm hits the lower one, at 30 m/s over a gap of 1.
     let close = |body: &mut Body<2>| {
         for i in 9..13 {
             body.v[i] = [0.0, -30.0];

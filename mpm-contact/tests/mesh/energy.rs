@@ -1,4 +1,4 @@
-//! What rests stays at rest, and nothing gains.
+//! Static equilibrium, and no gain of energy.
 
 use mpm_contact::mesh::MeshContact;
 use mpm_contact::{Coulomb, Frictionless};
@@ -7,7 +7,7 @@ use crate::scene::{Body, Random, advance, brick, outline};
 
 const G: f64 = 9.81;
 
-/// Springs between all nodes of a box of four, damped.
+/// Apply damped springs between all nodes of a box of four. Returns the stored energy.
 fn springs(body: &mut Body<2>, rest: &[[f64; 2]], dt: f64) -> f64 {
     let (stiffness, damping, mut stored) = (2e4, 200.0, 0.0);
     for i in 0..4 {
@@ -28,7 +28,7 @@ fn springs(body: &mut Body<2>, rest: &[[f64; 2]], dt: f64) -> f64 {
     stored
 }
 
-/// Five boxes of four nodes on each other, each on two or one facets of the one below, which it overhangs.
+/// Stack of five boxes of four nodes, each on two or one facets of the one below, which it overhangs.
 #[test]
 fn a_resting_stack_neither_drifts_nor_gains() {
     let mut floor = outline([-1.0, -1.0], [1.0, 0.0], [3, 1]);
@@ -73,7 +73,7 @@ fn a_resting_stack_neither_drifts_nor_gains() {
         mass * G
     );
     assert!(drift < 1e-6 && most < 1e-10, "{drift} {most}");
-    // The floor carries all of it.
+    // The floor supports the whole weight.
     assert!((weight - mass * G).abs() < 1e-6 * mass * G, "{weight} {}", mass * G);
 }
 

@@ -1,4 +1,4 @@
-//! Points that fly by many facets in a step.
+//! Points that pass many facets in a step.
 
 use impactite_simd::Team;
 use mpm_contact::mesh::MeshContact;
@@ -9,7 +9,7 @@ use crate::scene::{Body, Random, advance, brick, collide, outline, sheet};
 #[test]
 fn twenty_facets_a_step_and_no_way_through() {
     let mut random = Random(3);
-    // A plate of one facet's thickness, 0.1, and of a tenth of it.
+    // Plate as thick as one facet, 0.1, and as a tenth of it.
     for thickness in [0.1, 0.01] {
         let mut plate = brick([-3.0, -3.0, -thickness], [3.0, 3.0, 0.0], [60, 60, 1]);
         plate.m.fill(f64::INFINITY);
@@ -17,7 +17,7 @@ fn twenty_facets_a_step_and_no_way_through() {
         let x: Vec<_> = (0..300).map(|_| start(&mut random)).collect();
         let mut points = Body::points(x, 1.0, 0.01);
         for v in &mut points.v {
-            // 2 m in a step of 1 ms.
+            // Path of 2 m in a step of 1 ms.
             *v = [1000.0 * random.next(), 1000.0 * random.next(), -2000.0];
         }
         let mut bodies = [points, plate];
@@ -34,14 +34,14 @@ fn twenty_facets_a_step_and_no_way_through() {
 
 #[test]
 fn flying_past_an_edge_is_no_contact() {
-    // Under the level of the top, beside the box, in one step: a plane of the top without end would stop it.
+    // Path to below the level of the top, beside the box, in one step: an unbounded plane of the top would stop it.
     let mut square = outline([0.0; 2], [1.0; 2], [10, 10]);
     square.m.fill(f64::INFINITY);
     let mut bodies = [Body::points(vec![[0.5, 1.3]], 1.0, 0.01).moving([2000.0, -1000.0]), square];
     let mut contact = MeshContact::new(Frictionless).between(0, 1);
     collide(&mut contact, &mut bodies, 1e-3, &Team::one());
     assert_eq!(bodies[0].v[0], [2000.0, -1000.0]);
-    // A little steeper it meets the top.
+    // A slightly steeper path hits the top.
     bodies[0].v[0] = [1000.0, -1000.0];
     advance(&mut contact, &mut bodies, 1e-3);
     assert!(bodies[0].v[0][1] > -300.1 && (bodies[0].x[0][1] - 1.01).abs() < 1e-3, "{bodies:?}");
@@ -58,7 +58,7 @@ fn light_facets_that_fly_at_points_are_caught_too() {
     let before = bodies[0].kinetic() + bodies[1].kinetic();
     let step = advance(&mut contact, &mut bodies, 1e-3);
     assert!(step.depth <= 0.05, "{step:?}");
-    // Every point is on its side of the net.
+    // Every point is on its own side of the net.
     let net = &bodies[1];
     let mut above = 0;
     for x in &bodies[0].x {

@@ -1,4 +1,4 @@
-//! Laws beside friction, what is refused, and checkpoints.
+//! Laws other than friction, refused input, and checkpoints.
 
 use impactite_scene::{Archive, CheckpointError};
 use impactite_simd::Team;
@@ -21,7 +21,7 @@ fn glue_holds_what_touches_and_nothing_else() {
     collide(&mut contact, &mut bodies, 1e-3, &Team::one());
     assert!(bodies[0].v[0].iter().all(|v| v.abs() < 1e-12));
     assert_eq!(bodies[0].v[1], [1.0, 2.0]);
-    // Up to a strength: traction m v / (dt spacing) = 1 * 2 / (1e-3 * 0.1) = 2e4 Pa.
+    // Adhesion up to a strength: traction m v / (dt spacing) = 1 * 2 / (1e-3 * 0.1) = 2e4 Pa.
     for (strength, holds) in [(3e4, true), (1e4, false)] {
         let mut bodies = [Body::points(vec![[0.3, 1.05]], 1.0, 0.05).moving([0.0, 2.0]), fixed()];
         let law = Adhesion::new(strength, strength, 0.0).unwrap();

@@ -1,4 +1,4 @@
-//! Contact of points with facets: what holds of every step, and scenes over many.
+//! Contact of points with facets: properties of every step, and scenes over many steps.
 
 mod carried;
 mod catalogue;

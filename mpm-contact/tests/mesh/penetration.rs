@@ -1,18 +1,18 @@
-//! No point lies deeper than 0.05 of the spacing, for any ratio of sizes, over many steps of random motion.
+//! Penetration of at most 0.05 of the spacing, for any ratio of sizes, over many steps of random motion.
 
 use mpm_contact::mesh::MeshContact;
 use mpm_contact::{Coulomb, Frictionless};
 
 use crate::scene::{Body, Random, advance, brick, outline, sheet};
 
-/// Facets of `ratio` spacings that roll and heave below particles which are thrown at them again and again.
+/// Rolling and heaving sheet of facets of `ratio` spacings, below particles that hit it again and again.
 fn over_waves(ratio: f64, triangles: bool, free: bool) {
     let spacing = 0.1;
     let counts = ((6.0 * 8.0_f64.max(ratio) * spacing / (ratio * spacing)).min(48.0)) as usize;
     let half = 0.5 * counts as f64 * ratio * spacing;
     let mut random = Random(ratio.to_bits());
     let mut mesh = sheet(half, counts, triangles);
-    // A facet weighs about what the particles above it do, and no less than one of them: it must keep its shape.
+    // A facet is about as heavy as the particles above it, and at least as one of them: it must keep its shape.
     mesh.m.fill(if free { (ratio * ratio).max(1.0) } else { f64::INFINITY });
     let within = 0.7 * half.min(8.0 * spacing);
     let x: Vec<[f64; 3]> = (0..60)
@@ -24,7 +24,7 @@ fn over_waves(ratio: f64, triangles: bool, free: bool) {
     let still = bodies[1].x.clone();
     for step in 0..400 {
         let time = dt * f64::from(step);
-        // Particles fall at 100 spacings per s^2 and are shaken; the sheet rolls and waves, at slopes up to 1/3.
+        // Particles fall at 1000 spacings per s^2 and are shaken; the sheet rolls and waves, at slopes up to 1/3.
         for (x, v) in bodies[0].x.iter().zip(&mut bodies[0].v) {
             v[2] -= 100.0 * spacing * dt * 10.0;
             for d in 0..3 {
@@ -41,14 +41,14 @@ fn over_waves(ratio: f64, triangles: bool, free: bool) {
         let mesh = &mut bodies[1];
         for n in 0..mesh.x.len() {
             let to = wave(&still[n], time + dt);
-            // Free nodes are driven towards it.
+            // Free nodes are driven towards the wave.
             mesh.v[n] = [0.0, 0.0, (to - mesh.x[n][2]) / dt].map(|v: f64| v.clamp(-20.0, 20.0));
         }
         let made = advance(&mut contact, &mut bodies, dt);
         deepest = deepest.max(made.depth);
         met += contact.impulses(0).len();
         assert!(made.depth <= 0.05, "ratio {ratio} step {step}: {made:?}");
-        // No particle got through, by nothing of ours: centres are above the level of the sheet, to first order.
+        // Independent check that no particle passed through: centres are above the level of the sheet, to first order.
         for x in &bodies[0].x {
             let near = bodies[1].x.iter().map(|y| {
                 let across = (x[0] - y[0]).hypot(x[1] - y[1]);
@@ -76,7 +76,7 @@ fn ratios_of_facets_to_spacing_from_an_eighth_to_sixteen() {
     }
 }
 
-/// Two rigid boxes of very different meshes turn beside each other: their nodes and facets rotate by 0.02 a step.
+/// Rotation of two rigid boxes of very different meshes beside each other: nodes and facets rotate by 0.02 a step.
 #[test]
 fn turning_boxes() {
     for counts in [[1, 40], [40, 1], [7, 9]] {
@@ -104,7 +104,7 @@ fn turning_boxes() {
     }
 }
 
-/// The velocities of a rigid body with the momentum and angular momentum that these have, over a step; and this change of velocity.
+/// Set the velocities of a rigid body with the present momentum and angular momentum, over a step, and add this change of velocity.
 fn rigid(body: &mut Body<2>, dt: f64, change: [f64; 2]) {
     let mass: f64 = body.m.iter().sum();
     let mean = |of: &[[f64; 2]]| {
@@ -149,7 +149,7 @@ fn a_cube_of_quadrilaterals_among_small_balls() {
                 v[d] = 0.95 * v[d] - 30.0 * x[d] * dt + 0.5 * random.next();
             }
         }
-        // It turns about two axes.
+        // The cube rotates about two axes.
         let (a, b): (f64, f64) = (6.0 * dt, 4.0 * dt);
         for (x, v) in bodies[1].x.iter().zip(&mut bodies[1].v) {
             let y = [x[0] * a.cos() - x[1] * a.sin(), x[0] * a.sin() + x[1] * a.cos(), x[2]];

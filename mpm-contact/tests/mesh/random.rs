@@ -1,4 +1,4 @@
-//! What holds of any step: momentum, angular momentum, energies, and equal bits.
+//! Properties of any step: momentum, angular momentum, energies, and equal bits.
 
 use impactite_simd::Team;
 use mpm_contact::mesh::{MeshContact, MeshStep};
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::scene::{Body, Random, brick, collide, norm, outline};
 
-/// Boxes of nodes of any mass beside each other and points among them, all moving at random.
+/// Boxes of nodes of random mass beside each other and points among them, all moving at random.
 fn crowd2(seed: u64, speed: f64) -> [Body<2>; 3] {
     let mut random = Random(seed);
     let edges = 1 + (seed % 7) as usize;
@@ -39,10 +39,10 @@ fn shaken<const D: usize>(mut bodies: [Body<D>; 3], speed: f64, random: &mut Ran
 struct Change {
     momentum: f64,
     angular: [f64; 3],
-    /// After - before + friction + impacts.
+    /// Energy residual: after - before + friction + impacts.
     energy: f64,
     kinetic: [f64; 2],
-    /// Largest sum of m |v| and of m |x| |v|.
+    /// Momentum scale: sum of m |v|.
     scale: f64,
     step: MeshStep,
 }
@@ -88,18 +88,18 @@ fn holds<const D: usize>(bodies: [Body<D>; 3], friction: f64, dt: f64) -> Result
     prop_assert!(couple <= 1e-12 * c.scale, "angular momentum {couple}");
     prop_assert!(c.energy.abs() <= 1e-11 * c.kinetic[0], "energy {}", c.energy);
     prop_assert!(c.kinetic[1] <= c.kinetic[0] * (1.0 + 1e-12), "{:?}", c.kinetic);
-    // Sweeps end where they change 1e-6 of the velocities: one crowd in some ten thousand has -8e-7 of the energy.
+    // Sweeps end at changes of 1e-6 of the velocities: one crowd in some ten thousand has -8e-7 of the energy.
     prop_assert!(c.step.exchange.friction >= -2e-6 * c.kinetic[0], "{:?}", c.step.exchange);
     prop_assert!(c.step.depth <= 0.05, "{:?}", c.step);
     prop_assert!(c.step.residual <= 1e-3, "{:?}", c.step);
     Ok(())
 }
 
-/// Without friction and at speeds at which all is found at the start, angular momentum is to rounding.
+/// Angular momentum is conserved to rounding, without friction and at speeds at which all contacts are found at the start.
 fn spins_on<const D: usize>(bodies: [Body<D>; 3], dt: f64) -> Result<(), TestCaseError> {
     let mut now = bodies;
     let c = change(&mut all_pairs(MeshContact::new(Frictionless)), &mut now, dt);
-    // It may be that none meet.
+    // There may be no contact.
     prop_assume!(c.step.exchange.impacts > 0.0);
     prop_assert!(c.step.rounds == 1, "{:?}", c.step);
     prop_assert!(norm(c.angular) <= 1e-12 * c.scale, "{:?} of {}", c.angular, c.scale);
@@ -123,7 +123,7 @@ proptest! {
     }
 }
 
-/// One that random crowds found: a point left deep by contacts that were all known at the start.
+/// Regression case of random crowds: a point left deep by contacts that were all known at the start.
 #[test]
 fn a_crowd_that_left_a_point_deep() {
     holds(crowd3(911_959, 10f64.powf(0.6570402296542087)), 0.8227250991448127, 1e-3).unwrap();
@@ -162,7 +162,7 @@ fn threads_change_no_bit() {
     }
 }
 
-/// Two blocks whose nodes meet face to face: whoever is called the first, and whichever way is up, the impulses are mirrored.
+/// Two blocks with coincident nodes face to face: exchanged roles give mirrored impulses.
 #[test]
 fn roles_may_be_exchanged() {
     let lower = brick([0.0, 0.0, -1.0], [1.0, 1.0, 0.0], [3, 2, 1]);
@@ -183,7 +183,7 @@ fn roles_may_be_exchanged() {
         };
         same(&low, &other_low);
         same(&up, &other_up);
-        // Every node of the interface leaves with the mean velocity of the two, and what one gains the other loses.
+        // Every node of the interface leaves with the mean velocity of the two, and one gains what the other loses.
         for (x, v) in up.x.iter().zip(&up.v).filter(|(x, _)| x[2] == 0.0) {
             assert!((v[2] + 1.0).abs() < 1e-5, "{v:?}");
             let mate = low.x.iter().position(|y| y == x).unwrap();

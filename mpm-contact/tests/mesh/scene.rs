@@ -1,4 +1,4 @@
-//! Bodies that own their numbers, and meshes of simple shapes.
+//! Bodies that own their data, and meshes of simple shapes.
 
 use impactite_geometry::Facet;
 use impactite_simd::Team;
@@ -48,7 +48,7 @@ impl<const D: usize> Body<D> {
         let each = self.v.iter().zip(&self.m).filter(|(_, m)| m.is_finite());
         each.fold([0.0; D], |p, (v, m)| std::array::from_fn(|d| p[d] + m * v[d]))
     }
-    /// About the origin.
+    /// Angular momentum about the origin.
     pub fn angular(&self) -> [f64; 3] {
         let mut sum = [0.0; 3];
         for ((x, v), m) in self.x.iter().zip(&self.v).zip(&self.m).filter(|(_, m)| m.is_finite()) {
@@ -64,7 +64,7 @@ impl<const D: usize> Body<D> {
     }
 }
 
-/// Impulses of a step, on velocities; positions stay.
+/// Apply the impulses of a step to velocities; positions stay.
 pub fn collide<const D: usize>(
     contact: &mut MeshContact<D>,
     bodies: &mut [Body<D>],
@@ -84,7 +84,7 @@ pub fn collide<const D: usize>(
     step
 }
 
-/// A whole step.
+/// Make a whole step.
 pub fn advance<const D: usize>(contact: &mut MeshContact<D>, bodies: &mut [Body<D>], dt: f64) -> MeshStep {
     let step = collide(contact, bodies, dt, &Team::one());
     for body in bodies {
@@ -97,7 +97,7 @@ pub fn advance<const D: usize>(contact: &mut MeshContact<D>, bodies: &mut [Body<
     step
 }
 
-/// Numbers in -1..1.
+/// Pseudorandom numbers in -1..1.
 pub struct Random(pub u64);
 
 impl Random {
@@ -111,7 +111,7 @@ impl Random {
     }
 }
 
-/// The outline of a box of `counts` edges, counter-clockwise.
+/// Outline of a box of `counts` edges, counter-clockwise.
 pub fn outline(low: [f64; 2], high: [f64; 2], counts: [usize; 2]) -> Body<2> {
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
     let mut x = Vec::new();
@@ -126,7 +126,7 @@ pub fn outline(low: [f64; 2], high: [f64; 2], counts: [usize; 2]) -> Body<2> {
     Body::mesh(x, 1.0, (0..n).map(|i| facet(&[i, (i + 1) % n])).collect())
 }
 
-/// A sheet of quadrilaterals in the plane z = 0, from -half to half, outside above; or of two triangles each.
+/// Sheet of quadrilaterals in the plane z = 0, from -half to half, outside above; or of two triangles each.
 pub fn sheet(half: f64, counts: usize, triangles: bool) -> Body<3> {
     let edge = 2.0 * half / counts as f64;
     let mut x = Vec::new();
@@ -150,7 +150,7 @@ pub fn sheet(half: f64, counts: usize, triangles: bool) -> Body<3> {
     Body::mesh(x, 1.0, facets)
 }
 
-/// The surface of a box of `counts` quadrilaterals along each axis.
+/// Surface of a box of `counts` quadrilaterals along each axis.
 pub fn brick(low: [f64; 3], high: [f64; 3], counts: [usize; 3]) -> Body<3> {
     use std::collections::BTreeMap;
     let mut numbers: BTreeMap<[usize; 3], u32> = BTreeMap::new();

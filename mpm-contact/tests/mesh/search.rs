@@ -1,4 +1,4 @@
-//! The search loses nobody, whatever sizes and skins.
+//! Completeness of the neighbour search, for any sizes and skins.
 
 use impactite_simd::Team;
 use mpm_contact::Frictionless;
@@ -6,7 +6,7 @@ use mpm_contact::mesh::MeshContact;
 
 use crate::scene::{Body, Random, collide, sheet};
 
-/// Every point under its own light facet, against what each pair gives alone; over steps with lists that last.
+/// Comparison of points with lists kept over steps, points with a fresh search, and each point alone.
 #[test]
 fn lists_give_what_every_pair_gives() {
     let mut random = Random(11);
@@ -27,7 +27,7 @@ fn lists_give_what_every_pair_gives() {
         for v in &mut points.v {
             *v = [30.0 * random.next(), 30.0 * random.next(), 30.0 * random.next() - 8.0];
         }
-        // Nobody leaves over the rim.
+        // No point leaves over the rim.
         for (v, x) in points.v.iter_mut().zip(&points.x) {
             for d in (0..2).filter(|&d| x[d].abs() > 1.8) {
                 v[d] = -v[d].abs() * x[d].signum();
@@ -40,7 +40,7 @@ fn lists_give_what_every_pair_gives() {
         let mut anew = [points.clone(), wavy.clone()];
         collide(&mut fresh, &mut anew, 1e-3, &Team::one());
         assert!(bodies[0].v == anew[0].v);
-        // One by one: the facets do not move, so that points do not know of each other.
+        // One by one: the facets are fixed, so that points are independent.
         for i in 0..points.x.len() {
             let half = points.half[i];
             let mut alone = [Body::points(vec![points.x[i]], 1.0, half).moving(points.v[i]), wavy.clone()];
@@ -59,7 +59,7 @@ fn lists_give_what_every_pair_gives() {
     assert!(kept.searches() < steps / 2, "{} searches", kept.searches());
 }
 
-/// Which facets are near: by the distance to every facet, for the points alone that will touch.
+/// Comparison with the exact velocities above flat sheets, for points and facets of many sizes.
 #[test]
 fn every_facet_is_asked() {
     let mut random = Random(5);

@@ -1,4 +1,4 @@
-//! Blocks on inclines: against g (sin - mu cos).
+//! Sliding of blocks on inclines: comparison with g (sin - mu cos).
 
 use mpm_contact::Coulomb;
 use mpm_contact::mesh::MeshContact;
@@ -25,7 +25,7 @@ fn slide<const D: usize>(block: Body<D>, floor: Body<D>, slope: f64, friction: f
         assert!(step.depth <= 0.05);
         work += step.exchange.friction;
     }
-    // m a = m g sin - mu m g cos; what friction took is the difference of energies, up to a step.
+    // m a = m g sin - mu m g cos; the work of friction is the difference of energies, up to a step.
     let mass: f64 = bodies[0].m.iter().sum();
     let speed = bodies[0].momentum()[0] / mass;
     let mean =
@@ -52,7 +52,7 @@ fn blocks_of_points_slide_as_coulomb_says() {
         expect(slide(Body::points(row, 0.7, 0.05), floor, slope, friction), slope, friction);
         let grid = (0..25).map(|i| [0.1 * f64::from(i % 5), 0.1 * f64::from(i / 5) - 0.2, 0.05]).collect();
         expect(slide(Body::points(grid, 0.7, 0.05), sheet(3.0, 13, true), slope, friction), slope, friction);
-        // The lower side of a block whose own nodes touch, on facets of other sizes.
+        // Lower side of a block, in contact by its own nodes, on facets of other sizes.
         let mut block = sheet(0.25, 5, false);
         block.facets.iter_mut().for_each(|facet| facet.nodes.reverse());
         expect(slide(block, sheet(3.0, 4, false), slope, friction), slope, friction);

@@ -1,4 +1,4 @@
-//! What contact costs: `cargo test --release -p mpm-contact --test mesh -- --ignored --nocapture speed`.
+//! Cost of contact: `cargo test --release -p mpm-contact --test mesh -- --ignored --nocapture speed`.
 
 use std::time::Instant;
 
@@ -8,7 +8,7 @@ use mpm_contact::mesh::MeshContact;
 
 use crate::scene::{Body, Random, advance, sheet};
 
-/// 100 000 points in ten layers over 10 000 facets, of which the lowest rests on them; and the same with all on the way down.
+/// Benchmark of 100 000 points in ten layers over 10 000 facets, with the lowest layer on them; or 1 m above.
 #[test]
 #[ignore = "a measurement"]
 fn speed_of_1e5_points_on_1e4_facets() {

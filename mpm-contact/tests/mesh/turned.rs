@@ -1,11 +1,11 @@
-//! Facets that are turned away from a node which is at them.
+//! Facets that are turned away from a node at them.
 
 use mpm_contact::Frictionless;
 use mpm_contact::mesh::MeshContact;
 
 use crate::scene::{Body, Random, advance, brick, outline};
 
-/// Boxes of corners alone, face to face, out of line by what sweeps leave: no corner goes aside.
+/// Boxes with corner nodes only, face to face, misaligned by the residual of sweeps: no corner moves sideways.
 #[test]
 fn corners_meet_the_face_before_them() {
     for noise in [0.0, 1e-15, 1e-12, 1e-9] {
@@ -20,7 +20,7 @@ fn corners_meet_the_face_before_them() {
         let mut contact = MeshContact::new(Frictionless).between(0, 1);
         for _ in 0..20 {
             advance(&mut contact, &mut bodies, 1e-3);
-            // What holds the nodes of a body together pulls those before ahead, and those behind back.
+            // Rigid motion along x: all nodes of a body take its mean velocity.
             for body in &mut bodies {
                 let mean = body.momentum()[0] / body.m.iter().sum::<f64>();
                 body.v.iter_mut().for_each(|v| v[0] = mean);
@@ -34,7 +34,7 @@ fn corners_meet_the_face_before_them() {
     }
 }
 
-/// A box slides over a floor of many nodes, into which it is pressed a little: neither of its sides catches one.
+/// Box that slides over a floor of many nodes with a small penetration: neither of its sides catches a node.
 #[test]
 fn an_edge_slides_over_nodes_below_it() {
     for depth in [0.0, 1e-6, 1e-3] {
@@ -44,7 +44,7 @@ fn an_edge_slides_over_nodes_below_it() {
         let mut bodies = [floor, sliding];
         let mut contact = MeshContact::new(Frictionless).between(0, 1);
         for step in 0..700 {
-            // Nothing holds the nodes of a body together: only those below have weight, or the box would fold.
+            // The nodes of a body are not connected: only those below have weight, or the box would fold.
             let Body { x, v, .. } = &mut bodies[1];
             for (v, _) in v.iter_mut().zip(x).filter(|(_, x)| x[1] < 0.1) {
                 v[1] -= 1e-2;

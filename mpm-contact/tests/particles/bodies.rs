@@ -1,4 +1,4 @@
-//! Scenes of bodies are solvers, and bodies keep to what is asked of them.
+//! Solver conformance of scenes of bodies, and conformance of bodies.
 
 use impactite_scene::{Body as _, Finding, Solver, TimeControl, Watch, solver_conforms};
 use mpm_contact::conformance::{Balls, Broken, particle_body};
@@ -7,7 +7,7 @@ use mpm_contact::{Coulomb, Frictionless};
 
 use crate::{R, block, scene};
 
-/// A block falls on another one that lies on a wall, and a free ball flies into both.
+/// Block that falls on another one on a wall, and a free ball that hits both.
 fn pile() -> impl Solver {
     let mut scene = scene(Coulomb::new(0.3).unwrap());
     let down = [0.0, -1.0e3];
@@ -15,12 +15,12 @@ fn pile() -> impl Solver {
     scene.add("upper", block([3.0 * R, 9.4 * R], [8, 4]).under(down).moving([0.0, -4.0]));
     scene.add("ball", Balls::new(vec![[-3.0 * R, 3.0 * R]], R, 5.0e-3).moving([10.0, 0.0]));
     scene.add_wall(RigidWall::new([0.0, 0.0], [0.0, 1.0]).unwrap().moving([1.0, 0.0]).unwrap());
-    // Velocities are half a step from springs, and contact acts on those: 2.1 % of energy are missing with a factor of 0.5.
+    // Velocities are half a step from spring forces, and contact acts on them: 2.1 % of energy are missing with a factor of 0.5.
     scene.set_time_control(TimeControl::Courant { factor: 0.1, growth: 1.1 }).unwrap();
     scene
 }
 
-/// A body without a number for its velocity.
+/// Body with a velocity that is not a number.
 fn lost() -> impl Solver {
     let mut scene = scene(Frictionless);
     scene.add("balls", Balls::new(vec![[0.0; 3]], R, 1.0).moving([f64::NAN; 3]));
@@ -64,7 +64,7 @@ fn bodies_come_back_as_what_they_are() {
     assert_eq!(scene.bodies().iter().map(|b| b.name()).collect::<Vec<_>>(), ["block", "wall 1"]);
 }
 
-/// What is said of a gain names body and place of the fastest particle, and the remedy of its method.
+/// Message on an energy gain: body and place of the fastest particle, and the remedy of its method.
 #[test]
 fn a_step_too_long_is_a_gain_of_the_fastest() {
     let mut scene = scene(Frictionless);
@@ -72,7 +72,7 @@ fn a_step_too_long_is_a_gain_of_the_fastest() {
     scene.add("shaken", block([40.0 * R, 0.0], [4, 4]));
     scene.add("ball", Balls::new(vec![[40.0 * R, -2.5 * R]], R, 1.0e-3).moving([0.0, 1.0]));
     scene.set_watch(Watch::default());
-    // Three times the limit of stability.
+    // Three times the stability limit.
     scene.set_time_control(TimeControl::Fixed(1.0e-4)).unwrap();
     let stopped = scene.run_until(1.0).unwrap_err().to_string();
     assert!(stopped.contains("shaken") && stopped.contains("take a smaller Courant factor"), "{stopped}");

@@ -1,4 +1,4 @@
-//! Balls against exact solutions.
+//! Impacts of balls against exact solutions.
 
 use impactite_scene::{Solver as _, TimeControl};
 use mpm_contact::conformance::Balls;
@@ -7,7 +7,7 @@ use mpm_contact::{Coulomb, Frictionless};
 
 use crate::{R, block, scene};
 
-/// A plastic impact: they go on together, and what is lost is m1 m2 / (m1 + m2) v^2 / 2.
+/// Plastic impact: the balls move on together, and the energy loss is m1 m2 / (m1 + m2) v^2 / 2.
 #[test]
 fn two_balls_go_on_together() {
     let mut scene = scene(Frictionless);
@@ -20,25 +20,25 @@ fn two_balls_go_on_together() {
     }
     let taken = scene.exchange().impacts;
     assert!((taken - 0.5 * 2.0 / 3.0 * 900.0).abs() < 1e-9, "{taken}");
-    // They touch where both radii are.
+    // Contact at the sum of both radii.
     let [a, b] = [0, 1].map(|n| scene.particles(n).next().unwrap().position[0]);
     assert!(a - b >= 2.0 * R * (1.0 - 1e-9) && a - b < 2.2 * R, "{}", (a - b) / R);
 }
 
-/// On a rough wall the normal velocity goes, and friction takes its coefficient times that of the slip.
+/// Impact on a rough wall: the normal velocity vanishes, and friction reduces the slip by its coefficient times that.
 #[test]
 fn a_ball_on_a_rough_wall() {
     let (mu, [slip, fall]) = (0.3, [4.0, 2.0]);
     let mut scene = scene(Coulomb::new(mu).unwrap());
     scene.add("ball", Balls::new(vec![[0.0, 3.0 * R]], R, 0.5).moving([slip, -fall]));
     scene.add_wall(RigidWall::new([0.0, 0.0], [0.0, 1.0]).unwrap());
-    // A step that ends at the wall.
+    // One step ends at the wall.
     scene.set_time_control(TimeControl::Fixed(0.1 * R / fall)).unwrap();
     scene.run_until(8.0 * R / fall).unwrap();
     let ball = scene.particles(0).next().unwrap();
     let left = slip - mu * fall;
     assert!((ball.velocity[0] - left).abs() < 1e-12 && ball.velocity[1].abs() < 1e-12, "{ball:?}");
-    // The impulse mu J acts with the slip at the end.
+    // The impulse mu J acts with the slip velocity at the end.
     let friction = 0.5 * mu * fall * left;
     let given = scene.exchange();
     assert!((given.friction - friction).abs() < 1e-12, "{given:?}");
@@ -47,7 +47,7 @@ fn a_ball_on_a_rough_wall() {
     assert!((given.impulse[1] - 0.5 * fall).abs() < 1e-12, "{given:?}");
 }
 
-/// Blocks that meet face to face at their surfaces: a flat surface is flat, also where balls of the other face the gaps between its own.
+/// Face-to-face contact of blocks: a flat surface is flat, also where balls of the other face the gaps between its own.
 #[test]
 fn faces_are_flat() {
     for beside in [0.0, R] {
@@ -67,7 +67,7 @@ fn faces_are_flat() {
         let (end, given) = (scene.totals(), scene.exchange());
         assert!(met > 0 && end.momentum[1] < 0.0);
         let slip = |body: usize| scene.totals_of(body).unwrap().momentum[0];
-        // No interlocking: the upper one slides on.
+        // No interlocking: the upper block slides on.
         assert!(slip(0).abs() < 0.02 * slip(1), "{} {}", slip(0), slip(1));
         let missing: f64 = (0..3).map(|d| (end.momentum[d] - start.momentum[d]).abs()).sum();
         assert!(missing < 1e-13 * start.momentum_scale, "{missing}");
@@ -76,8 +76,7 @@ fn faces_are_flat() {
     }
 }
 
-/// The inside of a body that is touched at its rim alone changes nothing where nothing gets there, and lets through what starts there;
-/// a wall holds it back.
+/// Contact at the rim alone: the inside has no effect if nothing gets there, and none on a ball that starts there; a wall acts on it.
 #[test]
 fn a_body_may_be_touched_at_its_rim_alone() {
     let seen = |rim: bool| {
@@ -104,7 +103,7 @@ fn a_body_may_be_touched_at_its_rim_alone() {
     assert_eq!(speed_left(true), 50.0);
     assert!(speed_left(false) < 30.0, "{}", speed_left(false));
 
-    // Springs so soft that a wall would go far into them.
+    // Springs so soft that a wall would penetrate them deeply.
     let mut scene = scene(Frictionless);
     scene.add("soft", block([0.0, R], [5, 5]).moving([0.0, -20.0]).touched_at_the_rim());
     scene.add_wall(RigidWall::new([0.0, 0.0], [0.0, 1.0]).unwrap());
@@ -112,7 +111,7 @@ fn a_body_may_be_touched_at_its_rim_alone() {
     assert!(scene.particles(0).all(|p| p.position[1] > 0.9 * R));
 }
 
-/// Pairs are searched anew when something has moved half a mean radius.
+/// Search for pairs, repeated when something has moved half a mean radius.
 #[test]
 fn pairs_are_kept_until_something_moved() {
     for (speed, searches) in [(0.0, 1), (5.0, 20)] {

@@ -1,4 +1,4 @@
-//! Contact between bodies of particles, by a method that is none of ours: balls on springs.
+//! Contact between bodies of particles of a foreign method: balls on springs.
 
 #![cfg(feature = "conformance")]
 #![allow(missing_docs)]
@@ -14,12 +14,12 @@ use mpm_contact::{ContactLaw, Pairs, SurfaceDistance};
 /// Radius of the balls of blocks, m.
 const R: f64 = 0.5e-3;
 
-/// A scene with one law.
+/// Scene with one law.
 fn scene<const D: usize>(law: impl ContactLaw<f64> + 'static) -> Bodies<D, SurfaceDistance> {
     Bodies::new(SurfaceDistance::default(), Pairs::new(law))
 }
 
-/// A block of balls, 1 g each, bonded, its first ball at `corner`.
+/// Block of bonded balls, 1 g each, with its first ball at `corner`.
 fn block(corner: [f64; 2], counts: [u32; 2]) -> Balls<2> {
     let site = |i: u32, j: u32| [corner[0] + 2.0 * R * f64::from(i), corner[1] + 2.0 * R * f64::from(j)];
     let sites = (0..counts[1]).flat_map(|j| (0..counts[0]).map(move |i| site(i, j)));

@@ -1,4 +1,4 @@
-//! Scenes that cannot be.
+//! Invalid scenes.
 
 use mpm_contact::conformance::Balls;
 use mpm_contact::{Frictionless, SlipWeakening};

@@ -1,4 +1,4 @@
-//! Contact detectors, and laws beside them, on the grid.
+//! Conformance of contact detectors and contact laws on the grid.
 
 use mpm_contact::conformance::{self as of_contact, Collision, DISC, FRICTION, collision, disc};
 use mpm_contact::vector::{difference, length};
@@ -17,7 +17,7 @@ use impactite_geometry::{Ball, Filling, Lattice, fill};
 use impactite_scene::{PlaneStrain, TimeControl};
 use impactite_simd::Team;
 
-/// The properties of [`collision`] for the material point method with the detector that `make` makes.
+/// Check the properties of [`collision`] for the material point method with the detector that `make` creates.
 ///
 /// ```
 /// use mpm_contact::{Approach, Gradients};
@@ -37,16 +37,16 @@ use impactite_simd::Team;
 /// ```
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn detector<S: ContactDetector<f64, 2>>(make: impl Fn() -> S) -> Result<(), Broken> {
     let friction = Coulomb::new(FRICTION).map_err(|e| broken(stop(e)))?;
     detector_and_law(make, &friction)
 }
 
-/// The same with a law of the friction coefficient [`FRICTION`].
+/// Check the properties of [`collision`] with a contact law of the friction coefficient [`FRICTION`].
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn detector_and_law<S: ContactDetector<f64, 2>>(
     make: impl Fn() -> S,
     law: &(impl ContactLaw<f64> + Clone),

@@ -1,4 +1,4 @@
-//! Grids.
+//! Conformance of grids.
 
 use mpm_materials::Constitutive;
 
@@ -14,12 +14,12 @@ use crate::transfer::Flip;
 use impactite_geometry::Lattice;
 use impactite_scene::{PointView, TimeControl};
 
-/// The grid keeps its contract: blocks it was asked for are found where `blocks` says they are, with 4^D nodes
-/// each, zero after a change, kept when nothing changes; and a scene gives the same bits as on a
-/// [`BlockGrid`]. `make` must give a grid that has room for node indices -24 to 40 along every axis.
+/// Check the contract of a grid: requested blocks are found at their index in `blocks`, with 4^D nodes each; nodes
+/// are zero after a change of the blocks, and keep their values without one; a scene computes the same bits as on a
+/// [`BlockGrid`]. `make` must create a grid with space for node indices -24 to 40 along every axis.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn grid<G, const D: usize>(make: impl Fn(Lattice<D>) -> G) -> Result<(), Broken>
 where
     G: GridStorage<f64, D> + 'static,
@@ -76,7 +76,7 @@ where
     within(name, "all particles", (ours.len() as f64 - theirs.len() as f64).abs(), 0.0, String::new)
 }
 
-/// The embedding of a plain scene in `D` dimensions.
+/// Embedding of a plain scene in `D` dimensions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Embedded<const D: usize>;
 impl impactite_scene::embedding::Embedding<2> for Embedded<2> {
@@ -116,7 +116,7 @@ fn check_blocks<G: GridStorage<f64, D>, const D: usize>(
     Ok(())
 }
 
-/// A block that flies through several blocks of nodes, with negative indices on its way.
+/// Run a body that flies through several blocks of nodes, with negative indices on its way.
 fn run<const D: usize>(name: &str, grid: Box<dyn GridStorage<f64, D>>) -> Result<Vec<PointView>, Broken>
 where
     f64: Scalar<D>,

@@ -1,4 +1,4 @@
-//! Transfers and composed methods.
+//! Conformance of transfers and composed methods.
 
 use mpm_materials::elastic::HypoelasticState;
 use mpm_materials::{Constitutive, Kinematics, Lane, LinearElastic, Moduli, Sym3, Update};
@@ -17,7 +17,7 @@ use impactite_geometry::{Lattice, Seeds};
 use impactite_scene::TimeControl;
 use impactite_scene::embedding::{Embedding, PlaneStrain};
 
-/// Young's modulus 1, density 1, Poisson's ratio 0.25, and a stress at rest.
+/// Linear elastic law with Young's modulus 1, density 1, Poisson's ratio 0.25, and an initial stress.
 #[derive(Clone, Debug)]
 pub(super) struct Probe {
     elastic: LinearElastic<f64>,
@@ -69,7 +69,7 @@ impl Constitutive<f64> for Probe {
     }
 }
 
-/// A block of irregular particles.
+/// Body of irregularly placed particles.
 pub(super) struct Body<const D: usize> {
     pub(super) seeds: Seeds<D>,
     centre: [f64; D],
@@ -77,7 +77,7 @@ pub(super) struct Body<const D: usize> {
 }
 
 impl<const D: usize> Body<D> {
-    /// `cells` cells from node `low` along every axis, two particles an axis and cell, out of line.
+    /// Create `cells` cells from node `low` along every axis, with two displaced particles an axis and cell.
     pub(super) fn new(lattice: Lattice<D>, low: i64, cells: usize) -> Self {
         let h = lattice.spacing();
         let count = 2 * cells;
@@ -87,7 +87,7 @@ impl<const D: usize> Body<D> {
             let mut rest = n;
             let mut x = lattice.node([low; D]);
             for d in 0..D {
-                // Irrational steps: far from regular, the same everywhere.
+                // Irrational steps: irregular but reproducible.
                 let off = 0.8 * (((n * (d + 2) + d) as f64 * 0.618_033_988_75).fract() - 0.5);
                 x[d] += ((rest % count) as f64 + 0.5 + off) * 0.5 * h;
                 rest /= count;
@@ -103,7 +103,7 @@ impl<const D: usize> Body<D> {
         Body { seeds, centre, spacing: h }
     }
 
-    /// Flight at `speed` and a rotation in the xy plane at `rate`, in cells a second and 1/s.
+    /// Return the velocity of a flight at `speed`, cells a second, and a rotation in the xy plane at `rate`, 1/s.
     pub(super) fn velocity(&self, x: [f64; D], speed: f64, rate: f64) -> [f64; D] {
         let mut v = [0.0; D];
         for d in 0..D {
@@ -115,11 +115,11 @@ impl<const D: usize> Body<D> {
     }
 }
 
-/// The transfer leaves a uniform velocity alone, and works in a method: [`method`] with a quadratic B-spline,
+/// Check that the transfer preserves a uniform velocity and works in a method: [`method`] with a quadratic B-spline,
 /// USL and plane strain.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn transfer<X: Transfer<f64>>(transfer: X) -> Result<(), Broken>
 where
     QuadraticBSpline: Suits<X>,
@@ -132,14 +132,14 @@ where
     method::<_, 2>(Method::new(QuadraticBSpline, transfer, Usl, PlaneStrain).compiled())
 }
 
-/// The method keeps mass, momentum and, with an affine transfer that takes the nodes' velocity (APIC) and a shape function whose second moment is
-/// constant (B-splines), angular momentum of a body in free flight; a
-/// rigid flight makes no stress; a body at rest stays there; forces do the virtual work of the stresses
-/// (where a step leaves them on the grid: not with FMPM). Cartesian embeddings only. A method of which this crate has no
-/// kernels: `method(yours.compiled())`.
+/// Check the method: a body in free flight conserves mass, momentum and, with an affine transfer that adopts the
+/// nodal velocity (APIC) and a shape function of constant second moment (B-splines), angular momentum; rigid flight
+/// causes no stress; a body at rest stays at rest; forces do the virtual work of the stresses (where a step leaves
+/// forces on the grid: not with FMPM). Cartesian embeddings only. For a method without kernels in this crate:
+/// `method(yours.compiled())`.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn method<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(method: M) -> Result<(), Broken> {
     let name = method.describe();
     if M::Embedding::HOOP {
@@ -168,7 +168,7 @@ fn scene<M: IntoKernels<f64, D>, const D: usize>(
 ) -> Result<(Mpm<D>, Body<D>), Broken> {
     let lattice = Lattice::new([0.3; D], 0.5).map_err(|e| failed(name, &e))?;
     let body = Body::<D>::new(lattice, -2, 3);
-    // A grid that keeps its nodes when particles come to new ones: the tests look at them after a step.
+    // This grid keeps its nodes when particles reach new ones: the tests read nodes after a step.
     let grid = DenseGrid::new(lattice, [-8; D], [15; D]).map_err(|e| failed(name, &e))?;
     let mut mpm = Mpm::new(method, grid);
     mpm.set_time_control(TimeControl::Fixed(dt)).map_err(|e| failed(name, &e))?;
@@ -198,22 +198,22 @@ fn free_flight<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
         let error = (after.momentum[d] - before.momentum[d]).abs() / before.momentum_scale;
         within(name, "conservation of momentum", error, 1e-13, || format!("component {d}, 30 steps"))?;
     }
-    // With a share of FLIP a particle's velocity is not the one that its affine matrix belongs to.
+    // With a FLIP fraction, the velocity of a particle is not the one of its affine matrix.
     if M::Transfer::AFFINE && !M::Transfer::READS_INCREMENT && even_inertia(&method) {
-        // Part of the angular momentum is in the affine matrices, which the totals of particles do not show.
+        // Part of the angular momentum is in the affine matrices, which the totals of particles omit.
         affine_momentum(&mut mpm, name)?;
     }
     Ok(())
 }
 
-/// Is the second moment of the weights the same everywhere? Where it is not (GIMP), the affine transfer keeps
-/// affine velocity fields and loses some angular momentum.
+/// True if the second moment of the weights is constant. Where it is not (GIMP), the affine transfer preserves affine
+/// velocity fields but loses some angular momentum.
 fn even_inertia<M: Composition<f64, D>, const D: usize>(method: &M) -> bool {
     let at = |xi: f64| -> f64 { method.shape().inertia(xi, 0.25) };
     (at(0.0) - at(0.37)).abs() < 1e-12
 }
 
-/// Angular momentum on the grid is the same from step to step.
+/// Check that the angular momentum on the grid is constant.
 fn affine_momentum<const D: usize>(mpm: &mut Mpm<D>, name: &str) -> Result<(), Broken> {
     let mut first = None;
     for _ in 0..10 {
@@ -259,14 +259,14 @@ fn rigid<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
     Ok(())
 }
 
-/// sum_i f_i . w_i = -sum_p V sigma : grad w(x_p) for any nodal field w; and so no net force and moment.
+/// Check sum_i f_i . w_i = -sum_p V sigma : grad w(x_p) for any nodal field w; hence no net force and moment.
 fn virtual_work<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
     method: M,
     name: &str,
 ) -> Result<(), Broken> {
     let stresses = [[1.0, 0.3, -0.4, 0.2, 0.5, -0.7], [-0.6, 0.9, 0.1, -0.3, 0.2, 0.4]];
-    // Everything rests: the velocity after one step is the impulse of the forces over the mass. With USF the
-    // stress is updated first, from a velocity that is zero.
+    // The body is at rest: the velocity after one step is the impulse of the forces over the mass. With USF the
+    // stress is updated first, from a velocity of zero.
     let dt = 1e-3;
     let (mut mpm, body) = scene(method, name, &stresses, dt, 0.0, 0.0)?;
     mpm.step().map_err(|e| failed(name, &e))?;
@@ -324,7 +324,7 @@ fn virtual_work<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
     })
 }
 
-/// Nodes around a particle and the gradients of their weights.
+/// Return the nodes around a particle and the gradients of their weights.
 fn gradients<M: Composition<f64, D>, const D: usize>(
     method: &M,
     lattice: &Lattice<D>,
@@ -360,7 +360,7 @@ fn gradients<M: Composition<f64, D>, const D: usize>(
     list
 }
 
-/// All nodes with mass, and their positions.
+/// Visit all nodes with mass, and their positions.
 fn each_node<const D: usize>(mpm: &Mpm<D>, mut visit: impl FnMut(&[f64; D], &crate::grid::Node<f64>)) {
     let (grid, block) = (mpm.grid(), crate::dim::BLOCK);
     let lattice = grid.lattice();

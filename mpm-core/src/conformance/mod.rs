@@ -1,5 +1,5 @@
-//! What every shape function, transfer, grid, composed method and contact detector must do, as tests that one line applies to
-//! any of them, ours or yours. Behind the feature `conformance`.
+//! Conformance tests for shape functions, transfers, grids, composed methods and contact detectors. One line applies
+//! them to any implementation, of this crate or a custom one. Requires the feature `conformance`.
 //!
 //! ```
 //! mpm_core::conforms! {
@@ -8,7 +8,7 @@
 //!     relaxed: transfer(mpm_core::Pic);
 //! }
 //! ```
-//! Each line becomes a `#[test]`. The functions can also be called; they return what was [`Broken`] first.
+//! Each line becomes a `#[test]`. The functions can also be called; they return the first [`Broken`] property.
 
 mod contact;
 mod grid;
@@ -20,19 +20,19 @@ pub use grid::grid;
 pub use method::{method, transfer};
 pub use shape::{affine_shape, convected, shape_function, smooth};
 
-/// A property that does not hold.
+/// Violated property.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{subject}: {property} does not hold: {detail}")]
 pub struct Broken {
-    /// What was tested.
+    /// Name of the tested object.
     pub subject: String,
-    /// The property, in words.
+    /// Description of the property.
     pub property: &'static str,
-    /// Where and by how much.
+    /// Location and magnitude of the violation.
     pub detail: String,
 }
 
-/// `Ok` if `error` is at most `allowed`; a value that is not a number never is.
+/// Check that `error` is at most `allowed`; a value that is not a number fails.
 fn within(
     subject: &str,
     property: &'static str,

@@ -1,4 +1,4 @@
-//! Shape functions.
+//! Conformance of shape functions.
 
 use mpm_materials::{Lane, Wide};
 
@@ -7,25 +7,25 @@ use crate::dim::Stencil;
 use crate::shape::domain::{Corners, MOST_NUMBERS, Table, table};
 use crate::shape::{AffineShape, Domain, ShapeFunction, Weights, node_offset};
 
-/// Offsets from the bin's centre that are tried, its edges among them.
+/// Tested offsets from the bin centre, including the edges of the bin.
 fn offsets() -> impl Iterator<Item = f64> {
-    // A prime number of parts, so that no offset but the edges and the centre is a simple fraction.
+    // 202 parts, so that hardly any offset but the edges and the centre is a simple fraction.
     (0..=202).map(|i| f64::from(i) / 202.0 - 0.5)
 }
 
-/// Half sizes that are tried, in cells.
+/// Tested half sizes, in cells.
 const HALVES: [f64; 5] = [0.05, 0.125, 0.25, 0.37, 0.5];
 
 fn at<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64) -> Weights<f64, S::Extent> {
     shape.weights(xi, half)
 }
 
-/// Weights are not negative and sum to one; they reproduce a linear field; slopes are their derivatives; they
-/// go over into each other at the edges of bins; the second moment is that of the weights; domains stay in
-/// (0, 1/2]; lanes compute what single points do.
+/// Check that weights are not negative, sum to one and reproduce a linear field; slopes are their derivatives;
+/// weights are continuous at the edges of bins; the second moment is that of the weights; domains stay in (0, 1/2];
+/// lanes compute the same as single points.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn shape_function<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<(), Broken> {
     let nodes = S::Extent::NODES;
     for half in HALVES {
@@ -58,7 +58,7 @@ pub fn shape_function<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Re
     Ok(())
 }
 
-/// Central difference of the weights. Second derivatives may jump: by at most `CURVATURE`.
+/// Compare slopes with the central difference of the weights. Second derivatives may jump: by at most `CURVATURE`.
 fn slopes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64) -> Result<(), Broken> {
     const STEP: f64 = 1e-6;
     const CURVATURE: f64 = 40.0;
@@ -69,7 +69,7 @@ fn slopes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f6
     for a in 0..S::Extent::NODES {
         let difference = (more.value[a] - less.value[a]) / (2.0 * STEP);
         let error = (difference - here.slope[a]).abs();
-        // A slope that jumps where a box meets a node lies between its two sides.
+        // A slope that jumps where a box touches a node is between its two one-sided values.
         let sides = [less.slope[a], more.slope[a]];
         let jump = (sides[1] - sides[0]).abs();
         let allowed = 1e-9 + CURVATURE * STEP + if jump > 2.0 * CURVATURE * STEP { jump } else { 0.0 };
@@ -80,14 +80,14 @@ fn slopes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f6
     Ok(())
 }
 
-/// What a gather makes of a nodal vector by coefficients and basis is what the weights make of it: the value,
-/// the slope, and the slope of the affine fit. Unit vectors, a node at a time.
+/// Check that a gather of a nodal vector by coefficients and basis equals the one by weights: value, slope, and slope
+/// of the affine fit. The vectors are unit vectors of one node each.
 fn basis<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64) -> Result<(), Broken> {
     let nodes = S::Extent::NODES;
     let w = at(shape, xi, half);
     let mut basis = shape.basis(xi, half, true);
     if S::POLYNOMIAL {
-        // Not read: the first function is 1, the second xi.
+        // The first two functions are not read: they are 1 and xi.
         (basis.value[0], basis.slope[0], basis.fit[0]) = (1.0, 0.0, 0.0);
         (basis.value[1], basis.slope[1], basis.fit[1]) = (xi, 1.0, 1.0);
     }
@@ -113,7 +113,7 @@ fn basis<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64
             4e-14,
             place,
         )?;
-        // A shape for which no affine transfer is allowed need not have a fit.
+        // Shapes without affine transfers need no fit.
         let right = w.value[a] * (node_offset::<S::Extent>(a) - xi) / inertia;
         if inertia > 0.02 && nodes > 2 {
             within(S::NAME, "affine fit of the basis", (fit - right).abs(), 4e-14, place)?;
@@ -122,12 +122,12 @@ fn basis<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64
     Ok(())
 }
 
-/// At xi = 1/2 the weights are those of xi = -1/2 in the next bin.
+/// Check that the weights at xi = 1/2 equal those at xi = -1/2 in the next bin.
 fn edges<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, half: f64) -> Result<(), Broken> {
     let nodes = S::Extent::NODES;
     let (end, start) = (at(shape, 0.5, half), at(shape, -0.5, half));
     for a in 0..=nodes {
-        // Node a of this bin is node a - 1 of the next; what only one of them reaches has no weight.
+        // Node a of this bin is node a - 1 of the next; a node in reach of only one of them has no weight.
         let here = if a < nodes { end.value[a] } else { 0.0 };
         let next = if a > 0 { start.value[a - 1] } else { 0.0 };
         within(S::NAME, "continuity across bins", (here - next).abs(), 4e-15, || {
@@ -150,7 +150,7 @@ fn domain<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, half: f64) -> Res
     Ok(())
 }
 
-/// A pack of four offsets gives the weights of each.
+/// Check that a pack of four offsets yields the weights of each.
 fn lanes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64) -> Result<(), Broken> {
     let others = [xi, -xi, 0.5 * xi, 0.25 - 0.5 * xi];
     let pack: Weights<Wide<f64, 4>, S::Extent> = shape.weights(Wide(others), Wide([half; 4]));
@@ -167,10 +167,10 @@ fn lanes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64
     Ok(())
 }
 
-/// The second moment stays away from zero, as APIC needs it; and all of [`shape_function`].
+/// Check that the second moment is bounded away from zero, as APIC requires, and all of [`shape_function`].
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn affine_shape<S: ShapeFunction<f64, D> + AffineShape, const D: usize>(shape: &S) -> Result<(), Broken> {
     shape_function(shape)?;
     for half in HALVES {
@@ -184,11 +184,11 @@ pub fn affine_shape<S: ShapeFunction<f64, D> + AffineShape, const D: usize>(shap
     Ok(())
 }
 
-/// The slopes go over into each other at the edges of bins and do not jump inside: no noise when a particle
-/// crosses. The linear shape function does not have this. And all of [`shape_function`].
+/// Check that the slopes are continuous at the edges of bins and inside: no noise when a particle crosses. The linear
+/// shape function does not have this property. Also check all of [`shape_function`].
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn smooth<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<(), Broken> {
     shape_function(shape)?;
     let nodes = S::Extent::NODES;
@@ -212,13 +212,13 @@ pub fn smooth<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<(),
     Ok(())
 }
 
-/// A shape function whose domains convect: weights of domains that are stretched by up to 3, sheared by up to 1 and turned
-/// (and, of [`Domain::Corners`], bent) sum to one and are not negative; they reproduce a linear field at the middle of the
-/// domain, and its gradient; those of a box are the products of [`ShapeFunction::weights`]; corners that form a
-/// parallelogram weigh what its edges do; lanes compute what single points do.
+/// Check a shape function with convected domains. Weights of domains that are stretched by up to 3, sheared by up to
+/// 1 and rotated (and, for [`Domain::Corners`], bent) sum to one and are not negative; they reproduce a linear field
+/// at the middle of the domain, and its gradient; those of a box are the products of [`ShapeFunction::weights`];
+/// corners of a parallelogram yield the weights of its edges; lanes compute the same as single points.
 ///
 /// # Errors
-/// The first property that does not hold.
+/// The first violated property.
 pub fn convected<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<(), Broken> {
     if !S::DOMAIN.convects() {
         let detail = format!("{:?}", S::DOMAIN);
@@ -245,7 +245,7 @@ pub fn convected<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<
     Ok(())
 }
 
-/// Every vector of a domain stretched along the first axis, sheared and turned; `bend` moves each corner by its own.
+/// Return a domain with every vector stretched along the first axis, sheared and rotated; `bend` moves each corner individually.
 fn deformed<S: ShapeFunction<f64, D>, const D: usize>(
     start: &[f64; MOST_NUMBERS],
     stretch: f64,
@@ -266,7 +266,7 @@ fn deformed<S: ShapeFunction<f64, D>, const D: usize>(
     domain
 }
 
-/// Offset from the bin's centre of node `s` of a stencil.
+/// Offset of node `s` of a stencil from the bin centre.
 fn place<E: Stencil, const D: usize>(s: usize) -> [f64; D] {
     std::array::from_fn(|d| node_offset::<E>(s / E::NODES.pow(d as u32) % E::NODES))
 }
@@ -331,7 +331,7 @@ fn reproduction<S: ShapeFunction<f64, D>, const D: usize>(
             within(S::NAME, "gradient of a linear field", (linear[d][e] - exact).abs(), 1e-12, here)?;
         }
     }
-    // A pack of four gives the weights of each.
+    // A pack of four yields the weights of each.
     let factors = [1.0, 0.9, 1.1, 0.97];
     let packed = domain.map(|x| Wide(factors.map(|f| f * x)));
     let pack: Table<Wide<f64, 4>, S::Extent> =

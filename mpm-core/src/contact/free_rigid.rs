@@ -1,10 +1,10 @@
-//! Impulses on free rigid bodies, whose nodes all move together.
+//! Contact impulses on free rigid bodies, whose nodes all move together.
 //!
-//! Pairs are relaxed as at a node with three bodies and more ([`relax`]). A rigid body's mass is shared among all nodes that touch it,
-//! by the mass that it meets there; at each it shows the least mass that its share, which may turn, can show. What the
-//! iteration converges to does not depend on the shares: velocities after contact that obey every pair's law. Planes that a body
-//! touches are relaxed with the pairs, as bodies of infinite mass. Nodes that are images of others are left out: the body has the
-//! whole impulse of those that they are images of.
+//! Pairs are relaxed as at a node with three or more bodies ([`relax`]). The mass of a rigid body is distributed over all
+//! nodes in contact with it, weighted by the opposing mass; its effective mass at a node is the least that the share, which
+//! may rotate, can have. The converged solution does not depend on the shares: velocities after contact obey every pair's
+//! law. Planes in contact with a body are relaxed with the pairs, as bodies of infinite mass. Mirror image nodes are
+//! excluded: the body receives the whole impulse of their originals.
 
 use std::collections::BTreeMap;
 
@@ -15,25 +15,25 @@ use super::node_impulses::LawCall;
 use super::{PlaneTouch, SharedNodes, Touch};
 use impactite_simd::Float;
 
-/// Change of the impulses, over the largest, at which they count as found.
+/// Convergence tolerance: change of the impulses, over the largest.
 const FOUND: f64 = 1e-13;
-/// Least part of the mean weight that a pair is reckoned with.
+/// Weight added to every pair of a rigid body, over the mean weight.
 const LEAST_WEIGHT: f64 = 0.1;
 
-/// A pair that touches at a node where a free rigid body is.
+/// Contact pair at a node of a free rigid body.
 pub(super) struct Coupling<'a, T> {
     block: usize,
     touch: Touch<T>,
     fields: [usize; 2],
     call: LawCall<'a, T>,
-    /// Who moves: a rigid body by its number, or the node.
+    /// Movers of both sides: number of a rigid body, or of a node.
     movers: [usize; 2],
-    /// Masses that the pair sees.
+    /// Effective masses for the pair, kg.
     seen: [T; 2],
 }
 
 impl<'a, T: Float> Coupling<'a, T> {
-    /// A touch in a block.
+    /// Create the coupling of a touch in a block.
     pub fn new<const D: usize>(
         block: usize,
         at: &SharedNodes<'_, T, D>,
@@ -47,10 +47,10 @@ impl<'a, T: Float> Coupling<'a, T> {
     }
 }
 
-/// Movers from this number are nodes.
+/// First mover number of nodes; smaller ones are rigid bodies.
 const NODES: usize = 1 << 40;
 
-/// Who moves a field at a node. Bodies come before nodes; a node is one with its field.
+/// Return the mover of a field at a node: the body if rigid and free, else a number per node and field.
 fn mover<T: Float, const D: usize>(
     block: usize,
     at: &SharedNodes<'_, T, D>,
@@ -61,17 +61,17 @@ fn mover<T: Float, const D: usize>(
     if free { at.body(field) } else { NODES + (block * at.fields() + field) * at.nodes() + node }
 }
 
-/// The pairs with their impulses.
+/// Pairs with their impulses.
 pub(super) struct Coupled<'a, T> {
     pairs: Vec<Coupling<'a, T>>,
     sums: Sums<T>,
 }
 
-/// Impulse on a mover, and its moment, by the mover's number.
+/// Impulse on a mover, N s, and its moment, N m s, by the mover's number.
 type Sums<T> = BTreeMap<usize, ([T; 3], [f64; 3])>;
 
 impl<'a, T: Float> Coupled<'a, T> {
-    /// Find the impulses, and those of planes.
+    /// Solve for the impulses of pairs and planes.
     pub fn solve<const D: usize>(
         at: &[SharedNodes<'_, T, D>],
         mut pairs: Vec<Coupling<'a, T>>,
@@ -104,7 +104,7 @@ impl<'a, T: Float> Coupled<'a, T> {
         Coupled { pairs, sums }
     }
 
-    /// The nodes, with the impulses of the pairs at each.
+    /// Iterate over the nodes, with the impulses of the pairs at each.
     pub fn nodes(&self) -> impl Iterator<Item = (usize, u8, Vec<[T; 3]>)> + '_ {
         let same =
             |a: &Coupling<'_, T>, b: &Coupling<'_, T>| (a.block, a.touch.node) == (b.block, b.touch.node);
@@ -113,7 +113,8 @@ impl<'a, T: Float> Coupled<'a, T> {
         })
     }
 
-    /// Velocity of a field at any node of a block once its mover has its impulses: of a rigid body wherever they act.
+    /// Return the velocity of a field at any node of a block after the impulses on its mover; for a rigid body, those at
+    /// all nodes.
     pub fn after<const D: usize>(
         &self,
         at: &[SharedNodes<'_, T, D>],
@@ -132,7 +133,7 @@ impl<'a, T: Float> Coupled<'a, T> {
         sum(start, change)
     }
 
-    /// Velocity of a field at a node of a pair once its mover has this part of its impulses.
+    /// Return the velocity of a field at a node of a pair after the fraction `part` of the impulses on its mover.
     pub fn moved<const D: usize>(
         &self,
         at: &[SharedNodes<'_, T, D>],
@@ -150,13 +151,13 @@ impl<'a, T: Float> Coupled<'a, T> {
     }
 }
 
-/// The impulses of planes alone.
+/// Solve for the impulses of planes alone.
 pub(crate) fn solve_planes<T: Float, const D: usize>(planes: &mut [PlaneTouch<'_, D>]) {
     Coupled::<T>::solve::<D>(&[], Vec::new(), planes);
 }
 
-/// The impulse of a plane on a body that shows the mass `seen`, after the impulses `given`: the body may not be slower along the
-/// normal than [`PlaneTouch::least_velocity`] says, with Coulomb friction.
+/// Return the impulse of a plane on a body with the effective mass `seen`, after the impulses `given`: the normal velocity
+/// is at least [`PlaneTouch::least_velocity`], with Coulomb friction.
 fn of_plane<T: Float, const D: usize>(
     plane: &PlaneTouch<'_, D>,
     seen: T,
@@ -179,8 +180,8 @@ fn of_plane<T: Float, const D: usize>(
     }
 }
 
-/// The weight by which the mass of a side of a pair is shared among the pairs that it is in, kg. A rigid body's: the mass of the node that
-/// it meets, so that no pair has a share that is small beside what it stops, and all converge alike.
+/// Return the weight of a pair, kg, for the distribution of a side's mass over its pairs. A rigid body uses the opposing
+/// nodal mass, so that no share is small relative to the mass that it stops, and all pairs converge alike.
 fn weight<T: Float>(pair: &Coupling<'_, T>, side: usize) -> T {
     let [own, other] = [pair.call.contact.masses[side], pair.call.contact.masses[1 - side]];
     let is_node = pair.movers.map(|mover| mover >= NODES);
@@ -193,7 +194,7 @@ fn weight<T: Float>(pair: &Coupling<'_, T>, side: usize) -> T {
     }
 }
 
-/// Share masses among the pairs and planes that they are in. Returns those that planes see.
+/// Distribute masses over pairs and planes. Returns the effective masses for planes, kg.
 fn share<T: Float, const D: usize>(
     at: &[SharedNodes<'_, T, D>],
     pairs: &mut [Coupling<'_, T>],
@@ -205,8 +206,8 @@ fn share<T: Float, const D: usize>(
         let (all, count) = sums.entry(mover).or_default();
         (*all, *count) = (*all + weight, *count + 1.0);
     }
-    // The share of a weight in all of a mover's. A node of next to no mass sees much more than that of a rigid body: its velocity is then
-    // as exact as the body's, and spline slopes of light nodes are not small.
+    // Share of a weight in the sum of a mover. A node of almost no mass is opposed by a much larger share of a rigid body:
+    // its velocity is then as exact as the body's, and spline slopes of light nodes are not small.
     let part = |mover: usize, weight: T| {
         let (all, count) = sums[&mover];
         let least = if mover < NODES { T::of(LEAST_WEIGHT / count) * all } else { T::of(0.0) };
@@ -230,7 +231,7 @@ fn share<T: Float, const D: usize>(
     planes.iter().map(seen).collect()
 }
 
-/// Sum of the impulses of the pairs on every mover, and of their moments about its centre if it is a rigid body.
+/// Sum the impulses of pairs and planes on every mover, and for rigid bodies their moments about the centre.
 fn gather<T: Float, const D: usize>(
     at: &[SharedNodes<'_, T, D>],
     (pairs, planes): (&[Coupling<'_, T>], &[PlaneTouch<'_, D>]),
@@ -259,7 +260,7 @@ fn gather<T: Float, const D: usize>(
     sums
 }
 
-/// What all impulses change of the velocity of one side of a pair.
+/// Return the velocity change of one side of a pair by all impulses.
 fn response<T: Float, const D: usize>(
     at: &[SharedNodes<'_, T, D>],
     pair: &Coupling<'_, T>,

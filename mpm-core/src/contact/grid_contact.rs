@@ -1,4 +1,4 @@
-//! The contact algorithm of the grid: normals, detection, laws.
+//! Contact algorithm of the grid: normals, detection, contact laws.
 
 use impactite_simd::Float;
 use mpm_contact::vector::{difference, dot, length, sum, times};
@@ -12,17 +12,17 @@ use super::free_rigid::{Coupled, Coupling};
 use super::node_impulses::{LawCall, find_impulses, total};
 use super::{BlockContacts, ContactPhase, Pair, PlaneTouch, Scratch, SharedNodes, Touch, TouchMemory};
 
-/// How far bodies may move, in cells, before normals and gaps are looked at anew: well below the errors of either
-/// (book, "Detection and normals"; book, "A pack of balls under a plate"). Not a number that a sum of equal steps meets.
+/// Largest motion of bodies, in cells, before normals and gaps are updated: well below the errors of either (book,
+/// "Detection and normals"; book, "A pack of balls under a plate"). The value avoids exact hits by sums of equal steps.
 const KEEPS: f64 = 1.03e-3;
 
-/// Gap, in cells, up to which laws that pull hold bodies: half a particle of the default filling. What touches at the start touches to within
-/// rounding and half a strained particle.
+/// Largest gap, in cells, of contact laws with tension: half a particle of the default filling. Initial contacts are closed
+/// to within rounding and half a strained particle.
 const HOLDS: f64 = 0.25;
 
-/// Contact of any number of bodies through the nodes they share: a detector and the laws of the pairs, of `mpm-contact` or one's own
-/// ([`ContactLaw`], [`mpm_contact::PairDetector`]). What laws remember goes with the bodies ([`Remembers`]); where none does, nothing
-/// is kept.
+/// Contact of any number of bodies at shared nodes: a detector and the laws of the pairs, from `mpm-contact` or
+/// user-defined ([`ContactLaw`], [`mpm_contact::PairDetector`]). State variables of laws move with the bodies
+/// ([`Remembers`]); without any, nothing is stored.
 ///
 /// ```
 /// use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
@@ -44,26 +44,26 @@ pub struct GridContact<S, T> {
     laws: Pairs<T>,
     strain: bool,
     keeps: f64,
-    /// Numbers that a contact keeps.
+    /// Number of state variables of a contact.
     remembers: usize,
 }
 
 impl<S, T: Float> GridContact<S, T> {
-    /// A detector and laws.
+    /// Create the algorithm from a detector and laws.
     pub fn new(detector: S, laws: Pairs<T>) -> Self {
         let remembers = laws.remembered_numbers();
         GridContact { detector, laws, strain: false, keeps: KEEPS, remembers }
     }
-    /// Also correct the velocities that the strain is taken from (before the stress update of USF, after the
-    /// second mapping of MUSL), as the flow chart of \[Ma2010\] does. Impacts then gain energy, since the strain
-    /// sees a motion that the particles do not make (book, "Contact on the grid").
+    /// Also correct the velocities of the strain increment (before the stress update of USF, after the second mapping of
+    /// MUSL), as the flow chart of \[Ma2010\] does. Impacts then gain energy, since the strain includes a motion that the
+    /// particles do not make (book, "Contact on the grid").
     #[must_use]
     pub fn with_strain_corrected(mut self) -> Self {
         self.strain = true;
         self
     }
-    /// Look anew at normals and gaps once bodies may have moved by this many cells (1e-3 by default); zero: in every
-    /// step. Detectors that ask for more than where particles are ([`Criterion::State`]) look in every step.
+    /// Update normals and gaps once bodies may have moved by this many cells (1e-3 by default); zero: in every step.
+    /// Detectors that depend on more than particle positions ([`Criterion::State`]) update in every step.
     ///
     /// # Errors
     /// A negative number, or more than 0.1.
@@ -72,7 +72,7 @@ impl<S, T: Float> GridContact<S, T> {
             Check("grid contact").that((0.0..=0.1).contains(&cells), "keeping", cells, "0 to 0.1")?;
         Ok(self)
     }
-    /// The laws.
+    /// Contact laws of the pairs.
     pub fn laws(&self) -> &Pairs<T> {
         &self.laws
     }
@@ -139,7 +139,7 @@ where
         found: &mut [BlockContacts<T>],
         planes: &mut [PlaneTouch<'_, D>],
     ) {
-        // What the laws see, apart from what is written.
+        // State variables for the laws, copied since the originals are written.
         let remembered: Vec<TouchMemory> =
             if self.remembers > 0 { found.iter().map(|f| f.memory.clone()).collect() } else { Vec::new() };
         let mut couplings = Vec::new();
@@ -170,7 +170,7 @@ where
         if self.remembers == 0 {
             return;
         }
-        // A rigid body moves where nothing acts, too.
+        // Update contacts without an impulse, too: a rigid body also moves there.
         for (block, found) in found.iter_mut().enumerate() {
             let BlockContacts { pairs, touches, memory, .. } = found;
             let mut first = 0;
@@ -187,7 +187,7 @@ where
     }
 }
 
-/// Is the node in the set?
+/// Return true if the node is in the set.
 fn has(nodes: u64, node: u8) -> bool {
     nodes >> node & 1 != 0
 }
@@ -196,23 +196,23 @@ fn fields<T>(pairs: &[Pair], touch: &Touch<T>) -> [usize; 2] {
     pairs[touch.pair as usize].fields.map(|f| f as usize)
 }
 
-/// Does it remember contacts?
+/// Return true if the law has state variables.
 fn remembers<T: Float>(law: &dyn ContactLaw<T>) -> bool {
     law.remembers() != Remembers::Nothing
 }
 
-/// Is there anything for the law to do where bodies move apart?
+/// Return true if the law acts on separating bodies, too.
 fn acts_on_parting<T: Float>(law: &dyn ContactLaw<T>) -> bool {
     law.pulls() || law.springs()
 }
 
-/// The largest gap, m, over which a law acts on bodies in cells of `spacing`, m.
+/// Return the largest gap, m, at which a law acts on bodies, for cells of `spacing`, m.
 fn furthest<T: Float>(law: &dyn ContactLaw<T>, criterion: Criterion, spacing: f64) -> f64 {
     let Criterion::Gap(limit) = criterion else { return f64::INFINITY };
     if law.pulls() { limit + HOLDS * spacing } else { limit }
 }
 
-/// Do the two fields approach each other at a node ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\])?
+/// Return true if the two fields approach each other at a node: (v_r - v_s) . n > 0 (eq. 4 of \[Ma2010\]).
 fn approach<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     fields: &[u32; 2],
@@ -223,7 +223,7 @@ fn approach<T: Float, const D: usize>(
     dot(difference(velocity(0), velocity(1)), normal) > T::of(0.0)
 }
 
-/// Is a free rigid body among those at the node? Then all its nodes are solved together.
+/// Return true if a free rigid body is in contact at the node; all its nodes are then solved together.
 fn couples<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     pairs: &[Pair],
@@ -233,7 +233,7 @@ fn couples<T: Float, const D: usize>(
     at.has_rigid() && touches.iter().any(|t| fields(pairs, t).into_iter().any(free))
 }
 
-/// Fill `bits` with each field's nodes that others have mass at, too. Returns the nodes of three and more.
+/// Fill `bits` with the shared nodes of each field. Returns the nodes shared by three or more fields.
 fn share<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, bits: &mut Vec<u64>) -> u64 {
     bits.clear();
     let (mut one, mut two, mut three) = (0, 0, 0);
@@ -249,11 +249,10 @@ fn share<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, bits: &mut Vec<u6
 }
 
 impl<S, T: Float> GridContact<S, T> {
-    /// Find out where the surfaces touch, at nodes of which it is not known; `shared` are the nodes that each field
-    /// shares with others.
+    /// Detect contact at nodes without known contact status; `shared` are the nodes that each field shares with others.
     ///
-    /// Where bodies move far in every step, only nodes where they approach are looked at. Where they do not, and what is
-    /// found will last, all are; and where laws remember contacts, which rattling bodies have, too.
+    /// For bodies that move far in every step, only nodes with approaching velocities are checked. All nodes are checked
+    /// for slow bodies, whose result is reused, and for laws that act on separating bodies or have state variables.
     fn look<const D: usize>(
         &self,
         at: &SharedNodes<'_, T, D>,
@@ -302,7 +301,7 @@ impl<S, T: Float> GridContact<S, T> {
         }
     }
 
-    /// Find out where a pair touches among `nodes`.
+    /// Detect the contact of a pair at `nodes`.
     fn look_at<const D: usize>(
         &self,
         at: &SharedNodes<'_, T, D>,
@@ -336,7 +335,7 @@ impl<S, T: Float> GridContact<S, T> {
         let mut touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
         let criterion = self.detector.criterion(at.spacing());
         if let Criterion::Gap(_) = criterion {
-            // Those, too, that may touch before they are looked at anew.
+            // Include nodes that may come into contact before the next update.
             let limit = T::of(furthest(law, criterion, at.spacing()) + self.keeps * at.spacing());
             let near = |n: &usize| gaps[*n].is_some_and(|gap| gap <= limit);
             touching |= each_place(nodes).filter(near).fold(0, |bits, n| bits | 1 << n);
@@ -353,7 +352,7 @@ impl<S, T: Float> GridContact<S, T> {
         }));
     }
 
-    /// What the law of a touch is called with; `remembered` are the numbers of the touch.
+    /// Assemble the arguments of the law of a touch; `remembered` are its state variables.
     fn law_call<'a, const D: usize>(
         &'a self,
         at: &SharedNodes<'_, T, D>,
@@ -386,8 +385,9 @@ impl<S, T: Float> GridContact<S, T> {
         LawCall { law, contact }
     }
 
-    /// Note by pair what the impulses at one node did, follow the gaps, and, if it is given, bring the memory of the block, in which the
-    /// node's touches begin at a place, to the end of the step. `moved` knows the velocity of a field once it has a part of its impulses.
+    /// Record the energies of the impulses at one node by pair, update the gaps and, if given, advance the contact memory
+    /// of the block, with the index of the node's first touch, to the end of the step. `moved` returns the velocity of a
+    /// field after a fraction of its impulses.
     fn book<const D: usize>(
         &self,
         at: &SharedNodes<'_, T, D>,
@@ -412,9 +412,10 @@ impl<S, T: Float> GridContact<S, T> {
             if touch.image || touch.impulse.iter().all(|&x| x == T::of(0.0)) {
                 continue;
             }
-            // With the mean of the velocities before and after, impulse times velocity is the change of kinetic energy.
+            // Impulse times the mean of the velocities before and after is the change of kinetic energy.
             let mean = difference(moved(pairs, touches, r, 0.5), moved(pairs, touches, s, 0.5));
-            // What slips at the end of the step; stopping a slip takes energy as stopping an approach does.
+            // Friction uses the slip at the end of the step; stopping a slip dissipates energy as stopping an approach
+            // does.
             let friction = dot(touch.impulse, slip) - dot(touch.impulse, touch.normal) * closing;
             let pair = &mut pairs[touch.pair as usize];
             pair.friction += friction.to_double();
@@ -422,7 +423,7 @@ impl<S, T: Float> GridContact<S, T> {
         }
     }
 
-    /// Bring what the law of a touch remembers to the end of the step, for the velocities `after` contact.
+    /// Advance the state variables of a touch to the end of the step, for the velocities `after` contact.
     fn remember<const D: usize>(
         &self,
         at: &SharedNodes<'_, T, D>,
@@ -448,17 +449,17 @@ impl<S, T: Float> GridContact<S, T> {
     }
 }
 
-/// The nodes of which it is known whether a pair touches.
+/// Return the nodes at which the contact status of a pair is known.
 fn known(pairs: &[Pair], r: usize, s: usize) -> u64 {
     pairs.iter().find(|p| p.fields == [r as u32, s as u32]).map_or(0, |p| p.known)
 }
 
-/// The velocities that the law sees: the trial ones, less what keeps contact from doing work.
+/// Return the velocities for the law: trial velocities, corrected so that contact does no work.
 ///
 /// An impulse J does the work J . (w + w') / 2 on the nodes, with w and w' the velocities of the second body relative to
-/// the first at the start and at the end of the step. Where the bodies part already (w . n > 0, as after the map
-/// of particles that did not follow the nodes), J would drive them on. There they may end the step with the opposite
-/// of w . n at most, and J does none along the normal.
+/// the first at the start and at the end of the step. If the bodies already separate (w . n > 0, as after the map of
+/// particles that did not follow the nodes), J would accelerate the separation. Then w' . n is limited to -w . n, and J
+/// does no work along the normal.
 fn trial<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     [r, s]: [usize; 2],
@@ -474,7 +475,7 @@ fn trial<T: Float, const D: usize>(
     velocities
 }
 
-/// Area of contact that a node stands for, m^2: the smaller of |sum_p V_p grad N_ip| of both.
+/// Return the contact area of a node, m^2: the smaller of |sum_p V_p grad N_ip| of both fields.
 fn area<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, fields: [usize; 2], node: usize) -> T {
     let of = |field: usize| {
         let mut out: Nodal<[T; 3]> = [[T::of(0.0); 3]; 64];
@@ -484,7 +485,7 @@ fn area<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, fields: [usize; 2]
     of(fields[0]).min(of(fields[1]))
 }
 
-/// Velocity of a field at a node once it has this part of its impulses.
+/// Return the velocity of a field at a node after the fraction `part` of its impulses.
 fn moved<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     pairs: &[Pair],

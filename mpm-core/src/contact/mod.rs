@@ -1,15 +1,16 @@
-//! Contact on the grid: impulses between the velocity fields of bodies at the nodes that several share.
+//! Contact on the grid: impulses between the velocity fields of bodies at shared nodes.
 //!
-//! | what | is |
+//! | item | meaning |
 //! |---|---|
-//! | [`GridContact`] | the contact algorithm of a detector and the laws of the pairs (crate `mpm-contact`) |
+//! | [`GridContact`] | contact algorithm with a detector and the laws of the pairs (crate `mpm-contact`) |
 //! | [`OneField`] | one velocity field for all bodies: they stick |
-//! | [`ContactAlgorithm`] | what the step asks of either, and of one's own |
-//! | [`SharedNodes`] | what it shows: the nodes of a block, and what particles around them tell |
-//! | [`BlockContacts`] | what was found there, and lasts |
-//! | [`PlaneTouch`] | where free rigid bodies touch walls, fixed planes and planes of symmetry |
+//! | [`ContactAlgorithm`] | interface of contact algorithms, also user-defined ones |
+//! | [`SharedNodes`] | input of an algorithm: the nodes of a block, and quantities of the particles around them |
+//! | [`BlockContacts`] | result of an algorithm: contacts of a block, kept from step to step |
+//! | [`PlaneTouch`] | contact point of a free rigid body with a wall, fixed plane or symmetry plane |
 //!
-//! The step has the scene's [`ContactAlgorithm`] look at every shared block on its own, and keeps what it found there from step to step.
+//! The step calls the scene's [`ContactAlgorithm`] for every shared block separately, and keeps its contacts from step to
+//! step.
 
 mod free_rigid;
 mod grid_contact;

@@ -1,7 +1,7 @@
-//! Impulses of all pairs that touch at a node.
+//! Impulses of all contact pairs at a node.
 //!
-//! One pair is one call of its law; with more they are relaxed ([`relax`]). What that converges to obeys every pair's law
-//! with the whole impulse of the step: no pull, the friction cone.
+//! One pair is one call of its law; several pairs are relaxed ([`relax`]). The converged impulses obey every pair's law
+//! with the whole impulse of the step: no tension, friction cone.
 
 use mpm_contact::vector::{sum, times};
 use mpm_contact::{Contact, ContactLaw, Iterate, relax};
@@ -9,14 +9,14 @@ use mpm_contact::{Contact, ContactLaw, Iterate, relax};
 use super::Touch;
 use impactite_simd::Float;
 
-/// What the law of two fields that touch at a node is called with.
+/// Law of two fields in contact at a node, with its arguments.
 pub(super) struct LawCall<'a, T> {
     pub law: &'a dyn ContactLaw<T>,
     pub contact: Contact<'a, T>,
 }
 
-/// Find the impulses of those of `touches`, all of one node, that act. `fields` and `calls` tell about one of them, `calls`
-/// by its place among them, too; `vectors` is memory.
+/// Compute the impulses of the active `touches`, all at one node. `fields` returns the fields of a touch, `calls` its law
+/// call, given its index, too; `vectors` is scratch memory.
 pub(super) fn find_impulses<'a, T: Float>(
     touches: &mut [Touch<T>],
     fields: impl Fn(&Touch<T>) -> [usize; 2] + Copy,
@@ -42,7 +42,7 @@ pub(super) fn find_impulses<'a, T: Float>(
     touches.iter_mut().zip(vectors).for_each(|(touch, [impulse, ..])| touch.impulse = *impulse);
 }
 
-/// What the law of one pair says, with the others as they are.
+/// Return the impulse of one pair from its law, with the others fixed.
 fn alone<T: Float>(
     touches: &[Touch<T>],
     vectors: &[Iterate<T>],
@@ -60,7 +60,7 @@ fn alone<T: Float>(
         let share = T::of(share as f64);
         split[side] = masses[side] / share;
         let sign = if side == 0 { share } else { -share };
-        // With the impulses of all pairs, less that of this one on its share of the mass.
+        // Add the impulses of all pairs, less that of this one on its share of the mass.
         let all = on(touches.iter().zip(vectors).map(|(t, v)| (fields(t), v[1])), field);
         let given = sum(all, times(vectors[t][1], sign));
         free[side] = sum(velocities[side], times(given, T::of(1.0) / masses[side]));
@@ -68,7 +68,7 @@ fn alone<T: Float>(
     law.impulse(&Contact { masses: split, velocities: free, ..call.contact })
 }
 
-/// The sum of the impulses on a field.
+/// Sum the impulses on a field.
 pub(super) fn total<T: Float>(
     touches: &[Touch<T>],
     fields: impl Fn(&Touch<T>) -> [usize; 2],
@@ -77,7 +77,7 @@ pub(super) fn total<T: Float>(
     on(touches.iter().map(|t| (fields(t), t.impulse)), field)
 }
 
-/// The sum of impulses between pairs on one of them.
+/// Sum the impulses between pairs of fields on one of them.
 fn on<T: Float>(impulses: impl Iterator<Item = ([usize; 2], [T; 3])>, field: usize) -> [T; 3] {
     let mut sum = [T::of(0.0); 3];
     for (fields, impulse) in impulses {

@@ -1,4 +1,4 @@
-//! Every block of a box.
+//! Dense grid: all blocks of a box.
 
 use super::{GridStorage, Node, OutsideGrid};
 use crate::dim::{BLOCK, block_nodes};
@@ -6,8 +6,8 @@ use impactite_geometry::Lattice;
 use impactite_simd::Float;
 use impactite_simd::memory::{Budget, MOST_BYTES, MemoryError};
 
-/// A grid that holds all nodes of a box, found by index arithmetic. For scenes that fill their box; others
-/// are faster and smaller on a [`super::BlockGrid`].
+/// Grid with all nodes of a box, found by index arithmetic. For scenes that fill their box; others run faster and use less
+/// memory on a [`super::BlockGrid`].
 #[derive(Clone, Debug)]
 pub struct DenseGrid<T, const D: usize> {
     lattice: Lattice<D>,
@@ -17,40 +17,41 @@ pub struct DenseGrid<T, const D: usize> {
     nodes: Vec<Node<T>>,
 }
 
-/// Why a dense grid is refused.
+/// Invalid dense grid.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DenseGridError {
-    /// A box that is no box.
+    /// Box without extent.
     #[error(
         "the box of a dense grid needs `low` < `high` along axis {axis}; got {low} and {high} (node indices)"
     )]
     Empty {
         /// The axis.
         axis: usize,
-        /// The lowest index given.
+        /// Lowest index.
         low: i32,
-        /// The highest index given.
+        /// Highest index.
         high: i32,
     },
-    /// A box of more nodes than there is memory for.
+    /// Box with more nodes than memory allows.
     #[error(transparent)]
     Memory(#[from] MemoryError),
 }
 
 impl<T: Float, const D: usize> DenseGrid<T, D> {
-    /// The nodes of a lattice with indices `low..=high`, rounded outwards to whole blocks, in at most [`MOST_BYTES`].
+    /// Create a grid of the nodes of a lattice with indices `low..=high`, rounded outwards to whole blocks, in at most
+    /// [`MOST_BYTES`].
     ///
     /// # Errors
-    /// A box without extent; one that takes more memory than that.
+    /// A box without extent; a box that needs more memory than that.
     pub fn new(lattice: Lattice<D>, low: [i32; D], high: [i32; D]) -> Result<Self, DenseGridError> {
         Self::within(lattice, low, high, MOST_BYTES)
     }
 
-    /// As [`DenseGrid::new`], in at most so many bytes of memory.
+    /// Create a grid as [`DenseGrid::new`] does, in at most `bytes` of memory.
     ///
     /// # Errors
-    /// A box without extent; one that takes more memory than that.
+    /// A box without extent; a box that needs more memory than that.
     pub fn within(
         lattice: Lattice<D>,
         low: [i32; D],
@@ -72,7 +73,7 @@ impl<T: Float, const D: usize> DenseGrid<T, D> {
             allowed: bytes,
             remedy: "use a smaller box or larger cells, a block grid, which holds only nodes that matter reaches, or allow more by `DenseGrid::within`",
         };
-        // As floating-point numbers, of which no box makes too large a product.
+        // In floating point, in which the product does not overflow.
         let each = size_of::<[i32; D]>() + block_nodes(D) * size_of::<Node<T>>();
         budget.holds(size.iter().map(|n| *n as f64).product::<f64>() * each as f64)?;
         let count = size.iter().product();
@@ -114,7 +115,7 @@ impl<T: Float, const D: usize> GridStorage<T, D> for DenseGrid<T, D> {
     fn find(&self, coordinates: &[i32; D]) -> Option<usize> {
         let mut index = 0;
         for d in (0..D).rev() {
-            // Any two coordinates are fewer than 2^32 apart.
+            // Two coordinates differ by less than 2^32.
             let at = i64::from(coordinates[d]) - i64::from(self.low[d]);
             let at = usize::try_from(at).ok().filter(|&at| at < self.size[d])?;
             index = index * self.size[d] + at;

@@ -1,4 +1,4 @@
-//! The background grid: node records in blocks of 4^D.
+//! Background grid: node records in blocks of 4^D.
 
 mod dense;
 mod sparse;
@@ -11,10 +11,10 @@ use impactite_simd::Float;
 pub use dense::{DenseGrid, DenseGridError};
 pub use sparse::BlockGrid;
 
-/// A node: two records of four numbers, `[scalar, x, y, z]` (z unused in two dimensions).
+/// Grid node: two records of four numbers, `[scalar, x, y, z]` (z unused in two dimensions).
 ///
-/// In the course of a step the first record is mass and momentum, then mass and velocity; the second is
-/// force, then acceleration, then what the stress update reads (see [`crate::scheme::Nodal`]).
+/// During a step the first record is mass and momentum, then mass and velocity; the second is force, then acceleration,
+/// then the vector that the stress update reads (see [`crate::scheme::Nodal`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C, align(32))]
 pub struct Node<T> {
@@ -30,42 +30,42 @@ impl<T: Real> Default for Node<T> {
     }
 }
 
-/// Where the nodes are kept. Blocks are named by their coordinates and stored in some order; results do not
-/// depend on that order, so any two grids give the same bits.
+/// Storage of the nodes. Blocks are identified by their coordinates and stored in any order; results do not depend on that
+/// order, so any two grids yield bitwise equal results.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a grid of {D} dimensions for numbers `{T}`",
     note = "`BlockGrid` and `DenseGrid` have the dimensions of their lattice; in two take the embedding `PlaneStrain` or `Axisymmetric`, in \
             three `FullSpace`"
 )]
 pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
-    /// The lattice of nodes.
+    /// Lattice of the nodes.
     fn lattice(&self) -> &Lattice<D>;
-    /// Have (at least) these blocks, sorted and without repetition, of 4^D nodes each. All nodes are zero afterwards if
+    /// Allocate (at least) these blocks, sorted and without repetition, of 4^D nodes each. All nodes are zero afterwards if
     /// the set of blocks changed.
     ///
     /// # Errors
-    /// The first block that this grid cannot hold.
+    /// The first block outside this grid.
     fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid>;
-    /// Have `count` nodes, where bodies share blocks ([`crate::ContactAlgorithm`]): each has its own there, though not all
-    /// of the block's.
+    /// Allocate `count` nodes, for bodies that share blocks ([`crate::ContactAlgorithm`]): each has its own nodes there,
+    /// possibly a part of the block's.
     fn arrange_nodes(&mut self, count: usize);
     /// Coordinates of the blocks, in the order of storage.
     fn blocks(&self) -> &[[i32; D]];
-    /// Place of a block in that order.
+    /// Index of a block in that order.
     fn find(&self, coordinates: &[i32; D]) -> Option<usize>;
-    /// All nodes: 4^D a block, x fastest, after [`GridStorage::arrange`].
+    /// All nodes: 4^D per block, x fastest, after [`GridStorage::arrange`].
     fn nodes(&self) -> &[Node<T>];
-    /// All nodes.
+    /// All nodes, mutable.
     fn nodes_mut(&mut self) -> &mut [Node<T>];
-    /// Give back memory beyond what the blocks there are need; a grid may keep it.
+    /// Free memory beyond the needs of the current blocks; a grid may keep it.
     fn give_back(&mut self) {}
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     fn bytes(&self) -> usize {
         std::mem::size_of_val(self.nodes()) + std::mem::size_of_val(self.blocks())
     }
 }
 
-/// One that was chosen at run time.
+/// Grid selected at run time.
 impl<T: Float, const D: usize> GridStorage<T, D> for Box<dyn GridStorage<T, D>> {
     fn lattice(&self) -> &Lattice<D> {
         (**self).lattice()

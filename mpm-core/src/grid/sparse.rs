@@ -1,12 +1,12 @@
-//! Blocks where the particles are.
+//! Sparse grid: blocks near the particles.
 
 use super::{GridStorage, Node, OutsideGrid};
 use crate::dim::block_nodes;
 use impactite_geometry::Lattice;
 use impactite_simd::Float;
 
-/// A grid without bounds that holds only the blocks it is asked for: the dynamic and the moving grid of
-/// \[Ma2010\] 1.5 at once, with the cell size kept.
+/// Unbounded grid that stores only the requested blocks: the dynamic and the moving grid of \[Ma2010\] 1.5 combined, with
+/// constant cell size.
 #[derive(Clone, Debug)]
 pub struct BlockGrid<T, const D: usize> {
     lattice: Lattice<D>,
@@ -15,7 +15,7 @@ pub struct BlockGrid<T, const D: usize> {
 }
 
 impl<T: Float, const D: usize> BlockGrid<T, D> {
-    /// An empty grid on a lattice.
+    /// Create an empty grid on a lattice.
     pub fn new(lattice: Lattice<D>) -> Self {
         BlockGrid { lattice, blocks: Vec::new(), nodes: Vec::new() }
     }

@@ -9,10 +9,10 @@ use crate::step::between_steps::rest::TakenMotion;
 use impactite_scene::{Archive, CheckpointError};
 use impactite_simd::{Float, Pack, Whereabouts, prefetch_fours_from, prefetch_from};
 
-/// No group.
+/// Marker for no group.
 const NONE: u32 = u32::MAX;
 
-/// The groups of one bin: a list, linked from its last group, which alone may have free lanes, to its first.
+/// Groups of one bin: a linked list from the last group, the only one that may have free lanes, to the first.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     last: u32,
@@ -20,67 +20,67 @@ struct Run {
 }
 
 impl Run {
-    /// The last group and the number of its particles.
+    /// Return the last group and the number of its particles.
     #[inline(always)]
     fn last_group<T: Float>(self) -> Option<(u32, usize)> {
         (self.particles > 0).then(|| (self.last, (self.particles as usize - 1) % T::GROUP + 1))
     }
 }
 
-/// The group before another one, which is full, and the number of its particles.
+/// Return the preceding group, which is full, and the number of its particles.
 #[inline(always)]
 fn full_before<T: Float>(before: &[u32], group: u32) -> Option<(u32, usize)> {
     let before = before[group as usize];
     (before != NONE).then_some((before, T::GROUP))
 }
 
-/// A particle's place in a block.
+/// Position of a particle in a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Its group.
+    /// Index of the group.
     pub group: u32,
-    /// Its lane.
+    /// Lane of the group.
     pub lane: u32,
 }
 
-/// The particles of 4^D bins.
+/// Particles of 4^D bins.
 ///
-/// All groups lie in one piece of memory, in any order. A bin that grows takes a free group, one that shrinks
-/// gives it back: nothing else moves, and memory is that of the most groups ever in use.
+/// All groups are stored in one array, in any order. A bin that grows takes a group from the free list, one that
+/// shrinks returns it: nothing else moves, and memory is that of the largest number of groups ever in use.
 #[derive(Clone, Debug)]
 pub struct Block<T: Float, const D: usize> {
-    /// Block coordinates: it holds the bins `BLOCK * coordinates[d] .. BLOCK * (coordinates[d] + 1)`.
+    /// Block coordinates: the block contains the bins `BLOCK * coordinates[d] .. BLOCK * (coordinates[d] + 1)`.
     pub coordinates: [i32; D],
-    /// Rows of a group.
+    /// Rows per group.
     columns: usize,
     runs: Vec<Run>,
     rows: Vec<T::Row>,
-    /// The number of each lane's particle, where it is not the last row of its group.
+    /// Number of the particle in each lane, unless the last row of its group contains it.
     numbers: Vec<u32>,
-    /// The group before each in its list.
+    /// Preceding group of each group in its list.
     before: Vec<u32>,
-    /// The list of free groups.
+    /// First group of the list of free groups.
     free: u32,
-    /// Groups that are not free.
+    /// Number of groups that are not free.
     in_use: usize,
     particles: usize,
-    /// Bins with particles, a bit each.
+    /// Bit mask of the bins with particles.
     occupied: u64,
-    /// What a lane without a particle holds: one number for each of a particle.
+    /// Values in a lane without a particle, one per column.
     dummy: Arc<[T]>,
 }
 
 /// Groups of a bin that go through a pass together, or one particle of a group.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Members {
-    /// The groups, in the order of their lanes; twice the same one, if it is alone.
+    /// Groups in the order of their lanes; a single group appears twice.
     pub groups: [u32; 2],
-    /// The lane, of one particle.
+    /// First lane: that of the particle, or 0 for groups.
     pub lane: u32,
 }
 
 impl Members {
-    /// Group and lane of the particle in lane `lane` of all.
+    /// Return group and lane of the particle in lane `lane` of all members.
     #[inline(always)]
     pub fn place<T: Float>(self, lane: usize) -> (u32, usize) {
         let at = self.lane as usize + lane;
@@ -88,7 +88,7 @@ impl Members {
     }
 }
 
-/// The groups of a block at work: where they lie, for a pass that looks at every one of them.
+/// Storage of the groups of a block, for a pass that visits all of them.
 pub struct Groups<'a, T: Float> {
     rows: &'a mut [T::Row],
     numbers: &'a [u32],
@@ -98,12 +98,12 @@ pub struct Groups<'a, T: Float> {
 }
 
 impl<T: Float> Groups<'_, T> {
-    /// As [`Block::last_group`].
+    /// Return the last group of a bin; see [`Block::last_group`].
     #[inline(always)]
     pub fn last(&self, bin: usize) -> Option<(u32, usize)> {
         self.runs[bin].last_group::<T>()
     }
-    /// As [`Block::group_before`].
+    /// Return the preceding group; see [`Block::group_before`].
     #[inline(always)]
     pub fn before(&self, group: u32) -> Option<(u32, usize)> {
         full_before::<T>(self.before, group)
@@ -113,7 +113,7 @@ impl<T: Float> Groups<'_, T> {
     pub fn of_bin(&self, bin: usize) -> usize {
         (self.runs[bin].particles as usize).div_ceil(T::GROUP)
     }
-    /// The rows of groups that go through a pass together. One alone has `idle` beside it.
+    /// Return the rows of groups that go through a pass together. A single group is completed by `idle`.
     #[inline(always)]
     pub(crate) fn rows_of<'s, P: Pack<T>>(
         &'s mut self,
@@ -138,31 +138,31 @@ impl<T: Float> Groups<'_, T> {
         };
         RowsMut::<T>::of(pair, lane)
     }
-    /// All rows, and how many a group has.
+    /// Return all rows, and the number of rows per group.
     #[inline(always)]
     pub fn all_rows(&mut self) -> (&mut [T::Row], usize) {
         (self.rows, self.columns)
     }
-    /// A row of a group.
+    /// Return a row of a group.
     #[inline(always)]
     pub fn row(&self, group: u32, row: usize) -> &T::Row {
         &self.rows[group as usize * self.columns + row]
     }
-    /// As [`Block::number`], of a lane of groups that go through a pass together.
+    /// Return the particle number in a lane of groups that go through a pass together; see [`Block::number`].
     #[inline(always)]
     pub fn number(&self, members: Members, lane: usize) -> usize {
         let (group, lane) = members.place::<T>(lane);
         number_of::<T>(self.rows, self.numbers, self.columns, Place { group, lane: lane as u32 })
     }
-    /// As [`Block::prefetch`].
+    /// Prefetch groups of a bin; see [`Block::prefetch`].
     #[inline(always)]
     pub fn prefetch(&self, bin: usize, rows: usize, mass: Option<usize>) {
         ask_for_groups(self.rows, self.before, self.columns, self.runs[bin], rows, mass);
     }
 }
 
-/// The number by which the particle at a place can be told: among the `numbers`, or in the last row of its group. A call, so
-/// that passes keep in registers what it asks for.
+/// Return the number that identifies the particle at a place: from `numbers`, or from the last row of its group. It
+/// is not inlined, so that passes keep their values in registers.
 #[inline(never)]
 fn number_of<T: Float>(rows: &[T::Row], numbers: &[u32], columns: usize, at: Place) -> usize {
     let (group, lane) = (at.group as usize, at.lane as usize);
@@ -178,7 +178,7 @@ fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: 
     if group == NONE {
         return;
     }
-    // The last three, whatever their number: a loop's end would be guessed wrong as often as not.
+    // Always the last three: the end of a loop over the actual number would be mispredicted as often as not.
     for _ in 0..3 {
         prefetch_fours_from(all, group as usize * columns, rows);
         if let Some(row) = mass {
@@ -190,7 +190,7 @@ fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: 
 }
 
 impl<T: Float, const D: usize> Block<T, D> {
-    /// An empty block for particles with these columns. `dummy` is what a lane without a particle holds.
+    /// Create an empty block for particles with these columns. `dummy` contains the values of a lane without a particle.
     pub fn new(coordinates: [i32; D], columns: &Columns, dummy: Arc<[T]>) -> Self {
         debug_assert_eq!(columns.count(), dummy.len());
         Block {
@@ -208,7 +208,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
     }
 
-    /// Use an empty block for another place.
+    /// Move an empty block to other coordinates.
     pub fn place_at(&mut self, coordinates: [i32; D]) {
         debug_assert!(self.is_empty(), "only an empty block can move");
         self.coordinates = coordinates;
@@ -218,21 +218,21 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn len(&self) -> usize {
         self.particles
     }
-    /// Has it no particle?
+    /// True if the block has no particle.
     pub fn is_empty(&self) -> bool {
         self.particles == 0
     }
-    /// Bytes of its memory.
+    /// Memory of the block, bytes.
     pub fn bytes(&self) -> usize {
         self.rows.capacity() * size_of::<T::Row>()
             + (self.before.capacity() + self.numbers.capacity()) * size_of::<u32>()
             + self.runs.capacity() * size_of::<Run>()
     }
-    /// Where the two tables of its groups lie, and the groups.
+    /// Memory ranges of the two tables of its groups, and of the groups.
     pub fn outline(&self) -> [Whereabouts; 3] {
         [Whereabouts::of(&self.runs), Whereabouts::of(&self.before), Whereabouts::of(&self.rows)]
     }
-    /// Bins with particles, a bit each.
+    /// Bit mask of the bins with particles.
     pub fn occupied(&self) -> u64 {
         self.occupied
     }
@@ -241,38 +241,38 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn bin_len(&self, bin: usize) -> usize {
         self.runs[bin].particles as usize
     }
-    /// The last group of a bin and the number of its particles.
+    /// Return the last group of a bin and the number of its particles.
     #[inline(always)]
     pub fn last_group(&self, bin: usize) -> Option<(u32, usize)> {
         self.runs[bin].last_group::<T>()
     }
-    /// The group before another one of a bin, which is full, and the number of its particles.
+    /// Return the preceding group of a bin, which is full, and the number of its particles.
     #[inline(always)]
     pub fn group_before(&self, group: u32) -> Option<(u32, usize)> {
         full_before::<T>(&self.before, group)
     }
-    /// The rows of a group.
+    /// Return the rows of a group.
     #[inline(always)]
     pub fn group(&self, group: u32) -> &[T::Row] {
         &self.rows[group as usize * self.columns..][..self.columns]
     }
-    /// All rows, and how many a group has.
+    /// Return all rows, and the number of rows per group.
     #[inline(always)]
     pub fn all_rows(&self) -> (&[T::Row], usize) {
         (&self.rows, self.columns)
     }
-    /// The rows of a group.
+    /// Return the rows of a group.
     #[inline(always)]
     pub fn group_mut(&mut self, group: u32) -> &mut [T::Row] {
         &mut self.rows[group as usize * self.columns..][..self.columns]
     }
-    /// Ask for the first `rows` rows of the groups of a bin that comes soon, of three at most, and for that of their masses.
+    /// Prefetch the first `rows` rows and the row of masses of the last groups, at most three, of a bin that comes soon.
     #[inline(always)]
     pub fn prefetch(&self, bin: usize, rows: usize, mass: Option<usize>) {
         ask_for_groups(&self.rows, &self.before, self.columns, self.runs[bin], rows, mass);
     }
 
-    /// The groups at work in a pass, of `least` rows or more.
+    /// Return the groups for a pass, of `least` rows or more.
     #[inline(always)]
     pub fn groups(&mut self, least: usize) -> Groups<'_, T> {
         Groups {
@@ -280,42 +280,42 @@ impl<T: Float, const D: usize> Block<T, D> {
             numbers: &self.numbers,
             before: &self.before,
             runs: &self.runs[..block_nodes(D)],
-            // They are not fewer; said so that the compiler knows.
+            // The number of rows is not smaller; the bound is for the compiler.
             columns: self.columns.max(least),
         }
     }
 
-    /// Numbers of a particle.
+    /// Number of values of a particle.
     #[inline(always)]
     pub fn particle_numbers(&self) -> usize {
         self.dummy.len()
     }
 
-    /// Does the number of a particle lie apart?
+    /// True if particle numbers are stored apart from the rows.
     #[inline(always)]
     fn apart(&self) -> bool {
         self.columns < self.dummy.len()
     }
 
-    /// The number by which a particle can be told.
+    /// Return the number that identifies a particle.
     #[inline(always)]
     pub fn number(&self, at: Place) -> usize {
         number_of::<T>(&self.rows, &self.numbers, self.columns, at)
     }
 
-    /// The number of column `column` of a particle.
+    /// Return the value of column `column` of a particle.
     #[inline(always)]
     pub fn get(&self, at: Place, column: usize) -> T {
         self.group(at.group)[column].as_ref()[at.lane as usize]
     }
 
-    /// Set the number of column `column` of a particle.
+    /// Set the value of column `column` of a particle.
     #[inline(always)]
     pub fn set(&mut self, at: Place, column: usize, number: T) {
         self.group_mut(at.group)[column].as_mut()[at.lane as usize] = number;
     }
 
-    /// All numbers of a particle.
+    /// Append all values of a particle to `numbers`.
     #[inline(always)]
     pub fn read(&self, at: Place, numbers: &mut Vec<T>) {
         numbers.extend(self.group(at.group).iter().map(|row| row.as_ref()[at.lane as usize]));
@@ -324,7 +324,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
     }
 
-    /// Momentum, kg m/s, and kinetic energy, J, of the particles, in the order of the groups.
+    /// Sum momentum, kg m/s, and kinetic energy, J, of the particles, in the order of the groups.
     pub fn motion(&self, masses: Masses<T>) -> TakenMotion {
         let mut sum = TakenMotion::default();
         for bin in 0..self.runs.len() {
@@ -375,7 +375,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         self.occupied |= 1 << bin;
     }
 
-    /// Take a particle out of a bin, with its `numbers`; the bin's last one takes its place.
+    /// Remove a particle from a bin and store its values in `numbers`; the last particle of the bin takes its place.
     #[inline(always)]
     pub fn take(&mut self, bin: usize, at: Place, numbers: &mut [T]) {
         let Run { last, particles } = self.runs[bin];
@@ -414,7 +414,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
     }
 
-    /// A group without particles, linked to the one before it.
+    /// Return a group without particles, linked to the group `before`.
     fn take_group(&mut self, before: u32) -> u32 {
         self.in_use += 1;
         if self.free != NONE {
@@ -424,7 +424,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
         let group = self.before.len();
         if self.rows.len() == self.rows.capacity() {
-            // A little ahead: most of it never grows again.
+            // Reserve a little ahead: most blocks never grow again.
             let ahead = group / 32 + 1;
             self.before.reserve_exact(ahead);
             self.rows.reserve_exact(ahead * self.columns);
@@ -442,14 +442,14 @@ impl<T: Float, const D: usize> Block<T, D> {
         group as u32
     }
 
-    /// Lay the groups out in bin order, without free ones, if free ones take more than a twelfth.
+    /// Sort the groups into bin order and drop free ones, if these are more than a twelfth.
     pub fn tidy(&mut self) {
         if 12 * self.in_use < 11 * self.before.len() {
             self.pack();
         }
     }
 
-    /// Lay the groups out in bin order, without free ones.
+    /// Sort the groups into bin order and drop free ones.
     pub fn pack(&mut self) {
         let mut rows = Vec::with_capacity(self.in_use * self.columns);
         let mut before = Vec::with_capacity(self.in_use);
@@ -484,19 +484,19 @@ impl<T: Float, const D: usize> Block<T, D> {
         c
     }
 
-    /// For every particle: its bin and its place there, in order.
+    /// Iterate over all particles in order: bin and place.
     pub fn places(&self) -> impl Iterator<Item = (usize, Place)> + '_ {
         (0..self.runs.len()).flat_map(|bin| self.bin_places(bin).map(move |place| (bin, place)))
     }
 
-    /// The places of a bin's particles, in order.
+    /// Iterate over the places of the particles of a bin, in order.
     pub fn bin_places(&self, bin: usize) -> impl Iterator<Item = Place> + '_ {
         std::iter::successors(self.last_group(bin), |&(group, _)| self.group_before(group))
             .flat_map(|(group, lanes)| (0..lanes as u32).map(move |lane| Place { group, lane }))
     }
 
-    /// Take the particles of all bins to a file, in the order they were pushed in; or push those of a file to this block, which
-    /// is empty.
+    /// Write the particles of all bins to a file, in the order in which they were pushed; or read the particles of a
+    /// file into this block, which is empty.
     pub(crate) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let mut numbers = Vec::with_capacity(self.particle_numbers());
         for bin in 0..self.runs.len() {
@@ -523,7 +523,7 @@ impl<T: Float, const D: usize> Block<T, D> {
     }
 }
 
-/// Split a coordinate into block and place within the block.
+/// Split a coordinate into block and position within the block.
 #[inline]
 pub fn split(coordinate: i32) -> (i32, usize) {
     let b = BLOCK as i32;
@@ -534,7 +534,7 @@ pub fn split(coordinate: i32) -> (i32, usize) {
 mod tests {
     use super::*;
 
-    /// Numbers of 32 bits that lie apart go with their particles as those in rows do.
+    /// Particle numbers of 32 bits, stored apart, move with their particles like those in rows.
     #[test]
     fn numbers_go_with_their_particles() {
         let long = Columns::new(2, vec!["stress".into()], 0, 0, 0);
@@ -551,7 +551,7 @@ mod tests {
         let mut taken = vec![0.0; dummy.len()];
         for n in 0..2000 {
             let (bin, which) = (draw(16), draw(40));
-            // Three come for one that goes; each carries its number a second time, in the row of its stress.
+            // Three particles are pushed for each one removed; each has its number a second time, in the row of its stress.
             let here = blocks[0].bin_len(bin);
             for block in &mut blocks {
                 let leaves =

@@ -1,24 +1,24 @@
-//! What particles weigh.
+//! Masses of particles.
 
 use impactite_simd::{Float, Pack};
 
-/// The masses of the particles of a body, kg.
+/// Masses of the particles of a body, kg.
 #[derive(Clone, Copy, Debug)]
 pub enum Masses<T> {
-    /// All are the same, and none carries it.
+    /// Equal masses, stored once.
     Equal(T),
-    /// Each carries its own, in this row.
+    /// Individual masses, stored in this row.
     Each(usize),
 }
 
 impl<T: Float> Masses<T> {
-    /// Of a particle with these numbers.
+    /// Return the mass of a particle with these values.
     #[inline(always)]
     pub fn of(&self, numbers: &[T]) -> T {
         self.read(|row| numbers[row])
     }
 
-    /// Of a particle of which `row` reads a row.
+    /// Return the mass of a particle; `row` reads a row.
     #[inline(always)]
     pub fn read(&self, row: impl FnOnce(usize) -> T) -> T {
         match *self {
@@ -27,17 +27,17 @@ impl<T: Float> Masses<T> {
         }
     }
 
-    /// Of the particles of a group, of which `row` reads a row; zero in lanes that are not `alive`.
+    /// Return the masses of the particles of a group; `row` reads a row. The mass is zero in lanes that are not `alive`.
     #[inline(always)]
     pub fn of_group<P: Pack<T>>(&self, alive: P::Mask, row: impl Fn(usize) -> P) -> P {
         match *self {
             Masses::Equal(mass) => P::select(alive, P::splat(mass), P::zero()),
-            // Lanes without a particle carry none.
+            // Lanes without a particle have zero mass in the row.
             Masses::Each(at) => row(at),
         }
     }
 
-    /// The row in which they are carried.
+    /// Row of the masses, if they are stored individually.
     #[inline(always)]
     pub fn row(&self) -> Option<usize> {
         match *self {

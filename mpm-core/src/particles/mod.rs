@@ -1,12 +1,12 @@
-//! Particles: kept by bin, in groups of lanes, in blocks of bins.
+//! Particle storage: by bin, in groups of lanes, in blocks of bins.
 //!
-//! A **group** is one [`GROUP`](crate::Float::GROUP)-wide set of particles of one bin: a row of storage
-//! for each of their numbers. A bin has a list of groups; a [`Block`] is the 4^D bins whose stencils start at
-//! the same node block, with all their groups in one piece of memory. Lanes without a particle have
-//! mass zero and a virgin state, so that kernels need not look at them. Where all particles of a body have the same mass,
-//! none carries it. The numbers by which particles are told lie apart, in 32 bits where that is enough.
+//! A **group** is one [`GROUP`](crate::Float::GROUP)-wide set of particles of one bin: a row of storage for each of
+//! their values. A bin has a list of groups; a [`Block`] contains the 4^D bins whose stencils start at the same node
+//! block, with all their groups in one array. Lanes without a particle have mass zero and a virgin state, so that
+//! kernels need not exclude them. Equal masses of the particles of a body are stored once. The numbers that identify
+//! particles are stored apart, in 32 bits where that is enough.
 //!
-//! Only the store moves particles, and it moves all columns at once; a column cannot be forgotten.
+//! Only this storage moves particles, all columns at once: no column can be forgotten.
 
 mod block;
 mod masses;
@@ -16,7 +16,7 @@ pub use block::{Block, Groups, Members, Place, split};
 pub use masses::Masses;
 pub use outbox::{Outbox, Sent};
 
-/// Where the columns of a particle are: rows of a group, in order.
+/// Layout of the columns of a particle: rows of a group, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Columns {
     dimension: usize,
@@ -30,8 +30,8 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Columns of a body: the numbers of its law's `state`, by name, `domain` numbers of a domain, `load`
-    /// numbers of a load, and `frame` of displacement and deformation; with a mass.
+    /// Create the columns of a body: the values of its law's `state`, by name, `domain` values of a domain, `load`
+    /// values of a load, and `frame` values of displacement and deformation; with a mass.
     pub fn new(dimension: usize, state: Vec<String>, domain: usize, load: usize, frame: usize) -> Self {
         Columns {
             dimension,
@@ -44,7 +44,7 @@ impl Columns {
             names: state,
         }
     }
-    /// Numbers of a particle; rows of a group, and its number where that lies apart.
+    /// Number of values of a particle: rows of a group, plus the particle number where that is stored apart.
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.number() + 1
@@ -54,7 +54,7 @@ impl Columns {
     pub fn rows(&self) -> usize {
         self.number() + usize::from(!self.short_number)
     }
-    /// Bytes that a particle carries.
+    /// Bytes per particle.
     pub fn bytes<T>(&self) -> usize {
         self.rows() * size_of::<T>() + if self.short_number { size_of::<u32>() } else { 0 }
     }
@@ -78,7 +78,7 @@ impl Columns {
     pub fn domain(&self) -> usize {
         Self::state(self.dimension) + self.state
     }
-    /// First row of the domain, and how many there are.
+    /// First row of the domain, and number of its rows.
     pub fn domains(&self) -> (usize, usize) {
         (self.domain(), self.domain)
     }
@@ -92,17 +92,17 @@ impl Columns {
     pub fn mass(&self) -> usize {
         self.frame() + self.frame
     }
-    /// The same without the mass.
+    /// Return the columns without the mass.
     pub fn without_mass(mut self) -> Self {
         self.mass = 0;
         self
     }
-    /// The same with the particle's number apart, in 32 bits.
+    /// Return the columns with the particle number apart, in 32 bits.
     pub fn with_short_number(mut self) -> Self {
         self.short_number = true;
         self
     }
-    /// Place of the particle's number, by which it can be told all its life: the last one.
+    /// Index of the particle number, which identifies the particle for its lifetime: the last one.
     #[inline(always)]
     pub fn number(&self) -> usize {
         self.mass() + self.mass

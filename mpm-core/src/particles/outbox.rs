@@ -1,33 +1,33 @@
-//! Particles on their way from one bin to another.
+//! Particles in transit from one bin to another.
 
 use impactite_simd::Float;
 
-/// Particles that left their bins in a pass, those of one block behind each other, for other blocks, or the same, to take in.
+/// Particles that left their bins in a pass, consecutive for each source block; the target block, another or the same, stores them.
 #[derive(Clone, Debug, Default)]
 pub struct Outbox<T> {
-    /// For each, the block it goes to: 0 .. 3^D, x fastest, the one it comes from in the middle.
+    /// Target block of each particle: 0 .. 3^D, x fastest, the source block in the middle.
     to: Vec<u8>,
-    /// For each, the bin in that block.
+    /// Bin of each particle in the target block.
     bin: Vec<u8>,
-    /// For each, its numbers and what goes with it.
+    /// Values and payload of each particle.
     numbers: Vec<T>,
-    /// Numbers of each.
+    /// Number of values per particle.
     length: usize,
 }
 
-/// What a block sent: some of the particles of an outbox.
+/// Particles sent by a block: a range of an outbox.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sent {
-    /// The outbox.
+    /// Index of the outbox.
     pub outbox: u32,
     first: u32,
     end: u32,
-    /// Bit `to` is set if a particle goes there.
+    /// Bit mask of target blocks: bit `to` is set if a particle goes to block `to`.
     pub directions: u32,
 }
 
 impl Sent {
-    /// Does a particle go to the block `to`?
+    /// True if a particle goes to the block `to`.
     #[inline(always)]
     pub fn goes(&self, to: usize) -> bool {
         self.directions >> to & 1 == 1
@@ -35,7 +35,7 @@ impl Sent {
 }
 
 impl<T: Float> Outbox<T> {
-    /// Empty it for particles with so many numbers each, keeping its memory.
+    /// Clear the outbox for particles of `length` values each, and keep its memory.
     pub fn clear(&mut self, length: usize) {
         self.to.clear();
         self.bin.clear();
@@ -43,12 +43,12 @@ impl<T: Float> Outbox<T> {
         self.length = length;
     }
 
-    /// Add a particle that goes to bin `bin` of the block `to`: room for its numbers.
+    /// Append a particle that goes to bin `bin` of the block `to`, and return the memory for its values.
     #[inline(always)]
     pub fn post(&mut self, to: usize, bin: usize) -> &mut [T] {
         let start = self.numbers.len();
         if self.numbers.capacity() < start + self.length {
-            // A little: where a lattice of particles moves as one, many leave at once and rarely.
+            // Reserve a little: where a lattice of particles moves as one, many leave at once and rarely.
             self.numbers.reserve_exact((self.to.len() / 16 + 32) * self.length);
         }
         self.to.push(to as u8);
@@ -57,18 +57,18 @@ impl<T: Float> Outbox<T> {
         &mut self.numbers[start..]
     }
 
-    /// How many there are.
+    /// Number of particles.
     pub fn posted(&self) -> usize {
         self.to.len()
     }
 
-    /// All from the place `first` on, as sent from outbox number `outbox`.
+    /// Return the particles from index `first` on, as sent from outbox number `outbox`.
     pub fn since(&self, first: usize, outbox: u32) -> Sent {
         let directions = self.to[first..].iter().fold(0, |all, to| all | 1 << to);
         Sent { outbox, first: first as u32, end: self.posted() as u32, directions }
     }
 
-    /// Of those `sent`, the ones that go to the block `to`: their bins there, and their numbers.
+    /// Iterate over those particles of `sent` that go to the block `to`: target bin and values.
     #[inline(always)]
     pub fn going(&self, sent: Sent, to: usize) -> impl Iterator<Item = (usize, &[T])> {
         let particles = sent.first as usize..sent.end as usize;
@@ -77,7 +77,7 @@ impl<T: Float> Outbox<T> {
             .map(|n| (self.bin[n] as usize, &self.numbers[n * self.length..][..self.length]))
     }
 
-    /// Bytes of its memory.
+    /// Memory of the outbox, bytes.
     pub fn bytes(&self) -> usize {
         self.numbers.capacity() * size_of::<T>() + self.to.capacity() + self.bin.capacity()
     }
@@ -93,7 +93,7 @@ mod tests {
         for pass in 0..2 {
             outbox.clear(2 + pass);
             let mut sent = Vec::new();
-            // Three blocks: of three particles, none, and more than there is room for at first.
+            // Three blocks: with three particles, with none, and with more than the initial capacity.
             for (block, count) in [(0, 3), (1, 0), (2, 500)] {
                 let first = outbox.posted();
                 for n in 0..count {

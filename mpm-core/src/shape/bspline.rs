@@ -5,7 +5,7 @@ use mpm_materials::{Lane, Real};
 use super::{AffineShape, Basis, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
-/// Quadratic B-spline: three nodes an axis, continuous gradient.
+/// Quadratic B-spline: three nodes per axis, continuous gradient.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct QuadraticBSpline;
 
@@ -64,7 +64,7 @@ where
 impl AffineShape for QuadraticBSpline {}
 impl FixedDomain for QuadraticBSpline {}
 
-/// Cubic B-spline: four nodes an axis, continuous second derivative.
+/// Cubic B-spline: four nodes per axis, continuous second derivative.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CubicBSpline;
 
@@ -98,7 +98,7 @@ where
     fn coefficients<L: Lane<Real = T>>(
         nodes: <Self::Extent as Stencil>::Axis<L>,
     ) -> <Self::Extent as Stencil>::Axis<L> {
-        // The weights expanded about the middle of the bin, e.g. (1/2 - xi)^3 / 6 for the first node.
+        // Weights expanded about the centre of the bin, e.g. (1/2 - xi)^3 / 6 for the first node.
         let (outer, inner) = (nodes[0] + nodes[3], nodes[1] + nodes[2]);
         let (across, between) = (nodes[3] - nodes[0], nodes[2] - nodes[1]);
         let mut c = nodes;
@@ -118,7 +118,7 @@ where
         basis.value[3] = square * xi;
         basis.slope[2] = xi + xi;
         basis.slope[3] = square * L::of(3.0);
-        // 3 sum_a N_a (a - xi) p_a, with p the nodal numbers of xi^2 and of xi^3.
+        // 3 sum_a N_a (a - xi) p_a, with the nodal values p of xi^2 and of xi^3.
         basis.fit[2] = xi + xi;
         basis.fit[3] = (L::of(4.5) - L::of(3.0) * square) * square - L::of(3.0 / 16.0);
         basis

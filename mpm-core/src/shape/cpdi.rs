@@ -1,29 +1,29 @@
-//! Convected particle domain interpolation: fields are linear between the corners of a particle's domain, where they are
-//! what linear shape functions make of the nodes.
+//! Convected particle domain interpolation: fields are linear between the corners of a particle's domain, and interpolated
+//! from the nodes to the corners with linear shape functions.
 
 use mpm_materials::{Lane, Real};
 
 use super::{Domain, ShapeFunction, Weights, node_offset};
 use crate::dim::{Extent, Stencil};
 
-/// CPDI \[Sadeghirad2011\]: the domain is a parallelogram (parallelepiped) that follows the deformation at
-/// the particle, so that it stretches, shears and turns with it. Domains overlap, or part, where neighbours deform
-/// otherwise. Corners more than a cell away, along an axis, are drawn in for the weights \[Homel2016\].
+/// CPDI \[Sadeghirad2011\]: the domain is a parallelogram (parallelepiped) that follows the deformation at the particle: it
+/// stretches, shears and rotates. Domains overlap or separate if neighbours deform differently. Domains with corners more
+/// than a cell away, along an axis, are scaled down for the weights \[Homel2016\].
 ///
-/// No product along the axes, and four nodes of each: three times the work of [`super::CpGimp`] in the plane, ten times in
-/// space (book, "Convected particle domains").
+/// Not a tensor product, with four nodes per axis: three times the cost of [`super::CpGimp`] in 2D, ten times in 3D (book,
+/// "Convected particle domains").
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpdi;
 
-/// CPDI-2 \[Sadeghirad2013\]: the domain is a quadrilateral (hexahedron) whose corners move with the
-/// nodes' velocity at their places. Neighbours that share corners at the start share them for ever, so that domains tile whatever the motion. Where that
-/// bends within a domain its straight edges may cross: parts count by the sign of their volume, weights are kept from
-/// becoming negative, and the run ends when the whole has no volume left (book, "Convected particle domains").
+/// CPDI-2 \[Sadeghirad2013\]: the domain is a quadrilateral (hexahedron) whose corners move with the nodal velocity
+/// interpolated to them. Initially shared corners of neighbours stay shared, so that domains tile under any motion. Motion
+/// that bends within a domain may cross its straight edges: parts count by the sign of their volume, weights are kept from
+/// becoming negative, and the run ends when the total volume vanishes (book, "Convected particle domains").
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpdi2;
 
-/// A box along the axes, where weights are products: the mean of the linear shape functions at its two ends, and their difference over its
-/// length.
+/// Compute the axis weights of a box along the axes, whose weights are products: the mean of the linear shape functions at
+/// its two ends, and their difference over its length.
 #[inline(always)]
 fn weights<L: Lane, E: Stencil>(xi: L, half: L) -> Weights<L, E> {
     let mut w: Weights<L, E> = Weights::zero();

@@ -1,33 +1,34 @@
-//! Domains that particles carry, and weights that are no products along the axes.
+//! Particle domains, and weights that are not tensor products.
 
 use mpm_materials::{Lane, Real};
 
 use super::{ShapeFunction, node_offset};
 use crate::dim::{Array, Stencil};
 
-/// What of its own domain a particle carries. Numbers are in units of h.
+/// Particle domain: data that each particle stores, in units of h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
-    /// Nothing: all particles of a body keep the box they start with.
+    /// No data: all particles of a body keep their initial box.
     Fixed,
     /// Half sizes of a box, which follow the strain along each axis ([`ShapeFunction::stretch`]).
     Axes,
     /// Half edges r_k of a parallelogram (parallelepiped), which follow the deformation: r += dt grad v . r.
     Edges,
-    /// Corners of a quadrilateral (hexahedron), from the particle's position: each moves with the nodes' velocity there.
+    /// Corners of a quadrilateral (hexahedron), relative to the particle; each moves with the nodal velocity interpolated
+    /// to it.
     Corners,
 }
 
-/// Most numbers of a domain: eight corners in space.
+/// Maximum number of values of a domain: eight corners in 3D.
 pub const MOST_NUMBERS: usize = 24;
-/// Most corners.
+/// Maximum number of corners.
 const MOST_CORNERS: usize = 8;
-/// How far a corner is taken from the particle along an axis, in cells: as far as the stencil of four nodes reaches from
+/// Largest distance of a corner from the particle along an axis, in cells: the reach of the stencil of four nodes from
 /// anywhere in its bin. Larger domains are scaled down for the weights \[Homel2016\].
 const FARTHEST: f64 = 1.0;
 
 impl Domain {
-    /// Numbers a particle carries in `d` dimensions.
+    /// Number of values that a particle stores in `d` dimensions.
     pub const fn numbers(self, d: usize) -> usize {
         match self {
             Domain::Fixed => 0,
@@ -36,16 +37,17 @@ impl Domain {
             Domain::Corners => d << d,
         }
     }
-    /// Has a particle any?
+    /// Return true if particles store their domain.
     pub const fn carried(self) -> bool {
         !matches!(self, Domain::Fixed)
     }
-    /// Does it turn and shear with the material? Then weights are those of linear shape functions at its corners.
+    /// Return true if the domain rotates and shears with the material; weights are then those of linear shape functions at
+    /// its corners.
     pub const fn convects(self) -> bool {
         matches!(self, Domain::Edges | Domain::Corners)
     }
 
-    /// The numbers of a box of these half sizes.
+    /// Return the values of a box with these half sizes.
     pub fn of_box<L: Lane, const D: usize>(self, half: [L; 3]) -> [L; MOST_NUMBERS] {
         let mut edges = [[L::zero(); 3]; 3];
         for d in 0..D {
@@ -54,13 +56,13 @@ impl Domain {
         self.of_edges::<L, D>(&edges)
     }
 
-    /// The numbers of a parallelogram (parallelepiped) of these half edges; of the box with as much of them along each axis, if that
-    /// is all that is carried.
+    /// Return the values of a parallelogram (parallelepiped) with these half edges; box domains get the root of the sum of
+    /// squares along each axis as half size.
     pub fn of_edges<L: Lane, const D: usize>(self, edges: &[[L; 3]; 3]) -> [L; MOST_NUMBERS] {
         let mut numbers = [L::zero(); MOST_NUMBERS];
         for k in 0..D {
             match self {
-                // Exact for a cube in any turn, and for one that is stretched along the axes.
+                // Exact for a cube in any orientation, and for one that is stretched along the axes.
                 Domain::Fixed | Domain::Axes => {
                     let mut square = L::zero();
                     for edge in &edges[..D] {
@@ -81,8 +83,8 @@ impl Domain {
         numbers
     }
 
-    /// How far the domain reaches from the particle along a unit vector: of the ellipse (ellipsoid) that touches its
-    /// faces, so that corners do not count.
+    /// Return the extent of the domain from the particle along a unit vector: that of the ellipse (ellipsoid) that touches
+    /// its faces, without corners.
     #[inline(always)]
     pub fn half_along<L: Lane, const D: usize>(self, numbers: &[L; MOST_NUMBERS], n: &[L; 3]) -> L {
         let mut square = L::zero();
@@ -100,7 +102,7 @@ impl Domain {
         square.sqrt()
     }
 
-    /// Half edges; of a quadrilateral (hexahedron) those through its middle.
+    /// Return the half edges; for a quadrilateral (hexahedron) those through its centre.
     #[inline(always)]
     pub fn half_edges<L: Lane, const D: usize>(self, numbers: &[L; MOST_NUMBERS]) -> [[L; 3]; 3] {
         let mut edges = [[L::zero(); 3]; 3];
@@ -124,29 +126,29 @@ impl Domain {
     }
 }
 
-/// On which side corner `c` lies along axis `d` of the undeformed domain: -1 or 1.
+/// Return the side of corner `c` along axis `d` of the undeformed domain: -1 or 1.
 #[inline(always)]
 const fn side(c: usize, d: usize) -> f64 {
     if c >> d & 1 == 0 { -1.0 } else { 1.0 }
 }
 
-/// The corners of a domain. A field that is interpolated between them has the mean sum_c value_c f_c over the domain, and
-/// the mean gradient sum_c slope_c f_c.
+/// Corners of a domain. A field interpolated between them has the mean sum_c value_c f_c over the domain, and the mean
+/// gradient sum_c slope_c f_c.
 #[derive(Clone, Copy)]
 pub struct Corners<L> {
-    /// From the particle's position, in cells, scaled down where they would be out of reach.
+    /// Offsets from the particle, in cells, scaled down if out of reach of the stencil.
     pub offset: [[L; 3]; MOST_CORNERS],
-    /// What offsets were multiplied with.
+    /// Scale factor of the offsets.
     pub scale: L,
     value: [L; MOST_CORNERS],
-    /// Per cell.
+    /// Gradient weights, per cell.
     slope: [[L; 3]; MOST_CORNERS],
-    /// By its sign: positive unless more of the domain is inside out than not.
+    /// Signed volume: positive unless most of the domain is inverted.
     pub volume: L,
 }
 
 impl<L: Lane> Corners<L> {
-    /// Of a domain that convects.
+    /// Compute the corners of a convected domain.
     #[inline(always)]
     pub fn of<const D: usize>(kind: Domain, numbers: &[L; MOST_NUMBERS]) -> Self {
         let zero = L::zero();
@@ -203,14 +205,14 @@ impl<L: Lane> Corners<L> {
         corners
     }
 
-    /// Means over a quadrilateral (hexahedron) of what is linear along each of its edges, with two Gauss points along each:
-    /// exact, for Jacobian and cofactors are of second order at most along an edge.
+    /// Integrate the means of fields that are linear along each edge over a quadrilateral (hexahedron), with two Gauss
+    /// points along each edge: exact, since Jacobian and cofactors are of second order at most along an edge.
     #[inline(always)]
     fn integrate<const D: usize>(&mut self) {
         let mut volume = L::zero();
         for point in 0..1 << D {
             let along = |d: usize| side(point, d) / 3f64.sqrt();
-            // Shape functions of the corners there, and their derivatives.
+            // Shape functions of the corners at the Gauss point, and factors of their derivatives.
             let shape = |c: usize, but: usize| {
                 (0..D).filter(|d| *d != but).fold(1.0, |m, d| m * 0.5 * (1.0 + side(c, d) * along(d)))
             };
@@ -237,8 +239,8 @@ impl<L: Lane> Corners<L> {
         }
         self.volume = volume;
         let per = volume.recip();
-        // Where a domain is folded a corner may weigh less than nothing, and masses of nodes would be negative: then all
-        // are drawn to their mean until it weighs nothing.
+        // In a folded domain a corner weight, and with it a nodal mass, may be negative: all weights are then moved towards
+        // their mean until the lowest is zero.
         let mean = L::of(1.0 / (1 << D) as f64);
         let mut low = L::zero();
         for c in 0..1 << D {
@@ -254,8 +256,8 @@ impl<L: Lane> Corners<L> {
         }
     }
 
-    /// The middle of the domain from the particle's position, in cells, scaled as offsets are: where linear fields are
-    /// reproduced.
+    /// Return the centroid of the domain relative to the particle, in cells, scaled as offsets are: linear fields are
+    /// reproduced there.
     pub fn middle<const D: usize>(&self) -> [L; 3] {
         let mut sum = [L::zero(); 3];
         for c in 0..1 << D {
@@ -266,7 +268,7 @@ impl<L: Lane> Corners<L> {
         sum
     }
 
-    /// Linear shape functions along the axes at corner `c` of a particle at `xi`.
+    /// Evaluate the linear shape functions along the axes at corner `c` of a particle at `xi`.
     #[inline(always)]
     pub fn linear_weights<E: Stencil, const D: usize>(&self, c: usize, xi: &[L; 3]) -> [E::Axis<L>; 3] {
         let mut hats = [E::Axis::<L>::filled(L::zero()); 3];
@@ -280,7 +282,7 @@ impl<L: Lane> Corners<L> {
     }
 }
 
-/// Determinant of the D x D matrix of these rows, and its cofactors: rows of the transposed inverse times it.
+/// Return the determinant of the D x D matrix of these rows, and its cofactors: rows of the transposed inverse times it.
 #[inline(always)]
 fn cofactors<L: Lane, const D: usize>(m: &[[L; 3]; 3]) -> (L, [[L; 3]; 3]) {
     let mut dual = [[L::zero(); 3]; 3];
@@ -299,7 +301,7 @@ fn cofactors<L: Lane, const D: usize>(m: &[[L; 3]; 3]) -> (L, [[L; 3]; 3]) {
     (m[0][0] * dual[0][0] + m[0][1] * dual[0][1] + m[0][2] * dual[0][2], dual)
 }
 
-/// Weights on all nodes of a stencil, x fastest, of a particle whose domain convects.
+/// Weights of a particle with a convected domain on all nodes of a stencil, x fastest.
 #[derive(Clone, Copy)]
 pub struct Table<L: Lane, E: Stencil> {
     /// N: the weight of each node.
@@ -309,13 +311,13 @@ pub struct Table<L: Lane, E: Stencil> {
 }
 
 impl<L: Lane, E: Stencil> Table<L, E> {
-    /// All zero.
+    /// Return zero weights.
     #[inline(always)]
     pub fn zero() -> Self {
         Table { value: Array::filled(L::zero()), slope: [Array::filled(L::zero()); 3] }
     }
 
-    /// Of a particle at `xi` with these corners. The linear shape functions of all corners, with what each of them counts.
+    /// Sum the linear shape functions of all corners of a particle at `xi`, with the corner weights.
     #[inline(always)]
     pub fn of<const D: usize>(corners: &Corners<L>, xi: &[L; 3]) -> Self {
         let mut table = Self::zero();
@@ -338,7 +340,7 @@ impl<L: Lane, E: Stencil> Table<L, E> {
     }
 }
 
-/// The table of a particle at `xi` with this domain, of a shape function whose domains convect.
+/// Compute the weights of a particle at `xi` with this domain, for a shape function with convected domains.
 #[inline(always)]
 pub fn table<T, L, S, const D: usize>(xi: &[L; 3], domain: &[L; MOST_NUMBERS]) -> Table<L, S::Extent>
 where

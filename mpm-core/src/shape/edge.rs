@@ -1,21 +1,21 @@
-//! Boundary-modified variants.
+//! Boundary-modified shape functions.
 
 use mpm_materials::{Lane, Real};
 
 use super::{Basis, Domain, FixedDomain, ShapeFunction, Weights};
 use crate::dim::Stencil;
 
-/// A wide shape function whose basis ends at resting walls and fixed planes that lie on planes of nodes.
+/// Wide shape function whose basis ends at resting walls and fixed planes that are on planes of nodes.
 ///
-/// Near such a plane the layer of nodes behind it carries no freedom of its own: its velocity is extrapolated
-/// from the plane and the layer in front, v_back = 2 v_on - v_front, and what particles map to it goes back to
-/// those two by the adjoint rule. For the quadratic and the cubic B-spline that is the modified basis of
-/// Steffen, Kirby and Berzins (2008), which interpolates on the plane, so that a condition there holds exactly.
-/// Partition of unity and linear reproduction are kept. Symmetry planes mirror with or without it.
+/// The layer of nodes behind such a plane has no degrees of freedom: its velocity is extrapolated from the plane and the
+/// layer in front, v_back = 2 v_on - v_front, and contributions of particles to it are redistributed to those two by the
+/// adjoint rule. For the quadratic and the cubic B-spline this is the modified basis of Steffen, Kirby and Berzins (2008),
+/// which interpolates on the plane, so that a condition there holds exactly. Partition of unity and linear reproduction are
+/// preserved. Symmetry planes mirror with or without it.
 ///
-/// It is no [`super::AffineShape`]: next to the plane the modified basis is a linear shape function, whose second moment
-/// vanishes there. (Tried: with APIC a copper bar's foot jumped two cells off the wall and gained 5 % energy;
-/// with FLIP the bar's length came from 16.05 to 16.22 mm, where finite elements give 16.28 mm.)
+/// Not an [`super::AffineShape`]: next to the plane the modified basis is a linear shape function, whose second moment
+/// vanishes there. (Tested: with APIC the foot of a copper bar jumped two cells off the wall and gained 5 % energy; with
+/// FLIP the bar's length changed from 16.05 to 16.22 mm; finite elements yield 16.28 mm.)
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BoundaryModified<S>(pub S);
 

@@ -5,15 +5,15 @@ use mpm_materials::{Lane, Real};
 use super::{AffineShape, Domain, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
-/// Uniform GIMP: the particle's box keeps its first size, as long as half of it is at most half a cell.
+/// Uniform GIMP: the particle's box keeps its initial size; its half size is at most half a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gimp;
 
-/// Contiguous-particle GIMP: the box follows the stretch along each axis, so that boxes keep tiling while
-/// the deformation stays axis-aligned. Half sizes are clamped to \[0.05 h, 0.5 h\].
+/// Contiguous-particle GIMP: the box follows the stretch along each axis, so that boxes tile as long as the deformation is
+/// axis-aligned. Half sizes are clamped to \[0.05 h, 0.5 h\].
 ///
-/// The half size is integrated, l <- l (1 + d_eps_dd), so that it turns with the material: a rigid rotation
-/// leaves it as it is, where a box scaled by the diagonal of F would vanish at 90 degrees.
+/// The half size is integrated, l <- l (1 + d_eps_dd): a rigid rotation leaves it unchanged, whereas a box scaled by the
+/// diagonal of F would vanish at 90 degrees.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CpGimp;
 
@@ -22,13 +22,13 @@ fn weights<L: Lane, E: Stencil>(xi: L, half: L) -> Weights<L, E> {
     let one = L::one();
     let per_half = half.recip();
     let mut w: Weights<L, E> = Weights::zero();
-    // Node of the bin: inside the box the linear shape function's tip is rounded.
+    // Node of the bin: the box rounds the tip of the linear shape function.
     let r = xi.abs();
     let tip = r.le(half);
     w.value[1] = L::select(tip, one - (xi * xi + half * half) * per_half * L::of(0.5), one - r);
     let away = L::select(xi.lt(L::zero()), one, -one);
     w.slope[1] = L::select(tip, -(xi * per_half), away);
-    // Outer nodes: the linear shape function, or the square tail where the box reaches past the linear shape function's foot.
+    // Outer nodes: the linear shape function, or its quadratic tail if the box extends past its support.
     for (node, toward) in [(0, -one), (2, one)] {
         let distance = one - toward * xi;
         let reach = (one + half - distance).max(L::zero());

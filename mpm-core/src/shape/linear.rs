@@ -1,13 +1,13 @@
-//! The linear shape function.
+//! Linear shape function.
 
 use mpm_materials::{Lane, Real};
 
 use super::{Basis, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
-/// Linear shape functions: the classic material point method. Two nodes an axis; the slope jumps when a particle
-/// crosses a cell face. Use with MUSL: with USL the step limit vanishes where a cell holds little material
-/// (book, "Properties of stress updates and transfers", finding 5).
+/// Linear shape functions: the classic material point method. Two nodes per axis; the slope jumps when a particle crosses a
+/// cell face. Use with MUSL: with USL the time step limit vanishes if a cell contains little material (book, "Properties of
+/// stress updates and transfers", finding 5).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Linear;
 
@@ -25,8 +25,8 @@ where
         let (half, one) = (L::of(0.5), L::one());
         let mut w: Weights<L, Extent<D, 2>> = Weights::zero();
         w.value[0] = half - xi;
-        // Never zero: a particle exactly on a face would give the far node no mass, and take from its slope a
-        // velocity that is not there.
+        // Never zero: a particle exactly on a face would map no mass to the far node, but its slope would still use the
+        // undefined velocity of that node.
         w.value[1] = (half + xi).max(L::splat(T::default_epsilon()));
         w.slope[0] = -one;
         w.slope[1] = one;

@@ -1,4 +1,4 @@
-//! The step: a list of stages, in the order of the flow chart of \[Ma2010\] 1.4.
+//! Stages of a time step, in the order of the flow chart of \[Ma2010\] 1.4.
 
 pub(crate) mod between_steps;
 pub(crate) mod bodies;

@@ -1,9 +1,9 @@
-//! The material point method's scene, and its work behind one call: compiled in this crate, once for a precision and a dimension,
-//! and not in every program.
+//! Scene of the material point method. Its larger methods are compiled in this crate, once for a precision and a
+//! dimension, and not in every program.
 //!
-//! A program that calls `mpm.step()` would compile the step, the grid's stages, checkpoints and all that they call, since
-//! [`Mpm`] is generic. So its larger methods hand their work to a [`Work`], an object that each scene has from its method
-//! ([`Kernels`]); there are four, those of [`Scalar`].
+//! [`Mpm`] is generic: a program that calls `mpm.step()` would compile the step, the grid stages, checkpoints and all
+//! that they call. Its larger methods therefore delegate to a [`Work`] object, which each scene receives from its
+//! method ([`Kernels`]); there are four, those of [`Scalar`].
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -32,30 +32,30 @@ use impactite_simd::{Float, Team};
 
 /// Material point method: bodies of particles on a background grid.
 ///
-/// A scene is of one type, whatever method ([`crate::Method`]), grid, contact and laws it is made of. Bodies may have different
-/// laws; with [`OneField`](crate::OneField) they move in one velocity field, that is, they stick where they touch.
+/// A scene has one type for all methods ([`crate::Method`]), grids, contact algorithms and laws. Bodies may have
+/// different laws; with [`OneField`](crate::OneField) they move in one velocity field: they stick where they touch.
 pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) work: &'static dyn Work<T, D>,
-    /// The method.
+    /// Kernels of the method.
     pub(super) kernels: Arc<dyn MethodKernels<T, D>>,
     pub(super) scene: Scene<T, D>,
     pub(super) grid: Background<T, D>,
     pub(super) stepper: Stepper<T, D>,
     pub(super) between_steps: BetweenSteps,
-    /// While bodies come together, with node blocks for all at once: the names of those that are there.
+    /// Names of all bodies so far, while several are added with a single arrangement of node blocks.
     pub(super) together: Option<HashSet<String>>,
     pub(super) team: Team,
     pub(super) clock: Clock,
-    /// What boundaries and loads gave since the start.
+    /// Exchange with boundaries and loads since the start.
     pub(super) ledger: Exchange,
-    /// Balances, and what they and the bodies were found to be like.
+    /// State of the balance checks.
     pub(super) looks: Looks<D>,
-    /// What stopped the run, after which it makes no step.
+    /// Error that stopped the run, which then makes no further step.
     pub(super) stopped_by: Option<StepError>,
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// An empty scene.
+    /// Create an empty scene.
     pub(crate) fn of_parts(
         method: Kernels<T, D>,
         grid: Box<dyn GridStorage<T, D>>,
@@ -80,7 +80,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 }
 
-/// The kernels of a method, as an object: of one type for all methods, so that they can be chosen at run time.
+/// Kernels of a method as an object: one type for all methods, so that a method can be chosen at run time.
 ///
 /// ```
 /// use mpm_core::geometry::Lattice;
@@ -110,26 +110,27 @@ impl<T: Float, const D: usize> Kernels<T, D> {
     pub(crate) fn new(kernels: Arc<dyn MethodKernels<T, D>>, work: &'static dyn Work<T, D>) -> Self {
         Kernels { kernels, work }
     }
-    /// What a step asks of the method beside them.
+    /// Properties of the method besides its kernels.
     pub fn facts(&self) -> &Facts {
         self.kernels.facts()
     }
 }
 
-/// A number that solvers in `D` dimensions are compiled for: `f64` and, with the feature `single`, `f32`; in two and three dimensions.
+/// Scalar type for which solvers in `D` dimensions are compiled: `f64` and, with the feature `single`, `f32`; in two
+/// and three dimensions.
 #[diagnostic::on_unimplemented(
     message = "solvers of numbers `{Self}` in {D} dimensions are not compiled",
     note = "`f32` asks for the feature `single` of `mpm-core`"
 )]
 pub trait Scalar<const D: usize>: Float {
-    /// Their work.
+    /// Compiled methods of a scene.
     #[doc(hidden)]
     const WORK: &'static dyn Work<Self, D>;
 }
 
 macro_rules! works {
     ($($(#[$doc:meta])* $name:ident(&$($self:ident)+, $($arg:ident: $type:ty),*) -> $out:ty = $here:ident;)*) => {
-        /// What the methods of [`Mpm`] of the same names do.
+        /// Implementation of the methods of [`Mpm`] of the same names.
         pub trait Work<T: Float, const D: usize>: Sync {
             $($(#[$doc])* fn $name(&self, mpm: works!(self T $($self)+), $($arg: $type),*) -> $out;)*
         }

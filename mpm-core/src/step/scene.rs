@@ -1,4 +1,4 @@
-//! The bodies of a scene, and what acts on them.
+//! Bodies of a scene, conditions and contact.
 
 use std::sync::Arc;
 
@@ -12,16 +12,16 @@ pub(super) struct Scene<T: Float, const D: usize> {
     pub(super) bodies: Vec<Box<dyn GridBody<T, D>>>,
     pub(super) conditions: Conditions<D>,
     pub(super) contact: Arc<dyn ContactAlgorithm<T, D>>,
-    /// Which bodies are rigid.
+    /// Indices of the rigid bodies.
     pub(super) rigid: Vec<usize>,
-    /// Which bodies are of another discretisation.
+    /// Indices of the bodies of another discretisation.
     pub(super) clients: Vec<usize>,
-    /// Those whose matter may become particles, each with the body that these come into.
+    /// Bodies whose matter may convert to particles, each with the body that receives them.
     pub(super) growing: Vec<(usize, usize)>,
 }
 
 impl<T: Float, const D: usize> Scene<T, D> {
-    /// An empty one.
+    /// Create an empty scene.
     pub(super) fn new(contact: Arc<dyn ContactAlgorithm<T, D>>) -> Self {
         let conditions = Conditions::default();
         let (bodies, rigid, clients, growing) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());

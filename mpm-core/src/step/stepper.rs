@@ -1,4 +1,4 @@
-//! What a run knows of its steps.
+//! State of the time integration.
 
 use std::time::Duration;
 
@@ -8,32 +8,32 @@ use super::rigid::planes::PlanePush;
 use impactite_scene::TimeControl;
 use impactite_simd::Float;
 
-/// The time step, and what the passes over particles came to.
+/// Time step, and results of the passes over particles.
 pub(super) struct Stepper<T, const D: usize> {
     pub(super) control: TimeControl,
-    /// The last Gershgorin rate, 1/s, and the step it was found at.
+    /// Step number of the last Gershgorin rate, and that rate, 1/s.
     pub(super) gershgorin: Option<(u64, f64)>,
-    /// The step that impulses on the grid are for, s.
+    /// Step size for which impulses are on the grid, s.
     pub(super) planned: T,
     /// Largest (c + |v|) / h of the particles, 1/s.
     pub(super) rate: T,
-    /// The body that it is of.
+    /// Index of the body with the largest rate.
     pub(super) fastest: usize,
-    /// Do the tiles hold the map of the particles as they stand?
+    /// True if the tiles contain the map of the particles in their present state.
     pub(super) mapped: bool,
-    /// The surface loads on the grid.
+    /// Surface loads on the grid.
     pub(super) acting: Loading,
-    /// What the bodies' last pass came to, and whether their blocks changed after it.
+    /// Rates or failures of the bodies in the last pass, and flags of changed blocks after it.
     pub(super) passed: Vec<Result<T, BodyTrouble>>,
     pub(super) changed: Vec<bool>,
-    /// What planes gave to free rigid bodies in this step.
+    /// Impulses of planes on free rigid bodies in this step.
     pub(super) plane_pushes: Vec<PlanePush<D>>,
-    /// Time spent at particles so far.
+    /// Wall-clock time spent at particles so far.
     pub(super) at_particles: Duration,
 }
 
 impl<T: Float, const D: usize> Stepper<T, D> {
-    /// Before the first step.
+    /// Create the state before the first step.
     pub(super) fn new(control: TimeControl) -> Self {
         Stepper {
             control,

@@ -1,4 +1,4 @@
-//! A scene as others see it.
+//! Queries of a scene.
 
 use impactite_scene::embedding::described;
 use impactite_scene::{
@@ -17,26 +17,26 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Step until `end`, s; the last step is shortened to arrive there.
     ///
     /// # Errors
-    /// As [`Mpm::step`]; an end that is not finite, or before the time reached.
+    /// Errors of [`Mpm::step`]; an end that is not finite, or before the current time.
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         Solver::run_until(self, end)
     }
 
-    /// Make one step, shortened if it would go beyond `end`, s, which is then met exactly.
+    /// Make one step, shortened if it would exceed `end`, s, to end exactly there.
     ///
     /// # Errors
-    /// As [`Mpm::step`]; an end that is not finite, or that is [reached](Mpm::reached).
+    /// Errors of [`Mpm::step`]; an end that is not finite, or that is [reached](Mpm::reached).
     pub fn step_towards(&mut self, end: f64) -> Result<T, StepError> {
         Solver::step_towards(self, end).map(T::of)
     }
 
-    /// Has the time come to `end`, s, or is what is left less than the rounding of either? Never for an end that is not a number.
+    /// True if the time has reached `end`, s, up to the rounding of either. False for an end that is not a number.
     pub fn reached(&self, end: f64) -> bool {
         self.clock.reached(end)
     }
 
-    /// Wall-clock time, s, that steps spent at particles so far: in passes over them and bringing them to their bins. What is
-    /// left of a step's is the grid's and contact's.
+    /// Wall-clock time, s, that steps spent at particles so far: in passes over them and in sorting them into bins.
+    /// The remaining time of a step is that of the grid and contact.
     pub fn particle_seconds(&self) -> f64 {
         self.stepper.at_particles.as_secs_f64()
     }
@@ -46,22 +46,22 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.clock.time
     }
 
-    /// Steps made.
+    /// Number of steps made.
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
 
-    /// The bodies.
+    /// Bodies of the scene.
     pub fn bodies(&self) -> &[Box<dyn GridBody<T, D>>] {
         &self.scene.bodies
     }
 
-    /// The grid.
+    /// Background grid.
     pub fn grid(&self) -> &dyn GridStorage<T, D> {
         &*self.grid.storage
     }
 
-    /// What its method is.
+    /// Properties of the method.
     pub fn facts(&self) -> &Facts {
         self.kernels.facts()
     }
@@ -78,7 +78,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         totals.fold(Totals::default(), |a, b| a.plus(&b))
     }
 
-    /// What boundaries and loads gave to the material since the start.
+    /// Exchange of the material with boundaries and loads since the start.
     pub fn exchange(&self) -> Exchange {
         let mut sum = self.ledger;
         let own = self.scene.bodies.iter().filter_map(|b| b.client());
@@ -86,29 +86,28 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         sum
     }
 
-    /// The contact algorithm.
+    /// Contact algorithm of the scene.
     pub fn contact(&self) -> &dyn ContactAlgorithm<T, D> {
         &*self.scene.contact
     }
 
-    /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
-    /// start.
+    /// Pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the start.
     pub fn contacts(&self) -> &[PairContact] {
         self.grid.contact.pairs()
     }
 
-    /// The nodes in contact in the last step, with gap, normal and impulse.
+    /// Nodes in contact in the last step, with gap, normal and impulse.
     pub fn contact_points(&self) -> Vec<ContactPoint> {
         self.grid.contact.nodes(self.grid.lattice())
     }
 
-    /// Bytes of particles, grid and all scratch.
+    /// Memory of particles, grid and scratch, bytes.
     pub fn bytes(&self) -> usize {
         self.scene.bodies.iter().map(|b| b.bytes()).sum::<usize>() + self.grid.bytes() + self.looks.bytes()
     }
 }
 
-/// What the run loop, observers and checkpoints need of it.
+/// Interface for the run loop, observers and checkpoints.
 impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     fn method(&self) -> String {
         described(&self.facts().description, &Solver::bodies(self))

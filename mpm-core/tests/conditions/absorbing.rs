@@ -1,9 +1,9 @@
-//! Plane waves at the ends of a bar of unit length: absorbed, or thrown back by fixed and free ends.
+//! Plane waves at the ends of a bar of unit length: absorbed, or reflected by fixed and free ends.
 
 use super::*;
 use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain, QuadraticBSpline};
 
-/// What lies at the ends of the bar.
+/// Condition at the ends of the bar.
 #[derive(Clone, Copy, Debug)]
 enum End {
     Absorbing,
@@ -18,7 +18,7 @@ enum Way {
     Apic,
 }
 
-/// The largest speed in the bar after both halves of a pulse were at an end, over that of the pulses before.
+/// Largest speed in the bar after both halves of a pulse reached an end, over that of the pulse before.
 fn reflected(way: Way, end: End, axis: usize, h: f64, courant: f64) -> f64 {
     let period = 4.0 * h;
     let (lattice, seeds) = block([0.0, 0.0], [1.0, period], h);
@@ -40,7 +40,7 @@ fn reflected(way: Way, end: End, axis: usize, h: f64, courant: f64) -> f64 {
             End::Free => {}
         }
     }
-    // So weak that nothing moves far, and so long that the cells carry it.
+    // So weak that nothing moves far, and so long that the cells resolve it.
     let pulse = |x: [f64; 2]| 1e-4 * (-((x[0] - 0.5) / 0.1).powi(2)).exp();
     mpm.add("bar", law(), &seeds, |x| if axis == 0 { [pulse(x), 0.0] } else { [0.0, pulse(x)] })
         .expect("bar");
@@ -48,7 +48,7 @@ fn reflected(way: Way, end: End, axis: usize, h: f64, courant: f64) -> f64 {
     let speed = if axis == 0 { longitudinal() } else { shear() };
     mpm.run_until(1.0 / speed).expect("a run");
     let fastest = mpm.bodies()[0].points().iter().map(|p| p.velocity[axis].abs()).fold(0.0, f64::max);
-    // Half of it ran each way, and what comes back is in the middle again, one upon the other.
+    // Each half of the pulse ran one way; reflections are superposed in the middle again.
     fastest / 1e-4
 }
 

@@ -1,6 +1,6 @@
-//! A block on an incline with friction: gravity is turned, the wall lies across an axis.
+//! Block on an incline with friction: gravity is rotated, the wall is across an axis.
 //!
-//! It sticks where tan a < mu, else it slides with g (sin a - mu cos a).
+//! The block sticks where tan a < mu, else it slides with g (sin a - mu cos a).
 
 use super::*;
 use mpm_core::{Exchange, FullSpace, Method, PlaneStrain};
@@ -9,7 +9,7 @@ use mpm_core::{Exchange, FullSpace, Method, PlaneStrain};
 const G: f64 = 10.0;
 const H: f64 = 0.1;
 
-/// Along axis 0, on a wall across the last axis.
+/// Create a block that moves along axis 0, on a wall across the last axis.
 fn on_a_wall<const D: usize>(
     mut mpm: Mpm<D>,
     seeds: &Seeds<D>,
@@ -48,7 +48,7 @@ fn speed<const D: usize>(mpm: &Mpm<D>) -> f64 {
     mpm.totals().momentum[0] / mpm.totals().mass
 }
 
-/// The acceleration between two times, m/s^2, with what was exchanged meanwhile.
+/// Return the mean acceleration between two times, m/s^2, and the exchange in between.
 fn slides<const D: usize>(mpm: &mut Mpm<D>, from: f64, to: f64) -> (f64, Exchange) {
     mpm.run_until(from).expect("a settled block");
     let (before, start) = (mpm.exchange(), speed(mpm));
@@ -80,13 +80,14 @@ fn a_block_slides_as_newton_and_coulomb_say() {
     ] {
         println!("{name}: {a} m/s^2, exact {exact}");
         assert!((a / exact - 1.0).abs() < 0.01, "{name}: {a} m/s^2, exact {exact}");
-        // All that presses slips the same way, in space a little to the sides as well: the wall's impulse along it is mu times that across.
+        // All contact points slip the same way, in space a little to the sides as well: the tangential impulse of the
+        // wall is mu times the normal one.
         let ratio = -given.impulse[0] / given.impulse[if name == "plane strain" { 1 } else { 2 }];
         println!("{name}: impulse along over across {ratio}");
         let sides = if name == "plane strain" { 0.0 } else { 1e-3 };
         assert!((ratio / friction - 1.0).abs() < 1e-4 + sides, "{name}: {ratio}");
-        // Friction on the slip of a block that starts at rest. The foot of an elastic block that slides shakes \[Adams1995\], and slips a
-        // little less than its middle.
+        // Friction on the slip of a block that starts at rest. The foot of an elastic block that slides vibrates
+        // \[Adams1995\], and slips a little less than its middle.
         let heat = mass * G * friction * angle.cos() * slip;
         println!("{name}: heat {} J, exact {heat}", given.friction);
         assert!(
@@ -104,10 +105,10 @@ fn a_block_sticks_below_the_angle_of_friction() {
     let (slow, exchange) = (speed(&mpm).abs(), mpm.exchange());
     let moved = mpm.bodies()[0].points().iter().map(|p| p.position[0]).fold(f64::INFINITY, f64::min) - 0.025;
     println!("speed {slow} m/s, moved {moved} m, heat {} J", exchange.friction);
-    // It would slide 1.3 m without friction. Its shear under its own weight is rho g H sin a / G H / 2 = 0.3 mm, and it slips while it
-    // comes down on the floor at first.
+    // It would slide 1.3 m without friction. Its shear under its own weight is rho g H sin a / G H / 2 = 0.3 mm, and
+    // it slips while it settles on the floor at first.
     assert!(slow < 1e-3 && moved.abs() < 4e-3, "{slow} m/s after {moved} m");
-    // Its corners, which press least, slip last, and ever less.
+    // Its corners, with the lowest pressure, slip last, and ever less.
     let mut heat_until = |time| {
         mpm.run_until(time).expect("a block at rest");
         mpm.exchange().friction
@@ -119,7 +120,7 @@ fn a_block_sticks_below_the_angle_of_friction() {
 
 #[test]
 fn friction_does_not_depend_on_who_moves() {
-    // A belt under a block at rest, and a block on a floor at rest, seen from there.
+    // A belt under a block at rest, and the same motion seen from the belt: a block on a floor at rest.
     let (lattice, seeds) = block([0.0, 0.0], [0.8, 0.4], H);
     let run = |block: f64, belt: f64| {
         let method = Method::new(mpm_core::Linear, mpm_core::Flip, mpm_core::Musl, PlaneStrain);
@@ -136,18 +137,18 @@ fn friction_does_not_depend_on_who_moves() {
     let (v, given, _) = run(1.0, 0.0);
     let (w, dragged, totals) = run(0.0, -1.0);
     println!("{v} {w}: heat {} {}", given.friction, dragged.friction);
-    // The grid does not move with the frame: two cells on, nodes weigh differently.
+    // The grid does not move with the frame: two cells further, nodal masses differ.
     assert!((v - (w + 1.0)).abs() < 0.03 * (1.0 - v), "{v} m/s seen from the floor, {w} from the block");
     assert!((given.friction / dragged.friction - 1.0).abs() < 0.03);
-    // The belt's work is what friction takes and what the block got.
+    // The work of the belt is the friction heat and the energy of the block.
     let left = dragged.work - dragged.friction - totals.kinetic - totals.internal;
     assert!(left.abs() < 0.02 * dragged.friction, "{left} J of {}", dragged.friction);
 }
 
 #[test]
 fn books_close_and_sliding_heats_as_it_brakes() {
-    // FLIP knows velocities before and after: friction takes J . (v- + v+) / 2 from the nodes, and so from the particles up to what
-    // no node sees.
+    // With FLIP velocities before and after are known: friction removes J . (v- + v+) / 2 from the nodes, and thus
+    // from the particles except for velocities that no node resolves.
     let (lattice, seeds) = block([0.0, 0.0], [0.8, 0.4], H);
     let method = Method::new(mpm_core::Linear, mpm_core::Flip, mpm_core::Musl, PlaneStrain);
     let mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -167,7 +168,7 @@ fn books_close_and_sliding_heats_as_it_brakes() {
     );
     println!("speed {}, momentum missing {}", before.1, account.missing());
     assert!((before.1 - (4.0 - 0.3 * G * 0.5)).abs() < 0.05, "{} m/s", before.1);
-    // The foot of the block shakes, as above.
+    // The foot of the block vibrates, as above.
     assert!((account.friction / independent - 1.0).abs() < 0.03);
     assert!(account.missing() < 1e-12 * account.momentum_scale);
     assert!(account.energy_error().abs() < 5e-3, "{}", account.energy_error());
@@ -193,7 +194,7 @@ fn a_smooth_friction_wall_is_a_wall() {
     assert!(run(Some(0.2)).1.friction > 0.0);
 }
 
-/// A body at rest on a wall is given no work: with methods whose nodes do not know the velocity at the start of a step, too.
+/// No work is done on a body at rest on a wall, even with methods whose nodes do not know the velocity at the start of a step.
 #[test]
 fn weight_does_no_work_on_what_rests() {
     let mut mpm = plane(0.0, 0.4, 0.0);
@@ -202,7 +203,7 @@ fn weight_does_no_work_on_what_rests() {
     mpm.run_until(3.0).expect("a block at rest");
     let (given, end) = (mpm.exchange().work - before.work, mpm.totals());
     let gained = end.kinetic + end.internal - start.kinetic - start.internal;
-    // A step's weight times the way of a step of free fall, in every step, would be 7 % of the energy stored.
+    // The weight times the displacement of a step of free fall, in every step, would be 7 % of the stored energy.
     assert!(end.kinetic < 1e-6 * end.internal, "it moves: {end:?}");
     assert!(
         (given - gained).abs() < 1e-3 * end.internal,

@@ -1,5 +1,5 @@
-//! Boundary conditions against exact answers: friction on an incline, waves at absorbing planes, waves and bodies across periodic ones,
-//! conditions of one's own.
+//! Boundary conditions against exact solutions: friction on an incline, waves at absorbing planes, waves and bodies
+//! across periodic ones, custom conditions.
 
 mod absorbing;
 mod incline;
@@ -12,7 +12,7 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{BlockGrid, Boundary, Mpm, Side, TimeControl};
 use mpm_materials::{LinearElastic, Moduli};
 
-/// A method by name, and how to make an empty scene of it.
+/// Name of a method, and constructor of an empty scene with it.
 type Made = (&'static str, Box<dyn Fn(Lattice<2>) -> Mpm<2>>);
 
 /// Density, kg/m^3.
@@ -33,14 +33,14 @@ fn shear() -> f64 {
     (YOUNG / (2.0 * (1.0 + POISSON)) / DENSITY).sqrt()
 }
 
-/// A box with two particles an axis and cell.
+/// Box with two particles an axis and cell.
 fn block<const D: usize>(low: [f64; D], high: [f64; D], h: f64) -> (Lattice<D>, Seeds<D>) {
     let lattice = Lattice::new([0.0; D], h).expect("lattice");
     let seeds = fill(&Cuboid::new(low, high).expect("box"), &lattice, 2, &Filling::new()).expect("seeds");
     (lattice, seeds)
 }
 
-/// Numbers of every particle that must be the same to the bit, by number.
+/// Return the values of every particle that must be bitwise identical, by number.
 fn bits<const D: usize>(mpm: &Mpm<D>) -> Vec<[f64; 9]> {
     let mut points = mpm.bodies()[0].points();
     points.sort_by_key(|p| p.number);

@@ -1,10 +1,10 @@
-//! Conditions of one's own on the grid.
+//! Custom conditions on the grid.
 
 use super::*;
 use impactite_scene::{Condition, Place, Reaction};
 use mpm_core::{Aflip, Flip, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, Usf, Usl};
 
-/// All that lies below a line stands still: [`Boundary::Fixed`] written by a user.
+/// Clamp of everything below a line: [`Boundary::Fixed`] written by a user.
 #[derive(Debug)]
 struct Clamp(f64);
 
@@ -18,7 +18,7 @@ impl Condition<2> for Clamp {
     }
 }
 
-/// Not a number somewhere.
+/// Condition with a reaction that is not a number at some time.
 #[derive(Debug)]
 struct Faulty;
 

@@ -1,4 +1,4 @@
-//! Periodic planes: waves and bodies that go through them.
+//! Periodic planes: waves and bodies that cross them.
 
 use super::*;
 use mpm_core::{
@@ -50,7 +50,7 @@ fn a_standing_shear_wave_has_its_frequency() {
         let dt = exact / 80.0;
         mpm.set_time_control(TimeControl::Fixed(dt)).expect("step");
         let mut last = (0.0, amplitude(&mpm));
-        // Five quarters on, to see the frequency and not the start.
+        // Five quarters further, to measure the frequency without the start.
         let mut zeros = Vec::new();
         for _ in 0..480 {
             mpm.step().expect("a step");
@@ -72,7 +72,7 @@ fn a_standing_shear_wave_has_its_frequency() {
     }
 }
 
-/// A finite block that flies and shakes, in a box between `low` and `high` if there is one.
+/// Run a finite block that flies and vibrates, in a periodic box from `low` if there is one.
 fn flight(make: &dyn Fn(Lattice<2>) -> Mpm<2>, low: Option<f64>, threads: usize) -> Mpm<2> {
     let (lattice, seeds) = block([6.0 * H, 0.0], [12.0 * H, 5.0 * H], H);
     let mut mpm = make(lattice);
@@ -95,7 +95,7 @@ fn a_block_goes_through_the_planes_unchanged() {
         let free = flight(&*make, None, 1);
         let flown =
             free.bodies()[0].points().iter().map(|p| p.position[0]).sum::<f64>() / free.particles() as f64;
-        // Across the plane at 16 h, with all of it.
+        // The whole block has crossed the plane at 16 h.
         assert!(flown > 16.0 * H + 3.0 * H, "{name}: flew to {flown}");
         for (low, threads) in [(0.0, 1), (4.0 * H, 2), (-3.0 * H, 3), (0.0, 4)] {
             let through = flight(&*make, Some(low), threads);
@@ -114,7 +114,7 @@ fn a_wave_passes_the_planes_as_the_middle() {
             let mut mpm = make(lattice);
             mpm.bound(periodic(0, 0.0, 32.0 * H)).expect("periodic");
             mpm.bound(periodic(1, 0.0, 4.0 * H)).expect("periodic");
-            // The way to the middle around the box.
+            // Distance to the middle around the periodic box.
             let way = |x: f64| (x - middle + 48.0 * H).rem_euclid(32.0 * H) - 16.0 * H;
             mpm.add("wave", law(), &seeds, |x| [0.1 * (-(way(x[0]) / (4.0 * H)).powi(2)).exp(), 0.0])
                 .expect("wave");
@@ -134,7 +134,7 @@ fn a_wave_passes_the_planes_as_the_middle() {
         let (middle, plane) = (run(16.0 * H), run(0.0));
         let same = middle.iter().zip(&plane).filter(|(a, b)| a == b).count();
         println!("{name}: {same} of {} particles the same", middle.len());
-        // Bins around a node on the plane have their particles in another order, and so sums of theirs.
+        // In bins around a node on the plane, particles and therefore their sums have another order.
         assert!(name != "linear shape functions" || same == middle.len(), "{name}");
         for (a, b) in middle.iter().zip(&plane) {
             let off = (0..3).map(|d| (a.0[d] - b.0[d]).abs()).fold(0.0, f64::max);
@@ -149,7 +149,8 @@ fn a_wave_passes_the_planes_as_the_middle() {
 
 #[test]
 fn a_box_that_shears_keeps_its_shear() {
-    // All three axes, one of them two blocks wide: v_x = 2 pi-periodic in z alone, at rest elsewhere; nothing breaks the symmetry.
+    // All three axes, one of them two blocks wide: v_x is periodic in z alone, v_y and v_z are uniform; nothing
+    // breaks the symmetry.
     let (lattice, seeds) = block([0.0; 3], [4.0 * H, 4.0 * H, 8.0 * H], H);
     let mut mpm = Mpm::new(Method::contact_at_rest(FullSpace), BlockGrid::new(lattice));
     for (axis, cells) in [4.0, 4.0, 8.0].into_iter().enumerate() {
@@ -166,7 +167,7 @@ fn a_box_that_shears_keeps_its_shear() {
     }
     assert!(account.energy_error().abs() < 1e-2, "{}", account.energy_error());
     assert_eq!(after.particles, before.particles);
-    // Diagnostics see nodes across the planes, too: every node has the mass of a cell of full material.
+    // Diagnostics include nodes across the planes, too: every node has the mass of a cell full of material.
     let mut nodes = std::collections::HashMap::new();
     mpm.for_each_footprint(&mut |p| {
         p.nodes.iter().for_each(|w| *nodes.entry(w.node).or_insert(0.0) += w.value * p.mass);

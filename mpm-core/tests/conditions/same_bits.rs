@@ -1,10 +1,10 @@
-//! Runs with these conditions are the same bits for any number of threads, and when they are broken off and resumed.
+//! Runs with these conditions are bitwise identical for any number of threads, and after a restart from a checkpoint.
 
 use super::*;
 use impactite_simd::Team;
 use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain, Usf};
 
-/// A block that slides over a rough floor towards an absorbing plane, around a periodic box.
+/// Create a block that slides over a rough floor towards an absorbing plane, in a periodic box.
 fn sliding(make: &dyn Fn(Lattice<2>) -> Mpm<2>, friction: f64, threads: usize) -> Mpm<2> {
     let h = 0.1;
     let (lattice, seeds) = block([0.6, 0.0], [1.4, 1.2], h);

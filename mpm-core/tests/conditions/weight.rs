@@ -1,4 +1,4 @@
-//! The weight of all material across planes of symmetry: it acts as a body force of every particle does.
+//! Weight of all material across planes of symmetry: it acts like a body force on every particle.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::{DENSITY, block, law, longitudinal};
 
 const H: f64 = 0.1;
 
-/// A column between planes of symmetry, its weight towards and along them: by `set_body_force`, or of every particle.
+/// Create a column between planes of symmetry with its weight towards and along them: by `set_body_force`, or by particle.
 fn column(method: impl IntoKernels<f64, 2>, axis: usize, side: Side, by_particle: bool) -> Mpm<2> {
     let (mut low, mut high) = ([0.0; 2], [0.0; 2]);
     (low[axis], high[axis]) = if side == Side::Above { (0.0, 10.0 * H) } else { (-10.0 * H, 0.0) };
@@ -58,7 +58,7 @@ fn agrees<M: IntoKernels<f64, 2>>(name: &str, method: impl Fn() -> M) {
             }
             assert!((a.stress[axis] - b.stress[axis]).abs() < 1e-7 * stress, "{name}, axis {axis}");
         }
-        // Half a step of work at most.
+        // The difference is at most half a step of work.
         let off = (work - of_particles).abs() / energy.max(work.abs());
         println!("{name}, axis {axis}: work {work:e}, of particles {of_particles:e}, energy {energy:e} J");
         assert!(off < 0.02, "{name}, axis {axis}: work {work} J and {of_particles} J");

@@ -1,4 +1,4 @@
-//! Bodies that meet on the grid: what every contact must do, on scenes of two and three bodies.
+//! Contact of bodies on the grid: requirements on every contact, in scenes of two and three bodies.
 
 use std::sync::{Arc, Mutex};
 
@@ -13,7 +13,7 @@ use mpm_core::{
     OneField, Pic, PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usf, Usl,
 };
 
-/// Every detector with every normal in turn.
+/// Run a check with every detector and every choice of normals.
 macro_rules! detectors {
     (|$detector:ident| $check:expr) => {{
         let choices = [Choice::Collinear, Choice::Difference, Choice::OneBody(vec![1])];
@@ -40,7 +40,7 @@ fn coulomb() -> Pairs<f64> {
     Pairs::new(Coulomb::new(0.3).expect("law"))
 }
 
-/// Momentum of the whole, each step; forces of the pairs on each body are what the body's momentum changed by.
+/// Check that total momentum is conserved in each step, and that the forces of the pairs change the momentum of each body.
 fn acts_and_reacts(
     method: impl IntoKernels<f64, 2>,
     scene: &crate::common::Scene<2>,
@@ -65,7 +65,7 @@ fn acts_and_reacts(
         }
         for (body, expected) in mpm.bodies().iter().zip(expected) {
             for d in 0..2 {
-                // Round-off of a few hundred particles and nodes, whose forces cancel in sum.
+                // Round-off of a few hundred particles and nodes, whose forces cancel in the sum.
                 let error = (body.totals().momentum[d] - expected[d]).abs() / start.momentum_scale;
                 assert!(error < 1e-12, "{}: {error:e}", body.name());
             }
@@ -94,7 +94,7 @@ fn action_is_reaction() {
     acts_and_reacts(plane(), &ring, distance(), sticky());
 }
 
-/// Part of a ball, cut by planes of symmetry, hits a plate: what contact does beside the planes is in the books.
+/// Impact of a part of a ball, cut by planes of symmetry, on a plate: impulses of contact at the planes are booked.
 fn books_close<const D: usize>(
     method: impl IntoKernels<f64, D>,
     detector: impl ContactDetector<f64, D>,
@@ -142,8 +142,7 @@ fn momentum_is_booked_beside_planes_of_symmetry() {
     books_close(Method::new(CpGimp, Flip, Musl, FullSpace), Regression, &[1, 2]);
 }
 
-/// Along the normal contact only pushes, across it no more than friction allows; bodies that overlap have a gap
-/// below zero.
+/// Check that the normal impulse is compressive, the tangential one is within the friction cone, and dissipation is not negative.
 fn pushes_within_the_cone<S: ContactDetector<f64, 2>>(
     scene: &crate::common::Scene<2>,
     detector: S,
@@ -182,7 +181,7 @@ fn no_pull_and_the_friction_cone() {
     }
 }
 
-/// Kinetic and internal energy never rise above the start, whatever the scheme, speed, step and friction.
+/// Check that kinetic and internal energy never exceed their initial sum, for any scheme, speed, step and friction.
 #[test]
 fn no_impact_gains_energy() {
     fn check(method: impl IntoKernels<f64, 2>, speed: f64, factor: f64, friction: f64) {
@@ -197,8 +196,8 @@ fn no_impact_gains_energy() {
             mpm.step_towards(end).expect("step");
             let now = mpm.totals();
             let gain = (now.kinetic + now.internal) / start - 1.0;
-            // Kinetic and internal energy are half a step apart: while all of it changes from one to the other in
-            // L/c = 8 h/c, half a step of 0.5 h/c shifts up to 3 % of it.
+            // Kinetic and internal energy are half a step apart: while all of it is converted in L/c = 8 h/c, half a
+            // step of 0.5 h/c shifts up to 3 % of it.
             assert!(
                 gain < 0.02 * factor,
                 "{}: {gain} at speed {speed}, factor {factor}",
@@ -220,8 +219,8 @@ fn no_impact_gains_energy() {
     }
 }
 
-/// Contact in the velocities that the strain is taken from, too, gives impacts energy, as book, "Where contact is applied" has it; momentum
-/// it keeps.
+/// Contact applied also to the velocities of the strain update adds energy to impacts (book, "Where contact is
+/// applied"); momentum is conserved.
 #[test]
 fn contact_in_the_strain_gives_energy() {
     fn gain(method: impl IntoKernels<f64, 2>, strain: bool) -> f64 {
@@ -250,8 +249,8 @@ fn contact_in_the_strain_gives_energy() {
     }
 }
 
-/// Discs of 8 cells that meet head on lose much where nodes stop what closes, and little where they spring, without
-/// ever gaining.
+/// Discs of 8 cells in a head-on impact lose much energy where contact stops the approach, and little with springs,
+/// and never gain any.
 #[test]
 fn springs_give_back_what_they_take() {
     let speed = 0.1 * WAVE;
@@ -272,7 +271,7 @@ fn springs_give_back_what_they_take() {
         }
         let last = mpm.totals();
         assert!(mpm.contact_points().is_empty(), "still in contact");
-        // Kinetic and internal energy are half a step apart, as in the test before.
+        // Kinetic and internal energy are half a step apart, as in the test above.
         assert!(most < 1.02, "{most} of the energy");
         (last.kinetic + last.internal) / start
     };
@@ -284,7 +283,7 @@ fn springs_give_back_what_they_take() {
 
 type Map = fn([f64; 2]) -> [f64; 2];
 
-/// The scene with its bodies in another order, places and velocities sent through maps.
+/// Return the scene with its bodies in another order, positions and velocities transformed by maps.
 fn seen(scene: &crate::common::Scene<2>, order: &[usize], place: Map, turn: Map) -> crate::common::Scene<2> {
     order
         .iter()
@@ -296,7 +295,7 @@ fn seen(scene: &crate::common::Scene<2>, order: &[usize], place: Map, turn: Map)
         .collect()
 }
 
-/// Bodies renumbered, shifted by whole cells, turned by a right angle: the same but for round-off.
+/// Check that bodies renumbered, shifted by whole cells, or rotated by a right angle move identically up to round-off.
 fn looks_the_same<S: ContactDetector<f64, 2> + Clone>(scene: &crate::common::Scene<2>, detector: S) {
     let same: Map = |x| x;
     let shift: Map = |x| [x[0] + 7.0 * H, x[1] - 13.0 * H];
@@ -321,8 +320,7 @@ fn looks_the_same<S: ContactDetector<f64, 2> + Clone>(scene: &crate::common::Sce
                 let x = place([p.position[0], p.position[1]]);
                 let v = map([p.velocity[0], p.velocity[1]]);
                 for d in 0..2 {
-                    // Round-off grows where a node decides by a difference; a decision that falls the other way
-                    // would show as 1e-3.
+                    // Round-off grows where a node decides by a difference; a different decision would show as 1e-3.
                     assert!((q.position[d] - x[d]).abs() < 1e-9 * H, "position {:?} {x:?}", q.position);
                     assert!((q.velocity[d] - v[d]).abs() < 1e-9 * WAVE, "velocity {:?} {v:?}", q.velocity);
                 }
@@ -341,13 +339,13 @@ fn numbering_place_and_direction_do_not_matter() {
     }
 }
 
-/// Two halves of a body that stick move as the whole one does. (With a transfer that takes the nodes' velocities;
-/// FLIP adds a change to each half's own, which the halves reckon from the momentum of their own.)
+/// Two halves of a body with sticking contact move like the whole body. (With a transfer that adopts the nodal
+/// velocity; with FLIP the change of each half's own velocity follows from the momentum of that half.)
 #[test]
 fn halves_that_stick_are_one() {
     let halves =
         vec![(cuboid([0.0, 0.0], [0.3, 0.4]), [1.0, 0.5]), (cuboid([0.3, 0.0], [0.6, 0.4]), [-1.0, 0.2])];
-    // APIC would begin with the affine field of each half, or of both.
+    // APIC would start with the affine field of each half, or of both.
     let method = || Method::new(QuadraticBSpline, Pic, Usl, PlaneStrain).compiled();
     let glue = GridContact::new(Approach::<Gradients>::default(), Pairs::new(Stick));
     let mut glued = build(method(), glue, &halves);
@@ -364,7 +362,7 @@ fn halves_that_stick_are_one() {
     }
 }
 
-/// Bodies that have parted have no force between them.
+/// Bodies that separated have no contact force.
 #[test]
 fn force_ends_with_contact() {
     let laws = Pairs::new(Frictionless);
@@ -392,7 +390,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     assert!(bits(Regression, 1) == bits(Regression, 2));
 }
 
-/// Bodies that never share a node do what they do without contact, bit for bit; one body alone, too.
+/// Bodies that never share a node, and a single body, move as without contact, bit for bit.
 #[test]
 fn alone_a_body_moves_as_without_contact() {
     let apart = vec![
@@ -411,7 +409,7 @@ fn alone_a_body_moves_as_without_contact() {
     }
 }
 
-/// Gap between two bodies, in cells, when they begin to feel each other; closing from three cells.
+/// Gap between two bodies at the onset of contact, in cells; they approach from three cells.
 fn gap_at_onset<S: ContactDetector<f64, 2>>(detector: S, low: Seeds<2>, high: Seeds<2>) -> f64 {
     let scene = vec![(low, [0.0, 1.0]), (high, [0.0, -1.0])];
     let mut mpm = build(plane(), GridContact::new(detector, Pairs::new(Frictionless)), &scene);
@@ -423,8 +421,7 @@ fn gap_at_onset<S: ContactDetector<f64, 2>>(detector: S, low: Seeds<2>, high: Se
     3.0 - 2.0 * mpm.time() / H
 }
 
-/// Bodies touch when their surfaces do (T6: within a quarter of a cell), while without the distance they feel each
-/// other when they share a node.
+/// Contact starts when surfaces touch (T6: within a quarter of a cell); without the distance it starts when bodies share a node.
 #[test]
 fn contact_begins_when_surfaces_touch() {
     let discs = || (crate::common::ball([0.0, 0.0], 0.2), crate::common::ball([0.0, 0.4 + 3.0 * H], 0.2));
@@ -443,14 +440,14 @@ fn contact_begins_when_surfaces_touch() {
         gap_at_onset(Approach::<Gradients>::default(), c, d),
     ];
     assert!(early.iter().all(|&gap| gap > 0.45), "{early:?}");
-    // At corners the gradients are oblique, and particles count with the same half size in all directions: the
-    // distance test is early there, too, but later than no test. Regression is the cure.
+    // At corners the gradients are oblique, and particles have the same half size in all directions: the distance
+    // test is early there, too, but later than no test. Regression is the cure.
     let (a, b) = blocks();
     let corners = gap_at_onset(SurfaceDistance::default(), a, b);
     assert!(corners < early[1], "{corners}");
 }
 
-/// Keeps the gaps that a detector measures: position of the node, normal, gap.
+/// Detector that records the gaps it measures: position of the node, normal, gap.
 #[derive(Clone, Debug)]
 struct Recorded(SurfaceDistance, Arc<Mutex<Vec<Measured>>>);
 type Measured = ([f64; 2], [f64; 3], f64);
@@ -477,8 +474,8 @@ impl ContactDetector<f64, 2> for Recorded {
     }
 }
 
-/// A disc of concentric rings of particles 0.3 cells above a block: how far the gaps that are measured are from
-/// those along the lines through the nodes, in cells; the least and the largest.
+/// Errors of the measured gaps of a disc of concentric rings of particles 0.3 cells above a block, relative to those
+/// along the lines through the nodes, in cells; least and largest.
 fn errors_of_gaps(detector: SurfaceDistance) -> [f64; 2] {
     let (radius, height) = (10.0 * H, 0.3 * H);
     let centre = [0.7 * H, radius + height];
@@ -501,7 +498,7 @@ fn errors_of_gaps(detector: SurfaceDistance) -> [f64; 2] {
     mpm.step().expect("step");
     let mut errors = [f64::INFINITY, f64::NEG_INFINITY];
     for ([x, y], [u, v, _], gap) in list.lock().expect("list").iter() {
-        // The line x + t n meets the block at t = -y / v, the circle where |x + t n - c| = R first.
+        // The line x + t n intersects the block at t = -y / v, and the circle at the smaller root of |x + t n - c| = R.
         let (a, b) = (x - centre[0], y - centre[1]);
         let along = a * u + b * v;
         let disc = -along - (along * along - a * a - b * b + radius * radius).sqrt();
@@ -512,8 +509,9 @@ fn errors_of_gaps(detector: SurfaceDistance) -> [f64; 2] {
 }
 
 /// Nodes up to 4.1 cells beside the lowest point of a disc of 10 see both bodies; there the surfaces are 24 degrees
-/// apart, 12 on either side of the normal, and diverge by 2 tan(12 deg) a cell. Particles within half a cell of the
-/// line through the node are early by half of that at most, all particles around the node (a cell) by more.
+/// apart, 12 on either side of the normal, and diverge by 2 tan(12 deg) a cell. With particles within half a cell of
+/// the line through the node the gap is early by half of that at most, with all particles around the node (a cell) by
+/// more.
 #[test]
 fn a_bulge_beside_a_node_does_not_reach_it() {
     let half = 12_f64.to_radians().tan();
@@ -521,6 +519,6 @@ fn a_bulge_beside_a_node_does_not_reach_it() {
     let wide = errors_of_gaps(SurfaceDistance::new(SeparatingPlane, 0.0).expect("detector"));
     assert!(local[0] > -half && wide[0] < -half, "errors in cells: {local:?}, not locally {wide:?}");
     assert!(local[0] > 0.5 * wide[0], "errors in cells: {local:?}, not locally {wide:?}");
-    // Never late by more than rounding and the sagitta of the arc between two particles, 0.5^2 / 80 cells.
+    // Late at most by rounding and the sagitta of the arc between two particles, 0.5^2 / 80 cells.
     assert!(local[1] < 0.004 && wide[1] < 0.004, "{local:?}, {wide:?}");
 }

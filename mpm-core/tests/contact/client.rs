@@ -1,4 +1,4 @@
-//! A body of another discretisation: a lattice of masses and springs, which meets particles on the grid.
+//! Body of another discretisation: a lattice of masses and springs in contact with particles on the grid.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use mpm_core::{
     PointView, QuadraticBSpline, SceneError, Solver, Stopped, Totals, Usl,
 };
 
-/// Masses `spacing` apart, joined with their eight neighbours.
+/// Masses at distance `spacing`, connected to their eight neighbours.
 #[derive(Clone, Debug)]
 struct Springs {
     mass: f64,
@@ -19,9 +19,9 @@ struct Springs {
     spacing: f64,
     positions: Vec<[f64; 2]>,
     velocities: Vec<[f64; 2]>,
-    /// Their ends and lengths, m.
+    /// End masses and rest lengths of the springs, m.
     springs: Vec<(usize, usize, f64)>,
-    /// Velocities of the step at work, m/s.
+    /// Velocities of the present step, m/s.
     trial: Vec<[f64; 2]>,
 }
 
@@ -162,7 +162,7 @@ fn surfaces() -> SurfaceDistance<Regression> {
     SurfaceDistance::new(Regression, 0.0).expect("detector").locally()
 }
 
-/// The lattice falls on a block of rubber.
+/// Create the scene: the lattice falls on a block of rubber.
 fn scene() -> Mpm<2> {
     let contact = GridContact::new(surfaces(), Pairs::new(law()));
     let mut mpm = Mpm::with_contact(plane(), BlockGrid::new(lattice()), contact);
@@ -189,11 +189,11 @@ fn what_the_lattice_gives_the_particles_get() {
     assert!(met > 50, "{met} nodes touched");
     assert!(after.momentum[1] > 0.3 * own.momentum[1].abs(), "it comes back: {after:?}");
     let share = (end.kinetic + end.internal) / (start.kinetic + start.internal);
-    // As bodies of particles that meet by these springs, which are damped (`reference.rs`).
+    // Energy loss of bodies of particles in contact by these springs, which are damped (`reference.rs`).
     assert!(share > 0.84 && share < 1.02, "energy {share}");
 }
 
-/// The lattice alone moves as if there were no grid, bit for bit.
+/// A single lattice moves as without a grid, bit for bit.
 #[test]
 fn alone_it_is_as_without_the_grid() {
     let mut mpm = Mpm::with_contact(

@@ -1,4 +1,4 @@
-//! Scenes of rubber bodies in the plane and in space.
+//! Scenes of rubber bodies in two and three dimensions.
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
@@ -9,7 +9,7 @@ use mpm_materials::{Moduli, NeoHookean};
 
 pub const H: f64 = 0.05;
 pub const YOUNG: f64 = 1.0e6;
-/// Of the longitudinal wave, m/s: Young's modulus 1 MPa, Poisson's ratio 0.3, 1000 kg/m^3.
+/// Speed of longitudinal waves, m/s: Young's modulus 1 MPa, Poisson's ratio 0.3, 1000 kg/m^3.
 pub const WAVE: f64 = 36.689969285267;
 
 pub type LinearFlip<const D: usize, E> = Method<Linear, Flip, Musl, E>;
@@ -51,7 +51,7 @@ pub fn space() -> LinearFlip<3, FullSpace> {
     Method::new(Linear, Flip, Musl, FullSpace)
 }
 
-/// Two balls that hit each other off centre.
+/// Create two balls in an off-centre impact.
 pub fn two<const D: usize>(speed: f64) -> Scene<D> {
     let (mut a, mut b) = ([0.3; D], [0.3; D]);
     (a[0], b[0], b[1]) = (0.2, 0.63, 0.4);
@@ -60,7 +60,7 @@ pub fn two<const D: usize>(speed: f64) -> Scene<D> {
     vec![(ball(a, 0.2), v), (ball(b, 0.2), w)]
 }
 
-/// Three discs that meet in one place at once.
+/// Create three discs that collide in one place at once.
 pub fn three(speed: f64) -> Scene<2> {
     let at = |angle: f64, r: f64| [0.5 + r * angle.cos(), 0.5 + r * angle.sin()];
     let third = 2.0 * std::f64::consts::PI / 3.0;
@@ -73,7 +73,7 @@ pub fn three(speed: f64) -> Scene<2> {
         .collect()
 }
 
-/// The particles of every body, by number.
+/// Return the particles of every body, by number.
 pub fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<Vec<PointView>> {
     mpm.bodies().iter().map(|body| body.points()).collect()
 }

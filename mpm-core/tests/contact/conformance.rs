@@ -1,4 +1,4 @@
-//! The battery for our own detectors, and for one written for a pair at a place.
+//! Conformance tests for the detectors of the library, and for a custom one that checks pairs one by one.
 
 use mpm_contact::{
     Approach, Choice, Compression, ContactDetector, Coulomb, Criterion, Gradients, Pairs, Penalty,
@@ -10,7 +10,7 @@ use mpm_core::conformance::{Broken, detector, detector_and_law};
 
 use crate::common::{WAVE, build, particles, plane, three};
 
-/// Surfaces touch that overlap, or will in the step.
+/// Detector of surfaces that overlap, or will in the step.
 #[derive(Clone, Debug)]
 struct Foreseen(f64);
 impl PairDetector for Foreseen {
@@ -19,7 +19,7 @@ impl PairDetector for Foreseen {
     }
 }
 
-/// What the default detector does, pair by pair.
+/// Equivalent of the default detector, pair by pair.
 #[derive(Clone, Debug)]
 struct Overlap;
 impl PairDetector for Overlap {
@@ -39,7 +39,7 @@ fn detectors_of_pairs() -> Result<(), Broken> {
     detector_and_law(|| EachPair::new(Overlap), &SlipWeakening::new(FRICTION, 0.1, 1e-3).expect("law"))
 }
 
-/// A batch is made of places without changing a bit.
+/// The batched detector is equivalent, bit for bit.
 #[test]
 fn a_detector_of_pairs_is_the_batched_one() {
     fn run(detector: impl ContactDetector<f64, 2>) -> Vec<Vec<mpm_core::PointView>> {
@@ -61,7 +61,7 @@ fn detectors() -> Result<(), Broken> {
     detector(|| Regression)?;
     detector(|| SurfaceDistance::new(Regression, 0.1).expect("detector"))?;
     detector(|| Approach(Gradients::new(Weight::Volume, Choice::Difference)))?;
-    // Along gradients gaps are cells off at the rims, where a particle that lies on a cell's face decides: nothing that
-    // a spring should follow.
+    // Gaps along gradients are cells off at the rims, where a particle on the face of a cell decides: springs should
+    // not follow them.
     detector_and_law(|| Regression, &Penalty::new(500.0, 0.8, FRICTION).expect("law"))
 }

@@ -1,4 +1,4 @@
-//! Bodies that crowd in one block of nodes, where each keeps only the nodes it reaches.
+//! Crowds of bodies in one block of nodes, where each keeps only the nodes it reaches.
 
 use crate::common::{H, cuboid, lattice, rubber};
 use mpm_contact::{Frictionless, Gradients, Pairs, SurfaceDistance};
@@ -8,12 +8,12 @@ use mpm_core::{
     TimeControl, Usf, Usl,
 };
 
-/// Corners of cubes of one cell that stand a cell apart: 2^D of them in every block of nodes.
+/// Return the corners of cubes of one cell, one cell apart: 2^D of them in every block of nodes.
 fn corners<const D: usize>() -> Vec<[f64; D]> {
     (0..1 << D).map(|n| std::array::from_fn(|d| if n >> d & 1 == 0 { 0.0 } else { 2.0 * H })).collect()
 }
 
-/// The particles of `cubes` once they have flown, each turning and stretching, over three cells.
+/// Return the particles of `cubes` after a flight over three cells, in which each rotates and stretches.
 fn fly<const D: usize>(
     method: impl IntoKernels<f64, D>,
     grid: impl GridStorage<f64, D> + 'static,
@@ -21,7 +21,7 @@ fn fly<const D: usize>(
     mirror: bool,
     threads: usize,
 ) -> Vec<Vec<PointView>> {
-    // Surfaces would have to overlap by three cells: what is asked is not contact, but who has which nodes.
+    // Surfaces would have to overlap by three cells: the test concerns the nodes of each body, and not contact.
     let never = SurfaceDistance::new(Gradients::default(), -3.0).expect("threshold");
     let contact = GridContact::new(never, Pairs::new(Frictionless));
     let mut mpm = Mpm::with_contact(method, grid, contact);
@@ -46,7 +46,7 @@ fn fly<const D: usize>(
     mpm.bodies().iter().map(|body| body.points()).collect()
 }
 
-/// In a crowd every cube does to the last bit what it does alone, with any number of threads and on any grid.
+/// Check that every cube moves in a crowd as alone, to the last bit, with any number of threads and on any grid.
 fn crowd_is_as_alone<const D: usize>(method: impl IntoKernels<f64, D> + Clone, mirror: bool) {
     let grid = || BlockGrid::new(lattice());
     let cubes = corners::<D>();
@@ -79,14 +79,14 @@ fn a_crowd_in_space_is_as_its_members_alone() {
     crowd_is_as_alone(Method::new(QuadraticBSpline, Apic, Usl, FullSpace), true);
 }
 
-/// What crowds cost in memory: fields of a few nodes each, not blocks.
+/// Memory of crowds: fields of a few nodes each, not blocks.
 #[test]
 fn a_crowd_keeps_the_nodes_it_reaches() {
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Frictionless));
     let method = Method::new(Linear, Flip, Musl, FullSpace);
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
     for low in corners::<3>() {
-        // Away from the faces of blocks, each reaches 27 nodes in one block.
+        // Away from the faces of blocks, each cube reaches 27 nodes in one block.
         let low = low.map(|x| x + 0.01 * H);
         let seeds = cuboid(low, low.map(|x| x + 0.98 * H));
         let name = format!("cube {}", mpm.bodies().len());

@@ -1,4 +1,4 @@
-//! What bounces off a floor that rests gets no energy from it: walls, planes of symmetry, rigid bodies.
+//! A body that bounces off a floor at rest gains no energy: walls, planes of symmetry, rigid bodies.
 
 use crate::common::cuboid;
 use mpm_contact::{Frictionless, Pairs, SurfaceDistance};
@@ -16,12 +16,12 @@ enum Floor {
     Rigid,
 }
 
-/// What makes the kernels of a method.
+/// Constructor of the kernels of a method.
 type Made = fn() -> Kernels<f64, 2>;
 
 const FLOORS: [Floor; 3] = [Floor::Wall, Floor::Symmetry, Floor::Rigid];
 
-/// A rubber ball of 4 mm, 1000 kg/m^3, 100 MPa, that flies at a floor, 1 mm above the last nodes.
+/// Create a rubber ball of 4 mm, 1000 kg/m^3, 100 MPa, that flies at a floor, 1 mm above the last nodes.
 fn ball<const D: usize>(
     kernels: Kernels<f64, D>,
     floor: Floor,
@@ -65,19 +65,19 @@ where
     if let Some(factor) = factor {
         mpm.set_time_control(TimeControl::Courant { factor, growth: 1.1 }).expect("control");
     }
-    // It is measured here.
+    // The energy is measured by this test.
     mpm.set_watch(Watch::off());
     mpm
 }
 
-/// Energy after the bounce over that before, and the ball's velocity over that before.
+/// Return the energy after the bounce over that before, and the ratio of the velocities of the ball.
 fn bounce<const D: usize>(mut mpm: Mpm<D>, speed: f64) -> [f64; 2]
 where
     f64: Scalar<D>,
 {
     let of = |mpm: &Mpm<D>| mpm.bodies()[0].totals();
     let start = of(&mpm);
-    // One millimetre of way, and three times the duration of the impact: that of 0.1 ms at 10 m/s hardly depends on speed.
+    // A distance of one millimetre, and three times the duration of the impact: 0.1 ms at 10 m/s, nearly independent of speed.
     mpm.run_until(1e-3 / speed + 0.25e-3).expect("run");
     let now = of(&mpm);
     let energy = (now.kinetic + now.internal) / start.kinetic;
@@ -86,8 +86,8 @@ where
     [energy, now.momentum[1] / now.mass / speed]
 }
 
-/// Linear shape functions gain up to 1.3 % at the default step off a wall and 2.1 % off a plane of symmetry (README recommends them for no
-/// impact).
+/// Linear shape functions gain up to 1.3 % at the default step off a wall and 2.1 % off a plane of symmetry (README
+/// recommends them for no impact).
 #[test]
 fn no_floor_gives_energy() {
     let methods: [(&str, Made); 4] = [
@@ -120,7 +120,7 @@ fn no_floor_gives_energy() {
     }
 }
 
-/// The table of book, "Where contact is applied".
+/// Table of book, "Where contact is applied".
 #[test]
 #[ignore = "a table for the notes, not a test"]
 fn energy_by_floor() {
@@ -161,9 +161,9 @@ fn no_floor_gives_energy_in_space() {
     }
 }
 
-/// A wall lets go where a plane of symmetry holds. With MUSL it takes no energy from a ball. With USL nodes behind it, of little mass, are
-/// accelerated by the stress at the wall, and strain in a step ahead of the particles that they accelerate: what that takes is less
-/// with smaller cells, by an order of at least 1.3.
+/// A wall releases bodies that a plane of symmetry retains. With MUSL it takes no energy from a ball. With USL the
+/// stress at the wall accelerates nodes behind it, of little mass, which strain in a step before the particles are
+/// accelerated: this loss decreases with the cell size by an order of at least 1.3.
 #[test]
 fn a_wall_is_a_plane_of_symmetry_that_lets_go() {
     let flip = || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).into_kernels();
@@ -180,7 +180,7 @@ fn a_wall_is_a_plane_of_symmetry_that_lets_go() {
     }
     assert!(lost[0] < 0.15 && lost[2] < 0.02, "{lost:?}");
     assert!(lost.windows(2).all(|two| two[1] * 2f64.powf(1.3) < two[0]), "{lost:?}");
-    // A block that stands on a wall under its weight, is lifted, and meets no hindrance.
+    // A block stands on a wall under its weight, is lifted, and separates without resistance.
     let mut mpm = crate::common::build(
         Method::impact(PlaneStrain),
         mpm_core::OneField,
@@ -198,8 +198,8 @@ fn a_wall_is_a_plane_of_symmetry_that_lets_go() {
     assert!((gained - 1.0).abs() < 0.03, "gained {gained} of what lifts it");
 }
 
-/// A wall that drives into a disc at rest sends it off with less than twice its own speed (book, "Where contact is applied");
-/// what it gives is booked: its impulse, and its work as that times its velocity.
+/// A moving wall that hits a disc at rest accelerates it to less than twice its own speed (book, "Where contact is
+/// applied"); its impulse is booked, and its work as the impulse times its velocity.
 #[test]
 fn a_wall_that_moves_does_its_work() {
     let speed = 12.0;

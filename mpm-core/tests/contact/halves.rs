@@ -1,4 +1,5 @@
-//! Rigid bodies at planes of symmetry: half and quarter models do what the whole does, and prescribed bodies go where they are told.
+//! Rigid bodies at planes of symmetry: half and quarter models are equivalent to the whole, and prescribed bodies
+//! follow their motion.
 
 use crate::common::{H, WAVE, cuboid, lattice, particles, rubber};
 use mpm_contact::{Choice, Coulomb, Gradients, Pairs, SurfaceDistance, Weight};
@@ -9,10 +10,10 @@ use mpm_core::{
     Usl,
 };
 
-/// Where planes of symmetry are, m.
+/// Position of planes of symmetry, m.
 const AT: f64 = 12.0 * H;
 
-/// Those of the seeds that are above the planes of symmetry.
+/// Return the seeds above the planes of symmetry.
 fn part<const D: usize>(seeds: Seeds<D>, planes: usize) -> Seeds<D> {
     let kept: Vec<usize> =
         (0..seeds.positions.len()).filter(|&n| (0..planes).all(|d| seeds.positions[n][d] > AT)).collect();
@@ -27,23 +28,24 @@ fn free<const D: usize>() -> Rigid<D> {
     Rigid::free(3000.0).expect("rigid")
 }
 
-/// A box about the planes along the first axes, from `low` to `high` cells along the last one.
+/// Create a box centred on the planes along the first axes, from `low` to `high` cells along the last one.
 fn slab<const D: usize>(half: usize, [low, high]: [f64; 2]) -> Seeds<D> {
     let (mut from, mut to) = ([AT - half as f64 * H; D], [AT + half as f64 * H; D]);
     (from[D - 1], to[D - 1]) = (low * H, high * H);
     cuboid(from, to)
 }
 
-/// Rule for the normals of contact. The separating plane is iterated: of rough surfaces it depends on the order of particles, which half and
-/// whole models do not have in common.
+/// Rule for contact normals. The separating plane is iterated: for rough surfaces it depends on the order of
+/// particles, which differs in half and whole models.
 #[derive(Clone, Copy)]
 enum Normals {
     Plane,
     Mass,
 }
 
-/// A platen of prescribed motion presses rubber onto a free stone, which hits a second block of rubber, with friction; all
-/// of them cut by `planes` planes of symmetry, or whole. No surfaces touch at the start, where rounding would tell whether they do.
+/// Run a scene with friction, cut by `planes` planes of symmetry, or whole: a platen of prescribed motion presses
+/// rubber onto a free stone, which hits a second block of rubber. No surfaces touch at the start, where rounding
+/// would decide.
 fn press<const D: usize>(
     method: impl IntoKernels<f64, D>,
     normals: Normals,
@@ -125,7 +127,7 @@ halves! {
     quarter_with_cpgimp: 3, 2, 60, Plane, Method::new(CpGimp, Flip, Musl, FullSpace);
 }
 
-/// Half of a prescribed body, beside one plane or two, moves and turns as told: to rounding, with every shape function.
+/// Check that a part of a prescribed body, at one plane or two, follows its motion to rounding, with every shape function.
 fn obeys(method: impl IntoKernels<f64, 3>) {
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3).expect("law")));
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
@@ -136,7 +138,7 @@ fn obeys(method: impl IntoKernels<f64, 3>) {
     let quarter = Rigid::prescribed(1000.0, motion).expect("rigid");
     mpm.add_rigid("quarter", &quarter, &cuboid([AT, AT, AT], [AT + 3.0 * H, AT + 2.0 * H, AT + 4.0 * H]))
         .expect("body");
-    // One that spins about the normal of the plane that it lies on, and goes away from it.
+    // A body that spins about the normal of the plane on its face, and moves away from the plane.
     let motion = |_| Twist { velocity: [0.2, 0.0, 0.0], spin: [3.0, 0.0, 0.0] };
     let centre = [AT, AT + 12.0 * H, AT];
     let rotor = Rigid::prescribed(1000.0, motion).expect("rigid").about(centre);
@@ -171,7 +173,7 @@ fn prescribed_bodies_at_planes_of_symmetry_go_where_they_are_told() {
     obeys(Method::new(CubicBSpline, Mls, Usl, FullSpace).compiled());
 }
 
-/// A free body that a plane cuts keeps its symmetry whatever acts on it, and the books close; one that does not is stopped by it.
+/// A free body cut by a plane keeps its symmetry under any load, and the balances close; the plane stops a body that is not cut.
 #[test]
 fn planes_of_symmetry_hold_free_bodies() {
     let method = Method::new(QuadraticBSpline, Apic, Usl, FullSpace);
@@ -180,7 +182,7 @@ fn planes_of_symmetry_hold_free_bodies() {
     mpm.set_time_control(TimeControl::Fixed(1e-3)).expect("control");
     mpm.bound(Boundary::Symmetry { axis: 0, at: AT, side: Side::Above }).expect("plane");
     mpm.set_body_force(|_| [-4.0, 1.0, -10.0]);
-    // Unlike about its own centre along y and z, so that weight and spin would turn it.
+    // Not symmetric about its own centre along y and z, so that weight and spin would rotate it.
     let wedge = cuboid([AT, AT, AT], [AT + 4.0 * H, AT + 2.0 * H, AT + 3.0 * H]);
     let spins = free().with_velocity([0.0, 1.0, 0.5]).with_spin([5.0, 0.0, 0.0]);
     mpm.add_rigid("wedge", &spins, &wedge).expect("wedge");

@@ -1,4 +1,4 @@
-//! Numbers that no scene can have: refused where they enter or in the step that meets them, by name; nothing hangs.
+//! Invalid numbers: refused on input or in the step in which they arise, with their name; no run hangs.
 
 use crate::common::{H, WAVE, ball, build, cuboid, lattice, plane, rubber};
 use mpm_contact::{Coulomb, Frictionless, Pairs, SurfaceDistance};
@@ -32,7 +32,7 @@ fn rigid_bodies_that_move_as_none_can() {
     let free = |density| Rigid::<2>::free(density).expect("rigid");
     let refused = with_disc(&free(1e-310)).err().expect("a density");
     assert!(refused.contains("`disc`: density"), "{refused}");
-    // What is left of a body this light is moved by whatever meets it, or stops the run; it hung.
+    // A body this light is moved by any contact, or stops the run, which used to hang.
     let mut light = with_disc(&free(1e-300).with_velocity([5.0, -5.0])).expect("normal numbers");
     drop((0..400).find_map(|_| light.step().err()));
     let refused = with_disc(&free(1e3).with_spin([0.0, 0.0, 1e300])).err().expect("a spin");
@@ -56,7 +56,7 @@ fn rigid_bodies_that_move_as_none_can() {
     }
 }
 
-/// A checkpoint altered by bits is refused or goes on; it neither hangs nor panics.
+/// A checkpoint with altered bits is refused or continues; it neither hangs nor panics.
 #[test]
 fn altered_checkpoints() {
     let file = std::env::temp_dir().join(format!("impactite-{}-altered", std::process::id()));
@@ -70,7 +70,7 @@ fn altered_checkpoints() {
     }
     mpm.save(&file).expect("checkpoint");
     let gz = std::fs::read(&file).expect("file");
-    // The words lie uncompressed in blocks of gzip, whose checksum catches what is altered.
+    // The words are stored uncompressed in blocks of gzip, whose checksum detects alterations.
     let mut refused = 0;
     for n in 0..200 {
         let mut bytes = gz.clone();
@@ -107,7 +107,7 @@ fn clocks() {
         mpm.step_towards(0.01).is_err() && mpm.step_towards(0.005).is_err() && mpm.run_until(0.005).is_err()
     );
     assert_eq!(mpm.steps(), steps);
-    // Clocks that begin before zero, and far from it.
+    // Clocks that start before zero, and far from it.
     for start in [-0.02, 1e6] {
         let mut mpm = scene();
         mpm.set_time(start).expect("clock");
@@ -152,7 +152,7 @@ fn names_and_places() {
     assert!(mpm.add_rigid("other", &rigid, &behind).is_err());
 }
 
-/// A checkpoint goes into the scene it is of, and into none of other constants, which it names.
+/// A checkpoint is accepted by its own scene, and refused by a scene with another constant, which the error names.
 #[test]
 fn checkpoints_of_other_scenes() {
     let file = std::env::temp_dir().join(format!("impactite-{}-constants", std::process::id()));
@@ -207,7 +207,7 @@ fn checkpoints_of_other_scenes() {
     std::fs::remove_file(&file).expect("file");
 }
 
-/// Numbers drawn from those that break things, wherever a scene takes one: it is refused, or makes steps, or stops by an error.
+/// Critical numbers, drawn at random for every input of a scene: it is refused, makes steps, or stops with an error.
 #[test]
 fn any_numbers() {
     const DRAWN: [f64; 16] = [
@@ -235,7 +235,7 @@ fn any_numbers() {
         let mut z = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^= z >> 31;
-        // Mostly sane, so that the others come to where they matter.
+        // Mostly valid numbers, so that invalid ones reach all stages.
         if z.is_multiple_of(4) { DRAWN[(z >> 32) as usize % DRAWN.len()] } else { sane }
     };
     let (mut refused, mut stopped, mut ran) = (0, 0, 0);

@@ -1,4 +1,4 @@
-//! What contact knows from earlier steps.
+//! Contact data kept from earlier steps.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -9,7 +9,7 @@ use mpm_contact::{
 };
 use mpm_core::{GridContact, TimeControl, Watch};
 
-/// Counts how often it is asked.
+/// Detector that counts its evaluations.
 #[derive(Debug)]
 struct Counted(SurfaceDistance, Arc<AtomicUsize>);
 
@@ -34,8 +34,7 @@ impl ContactDetector<f64, 2> for Counted {
     }
 }
 
-/// Positions after `steps` of discs that come together, in cells, and the number of nodes that the detector was asked
-/// about.
+/// Return positions after `steps` of approaching discs, in cells, and the number of nodes evaluated by the detector.
 fn run(keeps: Option<f64>, speed: f64, steps: usize) -> (Vec<[f64; 2]>, usize) {
     let count = Arc::new(AtomicUsize::new(0));
     let detector = Counted(SurfaceDistance::default(), count.clone());
@@ -57,8 +56,7 @@ fn run(keeps: Option<f64>, speed: f64, steps: usize) -> (Vec<[f64; 2]>, usize) {
     (list.iter().map(|p| [p.position[0] / H, p.position[1] / H]).collect(), count.load(Ordering::Relaxed))
 }
 
-/// Slow bodies are looked at rarely, and go where they would if they were looked at in every step, within what they may
-/// move in between.
+/// Slow bodies are checked rarely; the result agrees with a check in every step within the displacement allowed in between.
 #[test]
 fn slow_bodies_are_looked_at_rarely() {
     let speed = 3e-4 * WAVE;
@@ -70,14 +68,14 @@ fn slow_bodies_are_looked_at_rarely() {
     assert!(apart > 0.0, "nothing was kept");
 }
 
-/// Fast ones move further in a step than anything is kept for.
+/// Fast bodies move further in a step than the distance for which contact is kept.
 #[test]
 fn fast_bodies_are_looked_at_in_every_step() {
     let speed = 0.1 * WAVE;
     assert_eq!(run(Some(0.0), speed, 100), run(None, speed, 100));
 }
 
-/// A body at rest, or one that is at rest again, is asked about once.
+/// A body at rest, or at rest again, is checked once.
 #[test]
 fn bodies_at_rest_are_looked_at_once() {
     let count = Arc::new(AtomicUsize::new(0));

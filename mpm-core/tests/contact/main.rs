@@ -1,4 +1,4 @@
-//! Contact on the grid. One program, so that what all of them use is compiled once.
+//! Contact on the grid, in one test program, so that shared code is compiled once.
 
 #![allow(missing_docs)]
 

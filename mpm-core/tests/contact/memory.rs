@@ -1,4 +1,4 @@
-//! Laws that remember: slip weakening against the exact motion of a slider, and how long memory lasts.
+//! Contact laws with memory: slip weakening against the exact motion of a slider, and the lifetime of memory.
 
 use std::sync::{Arc, Mutex};
 
@@ -17,12 +17,12 @@ use mpm_materials::{Moduli, NeoHookean};
 const GRAVITY: f64 = 10.0;
 const AT_REST: f64 = 0.6;
 const SLIDING: f64 = 0.2;
-/// Over two cells: what a contact remembers must go with the block.
+/// More than two cells: the contact memory must move with the block.
 const DISTANCE: f64 = 0.12;
-/// Impulses on free rigid bodies are found to 1e-10 of the largest, or as far as the relaxation comes: in some steps the block slips
-/// by that, m. (2e-7 m in 0.3 s were seen with steps of 1 ms.)
+/// Impulses on free rigid bodies are found to 1e-10 of the largest, or as far as the relaxation converges: in some
+/// steps the block slips by this distance, m. (2e-7 m in 0.3 s were measured with steps of 1 ms.)
 const CREEP: f64 = 1e-6;
-/// A way that shows that a block moves, m: r tau^3 / 6 with what weakened by then below a thousandth.
+/// Displacement that counts as motion of the block, m: r tau^3 / 6, with weakening still below a thousandth.
 const MOVED: f64 = 1e-5;
 
 fn still(mpm: &mut Mpm<2>, seeds: &Seeds<2>) {
@@ -30,9 +30,9 @@ fn still(mpm: &mut Mpm<2>, seeds: &Seeds<2>) {
     mpm.add_rigid("floor", &rigid, seeds).expect("floor");
 }
 
-/// A block on a floor, pulled by r t along it since `start`: it lets go at t_1 = mu_s g / r, then
-/// s'' = r (t - t_1) + lambda^2 s with lambda^2 = (mu_s - mu_k) g / d_c, so s = r / lambda^3 (sinh x - x), x = lambda (t - t_1), until s = d_c;
-/// then s'' = r t - mu_k g.
+/// Block on a floor, pulled by r t along it since `start`: it starts to slip at t_1 = mu_s g / r, then s'' = r (t -
+/// t_1) + lambda^2 s with lambda^2 = (mu_s - mu_k) g / d_c, so s = r / lambda^3 (sinh x - x), x = lambda (t - t_1),
+/// until s = d_c; then s'' = r t - mu_k g.
 struct Slider {
     rate: f64,
 }
@@ -64,7 +64,7 @@ fn weakening() -> Pairs<f64> {
     Pairs::new(SlipWeakening::new(AT_REST, SLIDING, DISTANCE).expect("law"))
 }
 
-/// How late a rigid block is where it has gone `MOVED`, s, and how far off it is at the end, over its way.
+/// Return the delay, s, at which a rigid block has moved by `MOVED`, and its relative error of displacement at the end.
 fn rigid_slider(dt: f64, laws: Pairs<f64>) -> [f64; 2] {
     let slider = Slider { rate: 20.0 };
     let contact = GridContact::new(SurfaceDistance::default(), laws);
@@ -89,9 +89,9 @@ fn rigid_slider(dt: f64, laws: Pairs<f64>) -> [f64; 2] {
     [late, way(&mpm) / exact - 1.0]
 }
 
-/// Friction is that of the slip at the start of the step, and velocities stand between positions: the integration is off by some
-/// (lambda dt)^2, 3e-5 with the longer steps. The contact of a free rigid body adds its own error, which constant friction shows in
-/// the same scene, where s = r (t - t_1)^3 / 6: 2e-4 with the shorter steps.
+/// Friction is that of the slip at the start of the step, and velocities are between positions: the integration error
+/// is some (lambda dt)^2, 3e-5 with the longer steps. The contact of a free rigid body adds its own error, which
+/// constant friction shows in the same scene, where s = r (t - t_1)^3 / 6: 2e-4 with the shorter steps.
 #[test]
 fn a_rigid_block_lets_go_and_runs_away() {
     let slider = Slider { rate: 20.0 };
@@ -107,7 +107,7 @@ fn a_rigid_block_lets_go_and_runs_away() {
     }
 }
 
-/// A block of rubber on a grid that its faces cut; the weight comes on slowly, then the pull.
+/// Block of rubber with faces between nodes; the weight is applied slowly, then the pull.
 #[test]
 fn a_soft_block_lets_go_and_runs_away() {
     let slider = Slider { rate: 20.0 };
@@ -135,11 +135,12 @@ fn a_soft_block_lets_go_and_runs_away() {
         sums[0] / sums[1]
     };
     let first = centre(&mpm);
-    // It leans by sigma_yy nu / E and the shear of 10 kPa at most, some 1e-5 m; then goes six cells.
+    // It leans by sigma_yy nu / E and the shear of 10 kPa at most, some 1e-5 m; then it moves six cells.
     mpm.run_until(start + 0.28).expect("run");
     let leans = centre(&mpm) - first;
     assert!(leans.abs() < 1e-5, "it leans by {leans} m");
-    // What leaning and swinging change at the onset grows by sinh(lambda t): 0.5 % of the way were seen at 0.5 s, 0.2 % at 0.7 s.
+    // Disturbances at the onset by leaning and vibration grow by sinh(lambda t): 0.5 % of the displacement at 0.5 s,
+    // 0.2 % at 0.7 s.
     for t in [0.5, 0.6, 0.7] {
         mpm.run_until(start + t).expect("run");
         let (way, exact) = (centre(&mpm) - first, slider.way(t));
@@ -147,10 +148,10 @@ fn a_soft_block_lets_go_and_runs_away() {
     }
 }
 
-/// Time, age, position.
+/// Time, age and position.
 type Seen = (f64, f64, [f64; 3]);
 
-/// A law that tells what it sees of another one, and how many steps a contact is old.
+/// Law that records the contacts of another one, and counts the steps of a contact.
 #[derive(Clone, Debug)]
 struct Witness<L> {
     law: L,
@@ -179,7 +180,7 @@ impl<L: ContactLaw<f64>> ContactLaw<f64> for Witness<L> {
     }
 }
 
-/// A block that lies, is lifted, and comes down again: contacts grow old, are forgotten, and begin anew, at the nodes of its lower face.
+/// A block lies, is lifted, and lands again: contacts age, are forgotten, and start again, at the nodes of its lower face.
 #[test]
 fn memory_lasts_as_long_as_the_contact() {
     let law = Witness::of(Coulomb::new(0.5).expect("law"));
@@ -192,7 +193,7 @@ fn memory_lasts_as_long_as_the_contact() {
     let free = Rigid::free(1000.0).expect("rigid");
     mpm.add_rigid("block", &free, &cuboid([0.0, 0.0], [0.4, 0.1])).expect("block");
     still(&mut mpm, &cuboid([-0.3, -0.2], [0.7, 0.0]));
-    // Down for 50 ms, up for 20, down for good.
+    // Weight down for 50 ms, up for 20, then down.
     mpm.set_body_force(move |t| [0.0, if (0.05..0.07).contains(&t) { 10.0 } else { -10.0 }]);
     mpm.run_until(0.2).expect("run");
     let seen = seen.lock().expect("seen");
@@ -203,14 +204,14 @@ fn memory_lasts_as_long_as_the_contact() {
     assert_eq!(oldest(0.0, 0.5 * dt), 0.0, "a first contact is new");
     let lying = oldest(0.0, 0.05);
     assert!((45.0..=50.0).contains(&lying), "{lying}");
-    // Up at 0.2 m/s, it falls for 40 ms and is at the floor after some 0.12 s.
+    // Up at 0.2 m/s, the block decelerates and falls for 40 ms, and is on the floor after some 0.12 s.
     assert_eq!(oldest(0.075, 0.1), f64::NEG_INFINITY, "nothing touches in the air");
     let again = oldest(0.1, 0.2);
     assert!((10.0..100.0).contains(&again), "the second contact began anew: {again}");
 }
 
-/// Two blocks that are glued together fly through the grid, along their common face and across it: every node that they come to knows
-/// how old the contact is; and the bits are the same whatever threads and grid.
+/// Two blocks glued together fly through the grid, along their common face and across it: every new node has the age
+/// of the contact, and results are bitwise identical for any threads and grid.
 #[test]
 fn memory_travels_with_a_pair() {
     let run = |threads: usize, dense: bool| {
@@ -243,7 +244,7 @@ fn memory_travels_with_a_pair() {
     assert!(one == run(2, false) && one == run(1, true), "the same bits");
 }
 
-/// Three discs with slip weakening: equal bits for any number of threads.
+/// Three discs with slip weakening: bitwise identical for any number of threads.
 #[test]
 fn threads_change_nothing() {
     let run = |threads: usize| {

@@ -1,4 +1,4 @@
-//! When does contact begin? Bodies that close face to face must feel each other when their surfaces meet.
+//! Onset of contact: bodies that approach face to face must be in contact when their surfaces touch.
 
 use crate::common::{H, WAVE, build, cuboid};
 use mpm_contact::{Approach, ContactDetector, Frictionless, Gradients, Pairs, Regression, SurfaceDistance};
@@ -7,10 +7,10 @@ use mpm_core::{
     CpGimp, Flip, GridContact, IntoKernels, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl,
 };
 
-/// Distance of the surfaces at the start, in cells.
+/// Initial distance of the surfaces, in cells.
 const APART: f64 = 3.0;
 
-/// A disc of particles in circles, so that the outermost ones touch the surface.
+/// Create a disc of particles in circles, so that the outermost ones touch the surface.
 fn disc(centre: [f64; 2], cells: u32) -> Seeds<2> {
     let mut seeds = crate::common::ball([0.0, 0.0], H);
     (seeds.positions, seeds.volumes) = (Vec::new(), Vec::new());
@@ -26,7 +26,7 @@ fn disc(centre: [f64; 2], cells: u32) -> Seeds<2> {
     seeds
 }
 
-/// Discs whose line of centres is turned by 45 degrees, and blocks: names, bodies, direction of the second.
+/// Return names, bodies and direction of the second body: discs with a line of centres at 45 degrees, and blocks.
 fn scenes() -> Vec<(String, [Seeds<2>; 2], [f64; 2])> {
     let mut scenes = Vec::new();
     for (name, cells) in [("small discs", 8), ("large discs", 16)] {
@@ -63,7 +63,7 @@ fn onset(
     APART - 2.0 * before / H
 }
 
-/// The gaps at onset of a detector in all scenes and three shape functions, in cells: none beyond `most`.
+/// Check that the gaps at onset of a detector, in all scenes and with three shape functions, are at most `most` cells.
 fn meets<S: ContactDetector<f64, 2>>(name: &str, most: f64, detector: impl Fn() -> S) {
     for (scene, bodies, to) in scenes() {
         let gaps = [
@@ -75,8 +75,8 @@ fn meets<S: ContactDetector<f64, 2>>(name: &str, most: f64, detector: impl Fn() 
     }
 }
 
-/// The plane between the particles finds the gap within a tenth of a cell, whatever the shape function and however the
-/// bodies lie on the grid.
+/// The regression plane between the particles finds the gap within a tenth of a cell, for any shape function and
+/// position on the grid.
 #[test]
 fn regression_finds_where_surfaces_meet() {
     meets("regression", 0.1, || Regression);
@@ -87,13 +87,13 @@ fn so_does_its_plane_with_the_local_distance() {
     meets("regression, local", 0.1, || SurfaceDistance::new(Regression, 0.0).expect("detector").locally());
 }
 
-/// Oblique gradients make surfaces meet a little early (T6: within a quarter of a cell).
+/// Oblique gradients detect contact a little early (T6: within a quarter of a cell).
 #[test]
 fn the_local_distance_along_gradients_is_within_a_quarter() {
     meets("gradients, local", 0.25, || SurfaceDistance::default().locally());
 }
 
-/// Without the distance bodies feel each other when they share a node.
+/// Without the distance, contact starts when bodies share a node.
 #[test]
 fn approach_alone_is_early() {
     for (scene, bodies, to) in scenes() {

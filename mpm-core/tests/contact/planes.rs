@@ -1,4 +1,4 @@
-//! Free rigid bodies on walls and fixed planes, against mechanics.
+//! Free rigid bodies on walls and fixed planes, against exact solutions.
 
 use crate::common::{H, cuboid, lattice, particles};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
@@ -26,7 +26,7 @@ fn rough<const D: usize>(axis: usize, at: f64, side: Side, friction: f64) -> Bou
     Boundary::FrictionWall { axis, at, side, velocity: [0.0; D], friction }
 }
 
-/// A box dropped from 2 cells comes to rest on a plane, is carried by it with its weight, and stays.
+/// Check that a box dropped from 2 cells comes to rest on a plane, which carries its weight, and stays.
 fn rests(method: impl IntoKernels<f64, 2>, plane: Boundary<2>, axis: usize, up: f64, steps: usize) {
     let (at, mut gravity) = (1.0, [0.0; 2]);
     gravity[axis] = -up * 9.81;
@@ -60,7 +60,7 @@ fn bodies_rest_on_planes() {
     let fixed = |axis, side| Boundary::Fixed { axis, at: 1.0, side };
     rests(Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled(), fixed(1, Side::Below), 1, -1.0, 500);
     rests(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), fixed(0, Side::Above), 0, 1.0, 500);
-    // Between nodes.
+    // Plane between nodes.
     let between = Boundary::Wall { axis: 1, at: 1.0, side: Side::Above, velocity: 0.0 };
     rests(Method::new(CpGimp, Flip, Usl, PlaneStrain), between, 1, 1.0, 500);
 }
@@ -89,7 +89,7 @@ fn blocks_slide_on_friction_walls() {
     }
 }
 
-/// A disc and a ball roll at g sin a / (1 + I / (m R^2)), with the inertia of their particles.
+/// Check that a disc and a ball roll at g sin a / (1 + I / (m R^2)), with the inertia of their particles.
 fn rolls<const D: usize>(
     method: impl IntoKernels<f64, D>,
     seeds: &Seeds<D>,
@@ -129,7 +129,7 @@ fn discs_and_balls_roll_on_friction_walls() {
     rolls(Method::new(CpGimp, Flip, Musl, FullSpace), &ball.expect("seeds"), 0.25, 5.0 / 7.0, 0.15);
 }
 
-/// A wall that moves carries a body along, with its friction, and does the work of it.
+/// A moving wall carries a body along by friction, and its work is booked.
 #[test]
 fn walls_that_move_carry_bodies() {
     let mut mpm = scene(Method::new(CpGimp, Flip, Musl, PlaneStrain), [0.0, -10.0]);
@@ -146,7 +146,7 @@ fn walls_that_move_carry_bodies() {
     assert!(missing.abs() < 1e-9 * books.work, "energy: {missing:e} J");
 }
 
-/// A stack on a wall, thrown at another wall: the same for any number of threads, and no body passes.
+/// A stack on a wall, thrown at another wall: identical for any number of threads, and no body penetrates a wall.
 #[test]
 fn threads_change_nothing() {
     let run = |threads: usize| {

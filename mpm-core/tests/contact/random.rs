@@ -1,4 +1,4 @@
-//! Four hundred scenes drawn at random: whatever meets what, mass and momentum close, and energy comes from nowhere without a word.
+//! Four hundred random scenes of bodies in contact: mass and momentum are conserved, and every energy gain is reported.
 
 use mpm_contact::{Coulomb, Frictionless, Pairs, Stick, SurfaceDistance};
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, Shape, fill};
@@ -47,7 +47,7 @@ macro_rules! method {
 
 const H: f64 = 1e-3;
 
-/// A ball or a box of 2 to 4 cells within a site of 10 cells, anywhere in it.
+/// Create a ball or a box of 2 to 4 cells at a random position in a site of 10 cells.
 fn body<const D: usize>(dice: &mut Dice, lattice: &Lattice<D>, site: [f64; D]) -> Seeds<D> {
     let centre: [f64; D] = std::array::from_fn(|d| site[d] + dice.within(4.2, 5.8) * H);
     let half: [f64; D] = std::array::from_fn(|_| dice.within(2.0, 4.0) * H);
@@ -60,16 +60,16 @@ fn body<const D: usize>(dice: &mut Dice, lattice: &Lattice<D>, site: [f64; D]) -
     fill(&*shape, lattice, 2, &Filling::new()).expect("seeds")
 }
 
-/// How a scene ends.
+/// Result of a scene.
 enum Ending {
     Well,
     /// Stopped, with the reason.
     Stopped(String),
-    /// With energy from nowhere that nobody tells of.
+    /// Energy gain that no warning reports.
     Gain(String),
 }
 
-/// Run the scene of a seed.
+/// Run the scene of a random seed.
 fn scene<const D: usize>(seed: u64, kernels: Kernels<f64, D>) -> Ending
 where
     f64: Scalar<D>,
@@ -137,7 +137,7 @@ where
         let weight: [f64; D] = std::array::from_fn(|_| dice.within(-1e4, 1e4));
         mpm.set_body_force(move |_| weight);
     }
-    // Below all of them, above, and to the left.
+    // Planes below all bodies, above, and to the left.
     for (axis, at, side) in [(1, 0.0, Side::Above), (1, 10.0, Side::Below), (0, 0.0, Side::Above)] {
         let node = origin[axis] + at * H;
         match dice.below(6) {
@@ -158,14 +158,14 @@ where
         }
     }
 
-    // Runs are short: look often enough to name what gains.
+    // Runs are short: check often enough to find the cause of a gain.
     mpm.set_watch(Watch::default().every(16).expect("watch"));
     let start = mpm.totals();
     let steps = 50 + dice.below(151);
     for _ in 0..steps {
         if let Err(error) = mpm.step() {
-            // By name: what is crushed between a moving boundary and another, a law or a free rigid body, has no way out; a
-            // rigid body that goes through a plane of symmetry is not stopped by it.
+            // Allowed stops: material between a moving boundary and another, a law or a free rigid body is crushed; a
+            // plane of symmetry does not stop a rigid body.
             let named = matches!(
                 error.what,
                 Stopped::Watch(_)

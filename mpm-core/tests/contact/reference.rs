@@ -1,4 +1,4 @@
-//! Bodies that are mapped in their reference configuration and meet others on the grid of the current one.
+//! Bodies mapped in their reference configuration, in contact with others on the grid of the current one.
 
 use crate::common::{H, Scene, WAVE, ball, cuboid, lattice, particles, plane, rubber, space, three, two};
 use mpm_contact::{Coulomb, Frictionless, Pairs, Penalty, Regression, SurfaceDistance};
@@ -13,7 +13,7 @@ use mpm_materials::{Constitutive, Elastic, LinearDensity, LinearElastic, Moduli,
 
 type LinearTotal<E> = Method<Linear, Flip, Musl, E, mpm_core::TotalLagrangian>;
 
-/// A scene of one body in its reference configuration.
+/// Create a scene of one body in its reference configuration.
 fn total<const D: usize>(
     name: &str,
     method: impl IntoKernels<f64, D>,
@@ -30,7 +30,7 @@ fn linear_total<E>(embedding: E) -> LinearTotal<E> {
     Method::new(Linear, Flip, Musl, embedding).total_lagrangian()
 }
 
-/// The bodies of a scene, those of odd number, or all, in their reference configuration.
+/// Create a scene with the bodies of odd number, or all, in their reference configuration.
 fn build<const D: usize>(
     method: impl IntoKernels<f64, D>,
     reference: impl IntoKernels<f64, D> + Clone,
@@ -68,8 +68,8 @@ fn coulomb() -> Pairs<f64> {
     Pairs::new(Coulomb::new(0.3).expect("law"))
 }
 
-/// Momentum stays in every step of a collision, and bodies come apart with as much energy as those that move through
-/// cells, within `less` and `more` of that before.
+/// Check that momentum is conserved in every step of a collision, and that bodies separate with about as much energy
+/// as those that move through cells.
 fn bounce<const D: usize>(
     name: &str,
     method: impl IntoKernels<f64, D> + Clone,
@@ -91,7 +91,7 @@ fn bounce<const D: usize>(
     }
     assert!(met > 50, "{name}: {met} nodes touched");
     let mut usual = crate::common::build(method, springs(), scene);
-    // Linear shape functions with FLIP gain energy as they cross cells; so does the strip below.
+    // Linear shape functions with FLIP gain energy in cell crossing, also for the strip below.
     usual.set_watch(Watch::off());
     usual.run_until(mpm.time()).expect("run");
     let usual = usual.totals();
@@ -122,7 +122,7 @@ fn what_one_gives_the_other_gets() {
     bounce("space", space(), solid, &two(0.1 * WAVE), false);
 }
 
-/// Without others, it is the scene that it was, bit for bit: its own forces never go through the other grid.
+/// A single body moves as in its own scene, bit for bit: its own forces never use the other grid.
 #[test]
 fn alone_it_is_as_before() {
     let flow = |x: [f64; 2]| [0.1 * WAVE + 3.0 * (x[1] - 0.2), -2.0 * x[0]];
@@ -143,8 +143,8 @@ fn alone_it_is_as_before() {
     assert_eq!(alone.totals(), mpm.totals());
 }
 
-/// A strip that swings along its length as it flies: in its reference configuration it swings as it would at rest, bit for
-/// bit but for rounding; through cells it does not.
+/// A strip in flight vibrates along its length. In its reference configuration it vibrates as at rest, up to
+/// rounding; through cells it does not.
 #[test]
 fn a_strip_swings_as_it_flies() {
     let strip = cuboid([0.0, 0.0], [0.6, 0.1]);
@@ -174,7 +174,7 @@ fn a_strip_swings_as_it_flies() {
     assert!((kept / held - 1.0).abs() < 1e-9, "{}", kept / held);
 }
 
-/// A wall of the scene holds it, and is booked; a plate of prescribed rest throws it back.
+/// A wall of the scene stops the block, and is booked; a plate at rest reflects it.
 #[test]
 fn a_block_comes_down() {
     let block = cuboid([0.0, 0.0], [0.4, 0.3]);
@@ -210,13 +210,13 @@ fn a_block_comes_down() {
     assert!(land(true) > 0.85);
 }
 
-/// Half of a scene behind a plane of symmetry is half of the whole.
+/// Half a scene at a plane of symmetry is equivalent to half of the whole.
 #[test]
 fn half_is_half_of_the_whole() {
     let run = |low: f64| {
         let (left, right) = (cuboid([-0.5, low], [0.0, 0.2]), cuboid([0.0, low], [0.4, 0.2]));
         let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Frictionless));
-        // What particles take of their nodes' velocity, those of the body in its reference configuration do not.
+        // A PIC fraction applies to particles of the scene, but not to those of the body in its reference configuration.
         let blend = Blend::new(100.0 * H / WAVE).expect("time");
         let method = Method::new(Linear, blend, Musl, PlaneStrain);
         let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
@@ -254,8 +254,8 @@ fn half_is_half_of_the_whole() {
     }
 }
 
-/// Bars end to end (V8), one of them in its reference configuration, on cells of its own: the exact velocity and stress of
-/// the joint. Uniaxial strain, small.
+/// Bars end to end (V8), one of them in its reference configuration, with its own cells: exact velocity and stress at
+/// the joint. Small uniaxial strain.
 #[test]
 fn bars_meet_at_the_exact_velocity() {
     let (cells, speed) = (40, 0.05);
@@ -297,7 +297,7 @@ fn bars_meet_at_the_exact_velocity() {
     }
 }
 
-/// Any number of threads, and a run that was broken off.
+/// Results are bitwise identical for any number of threads, and for a resumed run.
 #[test]
 fn the_same_bits() {
     let scene = || {
@@ -362,8 +362,8 @@ fn what_is_refused() {
     assert!(stopped.to_string().contains("a body force of the scene is not allowed beside"), "{stopped}");
 }
 
-/// Particles that merge leave the scene, in which bodies in their reference configuration keep their own: whichever comes first,
-/// the other is refused.
+/// Merging removes particles from the scene, and is not available beside bodies in their reference configuration: the
+/// second of the two is refused.
 #[test]
 fn no_merging_beside_them() {
     let elastic = Solid::new(
@@ -385,7 +385,7 @@ fn no_merging_beside_them() {
         let refused = refused.expect_err("merging");
         assert!(refused.to_string().contains("merging is not allowed beside the body `disc`"), "{refused}");
     }
-    // Splitting alone adds particles to a body that has its own.
+    // Splitting alone adds particles only to its own body.
     cloud(&mut first, splitting).expect("body");
     let mut then = meeting();
     cloud(&mut then, splitting).expect("body");

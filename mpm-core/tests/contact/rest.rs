@@ -1,7 +1,7 @@
-//! Long rest: bodies that lie on each other for 1e5 steps.
+//! Long rest: bodies on each other for 1e5 steps.
 //!
-//! By quadratic splines with APIC. Linear shape functions with FLIP and MUSL fail both: a layer as light explodes, a pile keeps its noise
-//! and sinks into itself (book, "Bodies under load for long").
+//! The method is quadratic splines with APIC. Linear shape functions with FLIP and MUSL fail both tests: a layer as
+//! light explodes, a pile keeps its noise and its bodies penetrate each other (book, "Bodies under load for long").
 
 use crate::common::{H, lattice, rubber};
 use mpm_contact::{Coulomb, Frictionless, Pairs, SurfaceDistance};
@@ -23,8 +23,8 @@ fn still() -> Rigid<2> {
     Rigid::prescribed(1000.0, |_| Twist::along([0.0; 2])).expect("rigid")
 }
 
-/// A layer of 1 kg/m^3 between the floor and a block of 1e4 kg/m^3, laid on over half a second; all of 1 MPa. Returns
-/// the overlap of block and layer at the end, cells, and the largest speed there, m/s.
+/// Run a layer of 1 kg/m^3 between the floor and a block of 1e4 kg/m^3, with weight applied over half a second; both
+/// of 1 MPa. Return the overlap of block and layer at the end, cells, and the largest speed, m/s.
 fn squeeze() -> [f64; 2] {
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Frictionless));
     let mut mpm = Mpm::with_contact(smooth(), BlockGrid::new(lattice()), contact);
@@ -66,11 +66,11 @@ fn squeeze() -> [f64; 2] {
 fn a_light_layer_bears_a_heavy_block() {
     let [overlap, speed] = squeeze();
     assert!(overlap < 0.1, "they overlap by {overlap} cells");
-    // The block's own weight would give it that in a hundredth of a second.
+    // Free fall of the block would reach this speed in a hundredth of a second.
     assert!(speed < 0.1, "at rest something moves at {speed} m/s");
 }
 
-/// Discs in a box come to rest and stay.
+/// Discs in a box come to rest and stay at rest.
 #[test]
 fn a_pile_rests() {
     let contact =

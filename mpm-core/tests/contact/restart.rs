@@ -1,11 +1,11 @@
-//! Contact in a run that is broken off and resumed.
+//! Contact in a run that is interrupted and resumed.
 
 use crate::common::{H, WAVE, ball, build, cuboid, particles, plane, three};
 use mpm_contact::{Coulomb, Frictionless, Pairs, Regression, SlipWeakening, SurfaceDistance};
 use mpm_core::{Apic, GridContact, Usl};
 use mpm_core::{BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Team, TimeControl, Twist};
 
-/// All that a run can tell, by its bits.
+/// Return all observable values of a run, bit for bit.
 fn told(mpm: &Mpm<2>) -> String {
     let rigid: Vec<_> = mpm.bodies().iter().filter_map(|b| b.rigid()).collect();
     let rigid: Vec<_> =
@@ -41,7 +41,7 @@ fn continues(name: &str, scene: impl Fn() -> Mpm<2>, steps: [usize; 2]) {
     assert!(told(&whole) == told(&resumed), "{name}: resumed it goes elsewhere");
 }
 
-/// Three discs that meet at once: what is known of pairs, and kept from step to step, is part of the run.
+/// Three discs that collide at once: state of pairs, and data kept from step to step, are part of the checkpoint.
 #[test]
 fn deformable_bodies() {
     let laws = || Pairs::new(Coulomb::new(0.3).expect("law"));
@@ -54,14 +54,14 @@ fn deformable_bodies() {
     continues("discs", scene, [60, 60]);
     let regression = || build(plane(), GridContact::new(Regression, laws()), &three(0.05 * WAVE));
     continues("regression", regression, [35, 40]);
-    // What laws remember.
+    // State variables of contact laws.
     let weakening = || Pairs::new(SlipWeakening::new(0.5, 0.1, 0.002).expect("law")).with(0, 1, Frictionless);
     let scene =
         || build(plane(), GridContact::new(SurfaceDistance::default(), weakening()), &three(0.05 * WAVE));
     continues("weakening", scene, [60, 60]);
 }
 
-/// Four discs that leave one another's blocks: a checkpoint at any step can be read again.
+/// Four discs that leave common blocks: a checkpoint can be read at any step.
 #[test]
 fn at_every_step() {
     let file = std::env::temp_dir().join(format!("impactite-{}-crowd", std::process::id()));

@@ -1,4 +1,4 @@
-//! Bodies that rest until they are met, where bodies are kept apart.
+//! Deactivated bodies with contact.
 
 use crate::common::{H, WAVE, ball, build, cuboid, particles, plane, rubber, space};
 use mpm_contact::{
@@ -11,7 +11,7 @@ use mpm_core::{
 };
 use mpm_core::{GridContact, SceneError};
 
-/// A ball flies past its own length to a plate on a plane of symmetry: with and without rest, the same bits.
+/// Check that a ball that flies to a plate on a plane of symmetry has bitwise identical results with and without deactivation.
 fn same<const D: usize>(
     method: impl IntoKernels<f64, D> + Clone,
     detector: &(impl ContactDetector<f64, D> + Clone),
@@ -33,7 +33,7 @@ fn same<const D: usize>(
         resting.deactivate(&["body 0"]).expect("rest");
         resting.set_team(Team::new(threads).expect("threads"));
         let (mut rested, mut met) = (0, 0);
-        // Until some time after the first touch.
+        // Run until some time after the first contact.
         while met < 40 {
             assert!(plain.steps() < 1000, "no hit");
             rested += u32::from(resting.bodies()[0].is_deactivated());
@@ -68,7 +68,7 @@ fn scene() -> Mpm<2> {
     Mpm::with_contact(plane(), BlockGrid::new(crate::common::lattice()), contact)
 }
 
-/// A rigid punch wakes what it comes to, and does not rest itself.
+/// A rigid punch reactivates a body that it approaches, and cannot be deactivated itself.
 #[test]
 fn rigid_bodies_wake_others() {
     let build = || {
@@ -93,7 +93,7 @@ fn rigid_bodies_wake_others() {
     assert!(!resting.bodies()[0].is_deactivated() && particles(&plain) == particles(&resting));
 }
 
-/// Contact may act between bodies that stand still: two that share blocks stay awake.
+/// Contact may act between bodies at rest: two that share blocks stay active.
 #[test]
 fn neighbours_stay_awake() {
     let mut mpm = scene();

@@ -1,4 +1,4 @@
-//! Rigid bodies, against mechanics.
+//! Rigid bodies, against exact solutions.
 
 use std::f64::consts::PI;
 
@@ -34,7 +34,7 @@ fn free<const D: usize>() -> Rigid<D> {
     Rigid::free(1000.0).expect("rigid")
 }
 
-/// Kinetic damping would leave a free body moving: it is refused, whichever comes first.
+/// Kinetic damping would not stop a free body: the second of the two is refused.
 #[test]
 fn free_bodies_and_kinetic_damping_exclude_each_other() {
     let mut mpm = scene(plane(), None);
@@ -48,7 +48,7 @@ fn free_bodies_and_kinetic_damping_exclude_each_other() {
     assert!(refused.contains("its motion must be prescribed"), "{refused}");
 }
 
-/// A brick without symmetries of a cube, spinning freely about an axis near the middle one, which is unstable.
+/// Check a brick with unequal moments of inertia, spinning freely about an axis near the middle one, which is unstable.
 fn tumbles(method: impl IntoKernels<f64, 3>) {
     let mut mpm = scene(method, None);
     let brick = cuboid([0.0; 3], [0.4, 0.2, 0.1]);
@@ -64,7 +64,7 @@ fn tumbles(method: impl IntoKernels<f64, 3>) {
     }
     let energy = now.kinetic / then.kinetic - 1.0;
     assert!(energy.abs() < 2e-5, "energy {energy:e}");
-    // Distances from the first particle, whose own place is that of the body.
+    // Particle positions relative to the centre are rotated by the body's rotation.
     let (was, is) = (&start.1[0], &particles(&mpm)[0]);
     let state = mpm.bodies()[0].rigid().expect("rigid");
     let turned = state.rotation();
@@ -105,7 +105,7 @@ fn prescribed_bodies_go_where_they_are_told() {
     assert_eq!(mpm.totals().momentum, [0.0; 3], "what is prescribed is not in the books");
 }
 
-/// Two spinning bodies hit each other off centre, with friction: momentum and angular momentum of both together.
+/// Check momentum and angular momentum of two spinning bodies in an off-centre impact with friction.
 fn collide(method: impl IntoKernels<f64, 2>) {
     let mut mpm = scene(method, Some(0.4));
     let (a, b) = (ball([0.2, 0.3], 0.15), cuboid([0.45, 0.3], [0.7, 0.65]));
@@ -136,8 +136,8 @@ fn free_bodies_exchange_momentum_and_angular_momentum() {
     collide(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
 }
 
-/// An elastic bar hits a free rigid mass M: M dV/dt = rho c A (v0 - V) while the first wave is on its way, so
-/// V = v0 (1 - exp(-rho c A t / M)) until 2 L/c.
+/// An elastic bar hits a free rigid mass M: M dV/dt = rho c A (v0 - V) during the first wave, so V = v0 (1 - exp(-rho
+/// c A t / M)) until 2 L/c.
 #[test]
 fn a_bar_pushes_a_rigid_mass() {
     let (speed, young, length) = (0.2, 1.0e6, 2.0);
@@ -161,12 +161,12 @@ fn a_bar_pushes_a_rigid_mass() {
     let end = mpm.totals();
     assert!((end.momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale);
     let energy = (end.kinetic + end.internal) / start.kinetic - 1.0;
-    // As at a wall, the nodes that stop at once take h / 2L, here 1.3 %.
+    // Nodes that stop at once dissipate h / 2L, here 1.3 %, as at a wall.
     assert!(energy < 1e-3 && energy > -0.025, "energy {energy}");
 }
 
-/// A block and a disc on an incline of prescribed rest: the block slides at g (sin - mu cos), the disc rolls at
-/// g sin / (1 + I/(M R^2)), with the inertia of its particles.
+/// Block and disc on an incline at rest: the block slides at g (sin - mu cos), the disc rolls at g sin / (1 + I/(M
+/// R^2)), with the inertia of its particles.
 #[test]
 fn blocks_slide_and_discs_roll() {
     let (gravity, angle, mu) = (10.0, PI / 6.0, 0.3);
@@ -179,7 +179,7 @@ fn blocks_slide_and_discs_roll() {
         mpm.run_until(0.6).expect("run");
         let state = mpm.bodies()[1].rigid().expect("rigid");
         let (m, g) = (state.mass(), gravity * 0.6);
-        // All that the plane gave is booked.
+        // All impulses of the plane are booked.
         let booked = mpm.exchange().impulse[0] + mpm.exchange().load[0];
         assert!((m * state.velocity()[0] - booked).abs() < 1e-10 * m * g, "momentum and books differ");
         (state.velocity(), state.spin()[2], state.centre())
@@ -189,7 +189,7 @@ fn blocks_slide_and_discs_roll() {
     assert!((velocity[0] / exact - 1.0).abs() < 0.01, "sliding at {} m/s and not {exact}", velocity[0]);
     assert!(velocity[1].abs() < 0.01 * exact, "lifts off at {} m/s", velocity[1]);
 
-    // Rings of particles are rough: the error falls as the radius grows from 6 to 12 and 18 cells.
+    // Rings of particles are rough: the error decreases as the radius grows from 6 to 12 and 18 cells.
     for (radius, tolerances) in [(0.3, [0.06, 0.15]), (0.6, [0.04, 0.05]), (0.9, [0.02, 0.05])] {
         let (velocity, spin, centre) =
             run(&rings([0.5, radius], radius, (radius / (0.5 * H)).round() as usize).expect("rings"));
@@ -201,8 +201,9 @@ fn blocks_slide_and_discs_roll() {
     }
 }
 
-/// An elastic disc bounces off a rigid wall: the bounce gives it no energy, at any factor of the time step. Linear shape functions at the
-/// largest are left out: a disc that vibrates gains energy with them in free flight, the more the longer the step.
+/// An elastic disc bounces off a rigid wall without an energy gain, at any factor of the time step. Linear shape
+/// functions at the largest factor are excluded: a vibrating disc gains energy with them in free flight, more with
+/// longer steps.
 #[test]
 fn no_bounce_gains_energy() {
     let splines = || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).into_kernels();

@@ -1,4 +1,4 @@
-//! Blocks that slide on blocks: no edge ploughs, nothing that only touches brakes, whatever the direction of the faces.
+//! Blocks that slide on blocks: no edge ploughs, and a contact without pressure does not brake, for any direction of the faces.
 
 use mpm_contact::{Coulomb, Frictionless, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Compose, Cuboid, Filling, Lattice, Seeds, fill};
@@ -19,14 +19,14 @@ fn rubber() -> NeoHookean<f64> {
     NeoHookean::new(1000.0, Moduli::young_poisson(1e7, 0.3).expect("moduli")).expect("law")
 }
 
-/// What the lower body is.
+/// Type of the lower body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Floor {
     Free,
     Rigid,
 }
 
-/// Velocity of the upper block at the end, along the faces and across them.
+/// Return the velocity of the upper block at the end, tangential and normal to the faces.
 fn slide(
     method: Kernels<f64, 2>,
     degrees: f64,
@@ -70,7 +70,7 @@ fn methods() -> [(&'static str, Kernels<f64, 2>); 2] {
     ]
 }
 
-/// Without load nothing brakes and nothing lifts: exact is the speed at the start.
+/// Without load there is no friction and no separation: the exact speed is the initial one.
 #[test]
 fn faces_that_touch_slide_freely() {
     for (name, method) in methods() {
@@ -88,8 +88,8 @@ fn faces_that_touch_slide_freely() {
     }
 }
 
-/// Under its weight the block is braked by mu g alone. What is left across the faces is its elastic vibration: the weight begins at
-/// once, which moves it with up to g L / c = 0.02 m/s.
+/// Under its weight the block is decelerated by mu g alone. The remaining normal velocity is its elastic vibration:
+/// the weight is applied at once, which causes up to g L / c = 0.02 m/s.
 #[test]
 fn friction_is_that_of_the_weight() {
     for (name, method) in methods() {
@@ -102,7 +102,7 @@ fn friction_is_that_of_the_weight() {
     }
 }
 
-/// The same in space, the face turned about two axes.
+/// Sliding blocks in three dimensions, with faces rotated about two axes.
 #[test]
 fn blocks_slide_in_space() {
     let h = 0.1;

@@ -1,6 +1,7 @@
-//! Three blocks on each other come to rest and stay there.
+//! Three stacked blocks come to rest and stay at rest.
 //!
-//! `cargo test --release -p mpm-core --test contact -- --ignored --nocapture stacks_by_method` prints the table of book, "Methods compared".
+//! `cargo test --release -p mpm-core --test contact -- --ignored --nocapture stacks_by_method` prints the table of
+//! book, "Methods compared".
 
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
 use mpm_core::{
@@ -10,7 +11,7 @@ use mpm_core::{
 
 use crate::common::{cuboid, lattice, rubber};
 
-/// Kinetic energy over the scale of it, 0.57 J a metre, after some steps.
+/// Return the kinetic energy over its scale, 0.57 J a metre, after some steps.
 fn stack(method: Kernels<f64, 2>, steps: [u64; 4]) -> Result<Vec<f64>, String> {
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3).expect("law")));
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
@@ -21,9 +22,9 @@ fn stack(method: Kernels<f64, 2>, steps: [u64; 4]) -> Result<Vec<f64>, String> {
     }
     let still = Rigid::prescribed(1000.0, |_| Twist::along([0.0; 2])).expect("rigid");
     mpm.add_rigid("floor", &still, &cuboid([-0.2, -0.2], [0.6, 0.0])).expect("floor");
-    // Begun at once the weight would set the stack in vibration.
+    // A weight applied at once would make the stack vibrate.
     mpm.set_body_force(|t| [0.0, -9.81 * t.min(1.0)]);
-    // What fails is shown to its end.
+    // Failing runs continue to their end.
     mpm.set_watch(Watch::default().only_warn());
     let mut energies = Vec::new();
     for count in steps {

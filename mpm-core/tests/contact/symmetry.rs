@@ -1,4 +1,4 @@
-//! Half a scene at a plane of symmetry does what half of the whole scene does, contact included.
+//! Half a scene at a plane of symmetry is equivalent to half of the whole scene, contact included.
 
 use crate::common::{H, WAVE, ball, build, particles, plane};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
@@ -8,7 +8,7 @@ use mpm_core::{
     TimeControl,
 };
 
-/// Two discs on the line y = 0.2, above it or whole; the second faster along x.
+/// Run two discs on the line y = 0.2, above it or whole; the second one is faster along x.
 fn run(method: impl IntoKernels<f64, 2>, half: bool) -> Vec<Vec<PointView>> {
     let above = |seeds: Seeds<2>| {
         let keep: Vec<bool> = seeds.positions.iter().map(|x| !half || x[1] > 0.2).collect();
@@ -44,7 +44,7 @@ fn half_is_whole(method: impl IntoKernels<f64, 2> + Clone) {
         assert_eq!(half.len(), whole.len());
         for (p, q) in half.iter().zip(whole) {
             for d in 0..2 {
-                // Round-off of 80 steps, grown where surfaces are told apart by differences.
+                // Round-off of 80 steps, amplified where surfaces are detected by differences.
                 assert!(
                     (p.position[d] - q.position[d]).abs() < 1e-9 * H,
                     "{:?} {:?}",

@@ -5,8 +5,8 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// p = -K ln J with constant bulk modulus K: the volumetric part of Hooke's law in logarithmic strain, as most
-/// finite-element programs integrate it. c^2 = K J / rho0.
+/// Logarithmic equation of state p = -K ln J with constant bulk modulus K: the volumetric part of Hooke's law in
+/// logarithmic strain, as most finite-element programs integrate it. c^2 = K J / rho0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LogarithmicBulk<T> {
     density: T,
@@ -14,7 +14,7 @@ pub struct LogarithmicBulk<T> {
 }
 
 impl<T: Real> LogarithmicBulk<T> {
-    /// From reference density, kg/m^3, and bulk modulus K, Pa.
+    /// Create from reference density, kg/m^3, and bulk modulus K, Pa.
     ///
     /// # Errors
     /// A value that is not positive.
@@ -28,7 +28,7 @@ impl<T: Real> LogarithmicBulk<T> {
 }
 
 impl<T: Real> LogarithmicBulk<T> {
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(density: f64, modulus: f64) -> Self {
         LogarithmicBulk { density: T::of(density), modulus: T::of(modulus) }
     }
@@ -51,7 +51,7 @@ impl<T: Real> Eos<T> for LogarithmicBulk<T> {
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, _: L) -> L {
         L::splat(self.modulus / self.density) * volume_ratio
     }
-    /// K (J ln J - J + 1).
+    /// Stored energy K (J ln J - J + 1).
     #[inline(always)]
     fn stored_energy<L: Lane<Real = T>>(&self, volume_ratio: L) -> L {
         L::splat(self.modulus) * (volume_ratio * volume_ratio.ln() - volume_ratio + L::one())

@@ -1,9 +1,9 @@
-//! The Chapman-Jouguet state of an explosive.
+//! Chapman-Jouguet state of an explosive.
 
 use crate::eos::{Eos, Terms};
 use crate::lane::Real;
 
-/// The state behind a plane, steady detonation wave that moves at its slowest speed.
+/// Chapman-Jouguet state: state behind a plane, steady detonation wave of minimum speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChapmanJouguet {
     /// Detonation speed D, m/s.
@@ -16,22 +16,22 @@ pub struct ChapmanJouguet {
     pub particle_speed: f64,
 }
 
-/// The Chapman-Jouguet state of products with equation of state `eos`, whose initial energy is the heat of
+/// Compute the Chapman-Jouguet state of products with equation of state `eos`, whose initial energy is the heat of
 /// detonation, from an unreacted explosive at rest without pressure; `None` if there is none.
 ///
 /// On the Hugoniot p = (a + b e0)/(1 - b (1 - V)/2) the products move at their sound speed against the wave:
-/// rho0 c^2/V^2 = p/(1 - V) (book, "Detonation and JWL"). Found by bisection to rounding.
+/// rho0 c^2/V^2 = p/(1 - V) (book, "Detonation and JWL"). Solved by bisection to rounding.
 pub fn chapman_jouguet<T: Real, E: Eos<T>>(eos: &E) -> Option<ChapmanJouguet> {
     let density = eos.density().to_double();
     let energy = eos.initial_energy().to_double();
-    // Pressure on the Hugoniot, where it has one.
+    // Pressure on the Hugoniot, if it exists.
     let hugoniot = |v: f64| {
         let Terms { cold, thermal } = eos.terms::<T::Single>(T::of(v).into());
         let (a, b) = (into_double::<T>(cold), into_double::<T>(thermal));
         let open = 1.0 - 0.5 * b * (1.0 - v);
         (open > 0.0).then(|| (a + b * energy) / open)
     };
-    // Subsonic products, as behind an overdriven wave: positive.
+    // Positive for subsonic products, as behind an overdriven wave.
     let excess = |v: f64| {
         hugoniot(v).map_or(1.0, |p| {
             let e = energy + 0.5 * p * (1.0 - v);

@@ -3,41 +3,41 @@
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// The constants of a [`CrushCurve`].
+/// Constants of a [`CrushCurve`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrushConstants<T> {
     /// Pressure at which pores begin to collapse, P_crush, Pa.
     pub crush_pressure: T,
     /// Compression mu at P_crush.
     pub crush_compression: T,
-    /// Pressure at which no pore is left, P_lock, Pa.
+    /// Pressure of full pore collapse, P_lock, Pa.
     pub lock_pressure: T,
     /// Compression mu_lock of the pore-free material at zero pressure.
     pub lock_compression: T,
-    /// K1, K2, K3 of the pore-free material, Pa.
+    /// Coefficients K1, K2, K3 of the pore-free material, Pa.
     pub solid: [T; 3],
 }
 
-/// p(mu) of Holmquist, Johnson and Cook with memory of the largest compression mu_max (\[HolmquistJohnsonCook1993\],
-/// book, "Concrete"). On loading, mu = mu_max:
+/// Crush curve p(mu) of Holmquist, Johnson and Cook with the largest compression mu_max as history
+/// (\[HolmquistJohnsonCook1993\], book, "Concrete"). On loading, mu = mu_max:
 ///
 /// - I: p = K_e mu up to P_crush, K_e = P_crush/mu_crush;
 /// - II: a straight line from (mu_crush, P_crush) to (mu_plock, P_lock);
 /// - III: p = K1 m + K2 m^2 + K3 m^3, m = (mu - mu_lock)/(1 + mu_lock).
 ///
 /// Region II ends at **mu_plock, where the curve of region III reaches P_lock**, not at mu_lock, where that curve is
-/// zero: so p is continuous. Below mu_max it unloads and reloads along a straight line, into tension too, of slope
-/// (1 - F) K_e + F K1 with F = (mu_max - mu_crush)/(mu_plock - mu_crush) in II and K1/(1 + mu_lock) in III. The
-/// slope steps down from K1 to K1/(1 + mu_lock) at mu_plock.
+/// zero: p is thus continuous. Below mu_max it unloads and reloads along a straight line, into tension too, of slope
+/// (1 - F) K_e + F K1 with F = (mu_max - mu_crush)/(mu_plock - mu_crush) in II and K1/(1 + mu_lock) in III. The slope
+/// drops from K1 to K1/(1 + mu_lock) at mu_plock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrushCurve<T> {
     constants: CrushConstants<T>,
-    /// mu_plock.
+    /// Compression mu_plock at the end of region II.
     locked: T,
 }
 
 impl<T: Real> CrushCurve<T> {
-    /// With these constants.
+    /// Create from constants.
     ///
     /// # Errors
     /// P_crush, mu_crush, mu_lock or K1 not positive; P_lock not above P_crush; K2 or K3 not finite; no or too small
@@ -62,22 +62,22 @@ impl<T: Real> CrushCurve<T> {
         Ok(Self::known(constants))
     }
 
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(constants: CrushConstants<T>) -> Self {
         let locked = plock(&constants).map_or(constants.lock_compression, T::of);
         CrushCurve { constants, locked }
     }
 
-    /// K_e, Pa.
+    /// Elastic modulus K_e, Pa.
     #[inline(always)]
     pub fn elastic_modulus(&self) -> T {
         self.constants.crush_pressure / self.constants.crush_compression
     }
-    /// mu_crush, also mu_max of the virgin material.
+    /// Compression mu_crush, also mu_max of the virgin material.
     pub fn crush_compression(&self) -> T {
         self.constants.crush_compression
     }
-    /// mu_plock.
+    /// Compression mu_plock.
     pub fn locked_compression(&self) -> T {
         self.locked
     }
@@ -100,7 +100,7 @@ impl<T: Real> CrushCurve<T> {
         L::select(mu.lt(L::splat(self.locked)), line, solid)
     }
 
-    /// dp/dmu of virgin loading at mu >= mu_crush, Pa.
+    /// Slope dp/dmu of virgin loading at mu >= mu_crush, Pa.
     #[inline(always)]
     pub fn loading_slope<L: Lane<Real = T>>(&self, mu: L) -> L {
         let k = &self.constants;
@@ -112,7 +112,7 @@ impl<T: Real> CrushCurve<T> {
         L::select(mu.lt(L::splat(self.locked)), L::splat(line), solid)
     }
 
-    /// dp/dmu of unloading from `largest` = mu_max >= mu_crush, Pa.
+    /// Slope dp/dmu of unloading from `largest` = mu_max >= mu_crush, Pa.
     #[inline(always)]
     pub fn unloading_slope<L: Lane<Real = T>>(&self, largest: L) -> L {
         let k = &self.constants;
@@ -124,14 +124,14 @@ impl<T: Real> CrushCurve<T> {
         L::select(largest.lt(L::splat(self.locked)), porous, solid)
     }
 
-    /// Pressure at `mu` on the unloading line from `largest` = mu_max >= mu, Pa; the loading curve where they are
+    /// Pressure at `mu` on the unloading line from `largest` = mu_max >= mu, Pa; on the loading curve if they are
     /// equal. No tension cut-off.
     #[inline(always)]
     pub fn pressure<L: Lane<Real = T>>(&self, mu: L, largest: L) -> L {
         self.loading(largest) - self.unloading_slope(largest) * (largest - mu)
     }
 
-    /// Crushing strain mu_p: what would be left of mu_max after unloading to zero, at most mu_lock.
+    /// Crushing strain mu_p: residual compression after unloading from mu_max to zero pressure, at most mu_lock.
     #[inline(always)]
     pub fn crushing<L: Lane<Real = T>>(&self, largest: L) -> L {
         let porous = largest - self.loading(largest) / self.unloading_slope(largest);
@@ -140,13 +140,13 @@ impl<T: Real> CrushCurve<T> {
     }
 }
 
-/// The smallest mu at which region III reaches P_lock, if it does before it falls.
+/// Smallest mu at which region III reaches P_lock, if it does before its first maximum.
 fn plock<T: Real>(constants: &CrushConstants<T>) -> Option<f64> {
     let (lock, mu_lock) = (constants.lock_pressure.to_double(), constants.lock_compression.to_double());
     let [k1, k2, k3] = constants.solid.map(T::to_double);
     let solid = |m: f64| m * (k1 + m * (k2 + m * k3));
     let slope = |m: f64| k1 + m * (2.0 * k2 + m * 3.0 * k3);
-    // Steps far smaller than the curve's own scale.
+    // Steps far smaller than the scale of the curve.
     let part = 1e-3 * lock / k1;
     let mut above = part;
     for _ in 0..100_000 {

@@ -1,29 +1,29 @@
-//! Mie-Grueneisen equation of state for matter that flies apart.
+//! Mie-Grueneisen equation of state for strong expansion.
 
 use crate::eos::{Eos, MieGruneisen, Terms};
 use crate::lane::{Lane, Real};
 
-/// A Mie-Grueneisen law whose gamma, not rho gamma, is constant in expansion: for J > 1
+/// Mie-Grueneisen law with constant gamma, instead of constant rho gamma, in expansion: for J > 1
 ///
 /// p = K mu + gamma0 (1 + mu) e, mu = 1/J - 1,
 ///
-/// and the law itself for J <= 1; p is continuous. There is no other law in compression with this expansion:
-/// [`MieGruneisen::constant_gamma`] is it only up to (gamma0 + 2)/gamma0 times the density, which strong shocks pass.
+/// and the law itself for J <= 1; p is continuous. [`MieGruneisen::constant_gamma`] has the same expansion, but its
+/// formula ends at (gamma0 + 2)/gamma0 times the density, which strong shocks exceed.
 ///
-/// With rho gamma constant the thermal pressure gamma0 e of a hot cloud does not fall while it grows a hundred times
-/// thinner; in such a state a step that compresses it by a hundredth (dJ < -1) has no solution either. The tension K mu
-/// tends to -K: a failure law must act before.
+/// With constant rho gamma the thermal pressure gamma0 e of a hot cloud does not decrease in a hundredfold expansion;
+/// in such a state a step that compresses it by a hundredth (dJ < -1) has no solution either. The tension K mu tends to
+/// -K: a failure criterion must act before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Expanding<T> {
     law: MieGruneisen<T>,
 }
 
 impl<T: Real> Expanding<T> {
-    /// The law in compression, and this expansion.
+    /// Create from the law in compression.
     pub fn new(law: MieGruneisen<T>) -> Self {
         Expanding { law }
     }
-    /// The law in compression.
+    /// Law in compression.
     pub fn law(&self) -> &MieGruneisen<T> {
         &self.law
     }
@@ -45,7 +45,7 @@ impl<T: Real> Eos<T> for Expanding<T> {
         // In tension the cold pressure of the law is K mu for any correction.
         Terms { cold, thermal: L::select(volume_ratio.gt(L::one()), thin, thermal) }
     }
-    /// For J > 1: \[K + gamma0 e + p J gamma0\]/rho0.
+    /// Squared sound speed for J > 1: \[K + gamma0 e + p J gamma0\]/rho0.
     #[inline(always)]
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
         let gamma = L::splat(self.law.gruneisen());

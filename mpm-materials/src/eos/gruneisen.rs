@@ -1,19 +1,19 @@
-//! Mie-Grueneisen equation of state on any Hugoniot, with a Grueneisen gamma that follows the density.
+//! Mie-Grueneisen equation of state on any Hugoniot, with a density-dependent Grueneisen gamma.
 
 use crate::eos::{Continuation, Eos, REACH, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// A Hugoniot and its slope.
+/// Hugoniot pressure and its slope.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve<L> {
-    /// p_H, Pa.
+    /// Hugoniot pressure p_H, Pa.
     pub pressure: L,
-    /// dp_H/dmu, Pa.
+    /// Slope dp_H/dmu, Pa.
     pub slope: L,
 }
 
-/// The pressure of shocked states, p_H(mu), mu = rho/rho0 - 1 > 0.
+/// Hugoniot: pressure of shocked states, p_H(mu), mu = rho/rho0 - 1 > 0.
 pub trait Hugoniot<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The curve's name, for messages.
     fn name(&self) -> &'static str;
@@ -23,7 +23,7 @@ pub trait Hugoniot<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     fn bulk_modulus(&self) -> T;
     /// Pressure and slope at mu >= 0.
     fn curve<L: Lane<Real = T>>(&self, mu: L) -> Curve<L>;
-    /// The compression eta = 1 - J at which the curve becomes singular; more than one if it does not.
+    /// Compression eta = 1 - J at which the curve becomes singular; more than one if it does not.
     fn singular(&self) -> T {
         T::of(f64::INFINITY)
     }
@@ -37,9 +37,9 @@ pub trait Hugoniot<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
 /// With [`CubicShock`] this is the LS-DYNA form with S1, S2, S3 (book, "Mie-Grueneisen"), with [`PolynomialHugoniot`]
 /// the MPM3D form. On a straight U_s(u_p) use [`MieGruneisen`](crate::MieGruneisen), which is faster.
 ///
-/// It is continued beyond four fifths of the singular compression, or where its rise at e = 0 falls to half of K per eta (which
-/// a series in mu may do by itself), and has the limits of [`MieGruneisen`](crate::MieGruneisen); gamma0 + a mu shall stay positive, so that a > gamma0 is
-/// refused (it would be negative in tension below mu = -gamma0/a).
+/// The law is extrapolated beyond four fifths of the singular compression, or from where its slope at e = 0 falls to
+/// half of K per eta (possible for a series in mu), and has the limits of [`MieGruneisen`](crate::MieGruneisen).
+/// gamma0 + a mu must stay positive, so that a > gamma0 is an error (negative in tension below mu = -gamma0/a).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gruneisen<T, H> {
     hugoniot: H,
@@ -49,8 +49,8 @@ pub struct Gruneisen<T, H> {
 }
 
 impl<T: Real, H: Hugoniot<T>> Gruneisen<T, H> {
-    /// From a Hugoniot, Grueneisen gamma0 at rest, and its volume correction a: 0 is rho gamma constant,
-    /// a = gamma0 is gamma constant.
+    /// Create from a Hugoniot, Grueneisen gamma0 at rest, and its volume correction a: 0 for constant rho gamma,
+    /// a = gamma0 for constant gamma.
     ///
     /// # Errors
     /// gamma0 negative or a outside \[0, gamma0\].
@@ -136,9 +136,9 @@ impl<T: Real, H: Hugoniot<T>> Eos<T> for Gruneisen<T, H> {
     }
 }
 
-/// U_s = c0 + S1 u_p + S2 u_p^2/U_s + S3 u_p^3/U_s^2, which is p_H = rho0 c0^2 eta/(1 - S1 eta - S2 eta^2 -
-/// S3 eta^3)^2 with eta = u_p/U_s = 1 - J (book, "Mie-Grueneisen"), singular at the first zero of the
-/// denominator.
+/// Cubic shock velocity U_s = c0 + S1 u_p + S2 u_p^2/U_s + S3 u_p^3/U_s^2, with
+/// p_H = rho0 c0^2 eta/(1 - S1 eta - S2 eta^2 - S3 eta^3)^2 and eta = u_p/U_s = 1 - J (book, "Mie-Grueneisen"),
+/// singular at the first zero of the denominator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicShock<T> {
     density: T,
@@ -148,7 +148,7 @@ pub struct CubicShock<T> {
 }
 
 impl<T: Real> CubicShock<T> {
-    /// From reference density rho0, kg/m^3, bulk sound speed c0, m/s, and S1, S2, S3.
+    /// Create from reference density rho0, kg/m^3, bulk sound speed c0, m/s, and S1, S2, S3.
     ///
     /// # Errors
     /// rho0 or c0 not positive, S1 negative, S2 or S3 not finite.
@@ -164,7 +164,7 @@ impl<T: Real> CubicShock<T> {
     }
 }
 
-/// The smallest positive eta at which the denominator vanishes, up to two; infinite if there is none.
+/// Smallest positive zero of the denominator in eta, up to two; infinite if there is none.
 fn singular([s1, s2, s3]: [f64; 3]) -> f64 {
     let open = |eta: f64| 1.0 - eta * (s1 + eta * (s2 + eta * s3)) > 0.0;
     const PARTS: usize = 2000;
@@ -208,8 +208,8 @@ impl<T: Real> Hugoniot<T> for CubicShock<T> {
     }
 }
 
-/// p_H = K1 mu + K2 mu^2 + K3 mu^3. It has no singular compression, which for a series in mu is a fault rather
-/// than a virtue: beyond mu of about 0.5 it falls short of the shock line it was expanded from.
+/// Polynomial Hugoniot p_H = K1 mu + K2 mu^2 + K3 mu^3. It has no singular compression, a defect: beyond mu of about
+/// 0.5 it is below the shock line from which it was expanded.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolynomialHugoniot<T> {
     density: T,
@@ -217,7 +217,7 @@ pub struct PolynomialHugoniot<T> {
 }
 
 impl<T: Real> PolynomialHugoniot<T> {
-    /// From reference density, kg/m^3, and K1, K2, K3, Pa.
+    /// Create from reference density, kg/m^3, and K1, K2, K3, Pa.
     ///
     /// # Errors
     /// Density or K1 not positive, K2 or K3 not finite.
@@ -230,11 +230,11 @@ impl<T: Real> PolynomialHugoniot<T> {
         Ok(PolynomialHugoniot { density, coefficients })
     }
 
-    /// The series of U_s = c0 + s u_p to third order: K1 = rho0 c0^2, K2 = K1 (2 s - 1),
-    /// K3 = K1 (s - 1)(3 s - 1), as in MPM3D (book, "Mie-Grueneisen").
+    /// Expand U_s = c0 + s u_p to third order: K1 = rho0 c0^2, K2 = K1 (2 s - 1), K3 = K1 (s - 1)(3 s - 1), as in MPM3D
+    /// (book, "Mie-Grueneisen").
     ///
     /// # Errors
-    /// As of [`PolynomialHugoniot::new`].
+    /// See [`PolynomialHugoniot::new`].
     pub fn of_shock(density: T, sound_speed: T, slope: T) -> Result<Self, ParameterError> {
         let bulk = density * sound_speed * sound_speed;
         let one = T::of(1.0);

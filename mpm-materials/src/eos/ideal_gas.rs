@@ -7,7 +7,7 @@ use crate::parameter::{Check, ParameterError};
 /// Ideal gas with constant heat capacities: p = (gamma - 1) rho e_m = (gamma - 1) e / J, with e_m the internal
 /// energy per mass and e per reference volume; c^2 = gamma p / rho (book, "Other equations of state").
 ///
-/// Its virgin state is not free of stress: it carries the initial pressure.
+/// The virgin state is not free of stress: it carries the initial pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct IdealGas<T> {
     density: T,
@@ -16,7 +16,7 @@ pub struct IdealGas<T> {
 }
 
 impl<T: Real> IdealGas<T> {
-    /// From reference density, kg/m^3, ratio of heat capacities gamma and pressure at reference density, Pa.
+    /// Create from reference density, kg/m^3, ratio of heat capacities gamma and pressure at reference density, Pa.
     ///
     /// # Errors
     /// Density not positive, gamma not above 1, pressure negative.
@@ -44,7 +44,7 @@ impl<T: Real> Eos<T> for IdealGas<T> {
     fn density(&self) -> T {
         self.density
     }
-    /// e0 = p0 / (gamma - 1).
+    /// Initial energy e0 = p0 / (gamma - 1).
     fn initial_energy(&self) -> T {
         self.initial_pressure / (self.gamma - T::of(1.0))
     }

@@ -4,34 +4,35 @@ use crate::eos::{Continuation, Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// The constants of a [`Jwl`] law.
+/// Constants of a [`Jwl`] law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JwlConstants<T> {
-    /// Density rho0 of the unreacted explosive, kg/m^3.
+    /// Reference density rho0, that of the unreacted explosive, kg/m^3.
     pub density: T,
-    /// A, Pa.
+    /// Coefficient A, Pa.
     pub a: T,
-    /// B, Pa.
+    /// Coefficient B, Pa.
     pub b: T,
-    /// R1, dimensionless.
+    /// Exponent R1, dimensionless.
     pub r1: T,
-    /// R2, dimensionless.
+    /// Exponent R2, dimensionless.
     pub r2: T,
-    /// omega, the Grueneisen gamma of the products at large volume, dimensionless.
+    /// Grueneisen gamma of the products at large volume, omega, dimensionless.
     pub omega: T,
     /// Chemical energy E0 per volume of unreacted explosive, J/m^3.
     pub energy: T,
 }
 
-/// p = A (1 - omega/(R1 V)) exp(-R1 V) + B (1 - omega/(R2 V)) exp(-R2 V) + omega e/V (book, "Detonation and JWL"),
-/// with V = J the volume over that of the unreacted explosive and e the energy per volume of it; e is E0 in the
-/// virgin state. As a [`Fluid`](crate::Fluid) these are products burnt at constant volume; the burning charge is
+/// JWL pressure p = A (1 - omega/(R1 V)) exp(-R1 V) + B (1 - omega/(R2 V)) exp(-R2 V) + omega e/V (book, "Detonation
+/// and JWL"), with V = J the volume over that of the unreacted explosive and e the energy per volume of it; e is E0 in
+/// the virgin state. A [`Fluid`](crate::Fluid) of it is products burnt at constant volume; for the burning charge use
 /// [`Explosive`](crate::Explosive).
 ///
 /// Along an isentrope p = A exp(-R1 V) + B exp(-R2 V) + C V^-(1 + omega). Limits: fitted to expansion from the
-/// Chapman-Jouguet state, V of about 0.7 to 10; stronger compression is an extrapolation. The terms of A and B, whose sum
-/// turns round in strong compression and tends to minus infinity, go on in a straight line in 1/V from where their slope falls to half of
-/// that at V = 1 (TNT: V = 0.24): for e >= 0 the pressure grows with the density for every V > 0.
+/// Chapman-Jouguet state, V of about 0.7 to 10; stronger compression is an extrapolation. The sum of the terms of A and
+/// B has a maximum in strong compression and tends to minus infinity; it is extrapolated linearly in 1/V from where its
+/// slope falls to half of that at V = 1 (TNT: V = 0.24): for e >= 0 the pressure grows with the density for every
+/// V > 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jwl<T> {
     constants: JwlConstants<T>,
@@ -39,7 +40,7 @@ pub struct Jwl<T> {
 }
 
 impl<T: Real> Jwl<T> {
-    /// With these constants.
+    /// Create from constants.
     ///
     /// # Errors
     /// Density, A, R1, R2, omega or E0 not positive, B negative.
@@ -69,8 +70,8 @@ impl<T: Real> Jwl<T> {
     /// TNT: 1630 kg/m^3, A 371.2 GPa, B 3.21 GPa, R1 4.15, R2 0.95, omega 0.30, E0 6.993e9 J/m^3 (MPM3D-F90
     /// `Deto1k.mpm`; book, "Material constants"). Its Chapman-Jouguet state is D 6928 m/s, p 21.0 GPa, V 0.732.
     ///
-    /// The deck `TNT3D.mpm` of the same program has omega 0.35 and E0 6.0e9 with this A and B: a mixture of two
-    /// sets, with D 6890 m/s, and not offered.
+    /// The deck `TNT3D.mpm` of the same program has omega 0.35 and E0 6.0e9 with this A and B: a mixture of two sets,
+    /// with D 6890 m/s, and not provided.
     pub fn tnt() -> Self {
         Self::known(JwlConstants {
             density: T::of(1630.0),
@@ -98,7 +99,7 @@ impl<T: Real> Eos<T> for Jwl<T> {
     fn density(&self) -> T {
         self.constants.density
     }
-    /// E0.
+    /// Initial energy E0, J/m^3.
     fn initial_energy(&self) -> T {
         self.constants.energy
     }
@@ -119,7 +120,7 @@ impl<T: Real> Eos<T> for Jwl<T> {
             thermal: further.mul_add(L::splat(k.omega), thermal),
         }
     }
-    /// c^2 = (V^2/rho0) \[p omega/V - (dp/dV)_e\].
+    /// Squared sound speed c^2 = (V^2/rho0) \[p omega/V - (dp/dV)_e\].
     #[inline(always)]
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
         let k = &self.constants;
@@ -136,7 +137,7 @@ impl<T: Real> Eos<T> for Jwl<T> {
             + second * (r2 - thermal - thermal * inverse / r2)
             + thermal * inverse * energy;
         let inside = v * v * (pressure * thermal + steep);
-        // Beyond, with da/dmu constant: da/dmu + omega e + p V^2 b.
+        // Extrapolated range, with da/dmu constant: da/dmu + omega e + p V^2 b.
         let further = volume_ratio.recip() - L::splat(densest);
         let omega = L::splat(k.omega);
         let beyond =

@@ -5,8 +5,8 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// p = c0^2 (rho - rho0) = rho0 c0^2 (1/J - 1) with constant sound speed c0 (book, "Other equations of state"). For weakly
-/// compressible flow take c0 at least ten times the largest speed.
+/// Linear equation of state p = c0^2 (rho - rho0) = rho0 c0^2 (1/J - 1) with constant sound speed c0 (book, "Other
+/// equations of state"). For weakly compressible flow use c0 of at least ten times the largest speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearDensity<T> {
     density: T,
@@ -14,7 +14,7 @@ pub struct LinearDensity<T> {
 }
 
 impl<T: Real> LinearDensity<T> {
-    /// From reference density, kg/m^3, and sound speed c0, m/s.
+    /// Create from reference density, kg/m^3, and sound speed c0, m/s.
     ///
     /// # Errors
     /// A value that is not positive.
@@ -48,7 +48,7 @@ impl<T: Real> Eos<T> for LinearDensity<T> {
     fn speed_squared<L: Lane<Real = T>>(&self, _: L, _: L) -> L {
         L::splat(self.sound_speed * self.sound_speed)
     }
-    /// rho0 c0^2 (J - 1 - ln J).
+    /// Stored energy rho0 c0^2 (J - 1 - ln J).
     #[inline(always)]
     fn stored_energy<L: Lane<Real = T>>(&self, volume_ratio: L) -> L {
         L::splat(self.bulk_modulus()) * (volume_ratio - L::one() - volume_ratio.ln())

@@ -10,27 +10,27 @@ use crate::parameter::{Check, ParameterError};
 ///   p_H = rho0 c0^2 eta/(1 - s eta)^2, which equals rho0 c0^2 mu (1 + mu)/\[1 - (s - 1) mu\]^2;
 /// - tension, J >= 1: p = rho0 c0^2 mu + (gamma0 + a mu) e.
 ///
-/// This is the LS-DYNA form (book, "Mie-Grueneisen") with S2 = S3 = 0. The constant `a` chooses how the Grueneisen
-/// gamma follows the density, gamma = (gamma0 + a mu)/(1 + mu):
+/// This is the LS-DYNA form (book, "Mie-Grueneisen") with S2 = S3 = 0. The constant `a` sets the density dependence of
+/// the Grueneisen gamma, gamma = (gamma0 + a mu)/(1 + mu):
 ///
-/// - a = 0 ([`MieGruneisen::new`]): rho gamma constant. The factor of p_H is 1 - gamma0 rho0 mu/(2 rho), as in
-///   MPM3D, and b = gamma0.
-/// - a = gamma0 ([`MieGruneisen::constant_gamma`]): gamma constant. The factor is 1 - gamma0 mu/2 and
+/// - a = 0 ([`MieGruneisen::new`]): constant rho gamma. The factor of p_H is 1 - gamma0 rho0 mu/(2 rho), as in MPM3D,
+///   and b = gamma0.
+/// - a = gamma0 ([`MieGruneisen::constant_gamma`]): constant gamma. The factor is 1 - gamma0 mu/2 and
 ///   b = gamma0 (1 + mu).
 ///
-/// The mixture of the two, factor 1 - gamma0 mu/2 with b = gamma0, which some programs use, leaves its own
-/// Hugoniot and is not offered. On the Hugoniot itself the choice cancels. MPM3D drops the energy term in
-/// tension, which makes the pressure of a hot point jump at J = 1; here it stays.
+/// The mixture of the two, factor 1 - gamma0 mu/2 with b = gamma0, which some programs use, does not reproduce its own
+/// Hugoniot and is not provided. On the Hugoniot itself the choice cancels. MPM3D drops the energy term in tension, so
+/// that the pressure of a hot point jumps at J = 1; here the term is kept.
 ///
-/// The Hugoniot is singular at eta = 1/s. From four fifths of that compression on, or from where the pressure at e = 0
-/// rises by less than rho0 c0^2/2 per eta (gamma constant: near 2/gamma0 of mu, where the factor of p_H vanishes), a(J) goes on
-/// with its slope, linearly in mu, and b(J) as it is: for e >= 0 the pressure grows with the density for every J > 0, and c
-/// is there about what it is where the line begins. [`Eos::smallest_volume_ratio`] is that J; states beyond are no breakdown, but
-/// nobody's measurement ([`Eos::in_range`]).
+/// The Hugoniot is singular at eta = 1/s. Beyond four fifths of that compression, or from where the slope of the
+/// pressure at e = 0 is below rho0 c0^2/2 per eta (constant gamma: near 2/gamma0 of mu, where the factor of p_H
+/// vanishes), a(J) is extrapolated linearly in mu, with b(J) unchanged: for e >= 0 the pressure grows with the density
+/// for every J > 0, and c stays about constant. [`Eos::smallest_volume_ratio`] is that J; states beyond are no
+/// breakdown, but outside any measurement ([`Eos::in_range`]).
 ///
-/// Limits: the squared sound speed falls below zero in strong tension (for gamma0 = 2 beyond J = 1.37), where wave speeds
-/// are floored and a failure law must act. For J > 1 the pressure rises with the density, but tends to gamma0 e - rho0 c0^2 as
-/// J grows: [`Expanding`](crate::Expanding) is for matter that flies apart.
+/// Limits: the squared sound speed is negative in strong tension (for gamma0 = 2 beyond J = 1.37), where wave speeds
+/// are floored and a failure criterion must act. For J > 1 the pressure rises with the density, but tends to
+/// gamma0 e - rho0 c0^2 as J grows: use [`Expanding`](crate::Expanding) for strong expansion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MieGruneisen<T> {
     density: T,
@@ -42,8 +42,8 @@ pub struct MieGruneisen<T> {
 }
 
 impl<T: Real> MieGruneisen<T> {
-    /// From reference density rho0, kg/m^3, bulk sound speed c0, m/s, Hugoniot slope s and Grueneisen
-    /// gamma0, with rho gamma constant.
+    /// Create from reference density rho0, kg/m^3, bulk sound speed c0, m/s, Hugoniot slope s and Grueneisen gamma0,
+    /// with constant rho gamma.
     ///
     /// # Errors
     /// rho0 or c0 not positive, s or gamma0 negative.
@@ -56,13 +56,13 @@ impl<T: Real> MieGruneisen<T> {
         Ok(Self::of([density, sound_speed, slope, gruneisen], T::default()))
     }
 
-    /// The same law with gamma constant, a = gamma0.
+    /// Set constant gamma, a = gamma0.
     pub fn constant_gamma(self) -> Self {
         Self::of([self.density, self.sound_speed, self.slope, self.gruneisen], self.gruneisen)
     }
 
-    /// The same law with the first-order volume correction `a` of the Grueneisen gamma (about 0.47 for copper;
-    /// not to be mistaken for the melting constant 1.5 of Steinberg's tables).
+    /// Set the first-order volume correction `a` of the Grueneisen gamma (about 0.47 for copper; not to be confused
+    /// with the melting constant 1.5 of Steinberg's tables).
     ///
     /// # Errors
     /// A correction outside \[0, gamma0\].
@@ -111,7 +111,7 @@ impl<T: Real> MieGruneisen<T> {
     fn of([density, sound_speed, slope, gruneisen]: [T; 4], correction: T) -> Self {
         let (s, gamma0, a) = (slope.to_double(), gruneisen.to_double(), correction.to_double());
         let bulk = (density * sound_speed * sound_speed).to_double();
-        // da/dmu as in `speed_squared`.
+        // Slope da/dmu as in `speed_squared`.
         let cold = |j: f64| {
             let eta = 1.0 - j;
             let (thermal, open) = (gamma0 + a * eta / j, 1.0 - s * eta);
@@ -158,7 +158,7 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
             thermal: further.mul_add(L::splat(self.correction), inside),
         }
     }
-    /// In compression with h = 1 - s eta and g = gamma0 + a mu:
+    /// Squared sound speed. In compression, with h = 1 - s eta and g = gamma0 + a mu:
     /// J^2 (dp_H/deta) = rho0 c0^2 (1 + s eta)/h^3, multiplied out with the factor 1 - g eta/2.
     #[inline(always)]
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
@@ -175,7 +175,7 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
         let thermal = (a * eta).mul_add(inverse, gamma0);
         let to_singular = (-slope).mul_add(eta, one).recip();
         let factor = (-(thermal * half)).mul_add(eta, one);
-        // J^2 d/deta = d/dmu: of the Hugoniot, and of the factor (dg/dmu = a).
+        // Derivatives J^2 d/deta = d/dmu of the Hugoniot, and of the factor (dg/dmu = a).
         let hugoniot = eta * to_singular * to_singular;
         let hugoniot_slope = square * (one + slope * eta) * to_singular * to_singular * to_singular;
         let compressed = hugoniot_slope * factor - hugoniot * half * (a * eta + thermal * square);

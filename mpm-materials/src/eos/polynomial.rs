@@ -4,12 +4,12 @@ use crate::eos::{Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// p = C0 + C1 mu + C2 mu^2 + C3 mu^3 + (C4 + C5 mu + C6 mu^2) e with mu = 1/J - 1; in expansion, mu < 0, the
-/// terms of C2 and C6 are left out (the linear polynomial of the LS-DYNA manual \[M\], book, "Detonation and JWL").
+/// Polynomial pressure p = C0 + C1 mu + C2 mu^2 + C3 mu^3 + (C4 + C5 mu + C6 mu^2) e with mu = 1/J - 1; in expansion,
+/// mu < 0, the terms of C2 and C6 are left out (the linear polynomial of the LS-DYNA manual \[M\], book, "Detonation
+/// and JWL").
 ///
-/// An ideal gas is C4 = C5 = gamma - 1; a liquid C1 = rho0 c0^2. Limits: defined for every J > 0, but the
-/// pressure grows with the density only if C1 to C6 are such: with a negative one it may turn round far from the fit, and nothing here
-/// prevents it.
+/// Ideal gas: C4 = C5 = gamma - 1; liquid: C1 = rho0 c0^2. Limits: defined for every J > 0, but with a negative
+/// coefficient among C1 to C6 the pressure may decrease with the density far from the fit; this is not checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Polynomial<T> {
     density: T,
@@ -19,7 +19,7 @@ pub struct Polynomial<T> {
 }
 
 impl<T: Real> Polynomial<T> {
-    /// From reference density, kg/m^3, C0 to C3, Pa, C4 to C6, dimensionless, and the energy e0 of the virgin
+    /// Create from reference density, kg/m^3, C0 to C3, Pa, C4 to C6, dimensionless, and the energy e0 of the virgin
     /// state, J/m^3.
     ///
     /// # Errors

@@ -5,8 +5,8 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (book, "Other equations of state"), with c^2 = c0^2 (rho/rho0)^6. The exponent
-/// is fixed at 7, so that no transcendental function is needed.
+/// Tait pressure p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (book, "Other equations of state"), with c^2 = c0^2
+/// (rho/rho0)^6. The exponent is fixed at 7, so that no transcendental function is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tait<T> {
     density: T,
@@ -14,8 +14,8 @@ pub struct Tait<T> {
 }
 
 impl<T: Real> Tait<T> {
-    /// From reference density, kg/m^3, and sound speed at rest c0, m/s; in weakly compressible flow c0 is
-    /// chosen, at least ten times the largest speed.
+    /// Create from reference density, kg/m^3, and sound speed at rest c0, m/s; for weakly compressible flow choose c0
+    /// at least ten times the largest speed.
     ///
     /// # Errors
     /// A value that is not positive.
@@ -26,7 +26,7 @@ impl<T: Real> Tait<T> {
             sound_speed: check.positive("sound speed c0", sound_speed)?,
         })
     }
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(density: f64, sound_speed: f64) -> Self {
         Tait { density: T::of(density), sound_speed: T::of(sound_speed) }
     }
@@ -35,7 +35,7 @@ impl<T: Real> Tait<T> {
     }
 }
 
-/// (1/J)^6.
+/// Compute (1/J)^6.
 #[inline(always)]
 fn sixth_power_of_density<L: Lane>(volume_ratio: L) -> L {
     let x = volume_ratio.recip();
@@ -61,7 +61,7 @@ impl<T: Real> Eos<T> for Tait<T> {
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, _: L) -> L {
         L::splat(self.sound_speed * self.sound_speed) * sixth_power_of_density(volume_ratio)
     }
-    /// (rho0 c0^2 / 7) \[J^-6 / 6 + J - 7/6\].
+    /// Stored energy (rho0 c0^2 / 7) \[J^-6 / 6 + J - 7/6\].
     #[inline(always)]
     fn stored_energy<L: Lane<Real = T>>(&self, volume_ratio: L) -> L {
         let sixth = sixth_power_of_density(volume_ratio) * L::of(1.0 / 6.0);

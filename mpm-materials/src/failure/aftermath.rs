@@ -1,37 +1,37 @@
-//! What a failed point still carries.
+//! Post-failure response: stress that a failed point still carries.
 
 use crate::failure::{Failure, Observed, Strain, combine::BearsTension};
 use crate::lane::{Lane, Real};
 
-/// What a failed point still carries. A criterion leaves [`Remains::Compression`] unless it is wrapped:
-/// [`LosesTension`], [`LosesShear`], [`Removed`].
+/// Post-failure response. A criterion leaves [`Remains::Compression`] unless it is wrapped: [`LosesTension`],
+/// [`LosesShear`], [`Removed`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remains {
-    /// Compression: rubble. No shear, no tension.
+    /// Compression without shear and tension: rubble.
     Compression,
-    /// Compression and shear: cracked. No mean tension.
+    /// Compression and shear without mean tension: cracked.
     CompressionAndShear,
-    /// Pressure and mean tension: molten. No shear.
+    /// Pressure and mean tension without shear: molten.
     Pressure,
-    /// Nothing: the point no longer interacts. Its volume and energy stay what they were, its mass and momentum are
-    /// those of a free particle, so the books of whoever holds it close with or without it.
+    /// Nothing: the point no longer interacts. Its volume and energy stay constant, its mass and momentum are those of
+    /// a free particle, so that the balances of the method close with or without it.
     Nothing,
 }
 
 impl Remains {
-    /// Is shear carried?
+    /// True if shear is carried.
     pub const fn shear(self) -> bool {
         matches!(self, Remains::CompressionAndShear)
     }
-    /// Is mean tension carried?
+    /// True if mean tension is carried.
     pub const fn tension(self) -> bool {
         matches!(self, Remains::Pressure)
     }
-    /// Is compression carried?
+    /// True if compression is carried.
     pub const fn compression(self) -> bool {
         !matches!(self, Remains::Nothing)
     }
-    /// What is left where one of two criteria has failed: the less of both.
+    /// Combine the responses of two criteria: stress that both carry.
     pub(crate) const fn and(self, other: Self) -> Self {
         if !self.compression() || !other.compression() {
             Remains::Nothing
@@ -99,17 +99,17 @@ macro_rules! aftermath {
 }
 
 aftermath! {
-    /// The same criterion, after which only mean tension is lost: the deviator stays, up to the flow stress. With a
-    /// flow stress that does not depend on the pressure a principal stress may still be tensile.
+    /// Criterion after which a point loses only mean tension: the deviator stays, up to the flow stress. With a flow
+    /// stress that does not depend on the pressure a principal stress may still be tensile.
     LosesTension, Remains::CompressionAndShear
 }
 aftermath! {
-    /// The same criterion, after which only the deviator is lost. Not of one that opens a crack: what a
-    /// crack has opened in bears no tension.
+    /// Criterion after which a point loses only the deviator. Not available for criteria that open a crack: a cracked
+    /// point carries no tension.
     LosesShear, Remains::Pressure, BearsTension
 }
 aftermath! {
-    /// The same criterion, after which the point carries nothing at all: it does no work and takes none, and its
-    /// motion can no longer break the law.
+    /// Criterion after which a point carries no stress: it does no work, receives none, and its motion can no longer
+    /// break the law.
     Removed, Remains::Nothing
 }

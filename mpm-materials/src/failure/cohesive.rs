@@ -1,4 +1,4 @@
-//! Spall with the work of the crack: tension that falls as the crack opens.
+//! Cohesive spall: tension decreases with the crack opening, for a given work of fracture.
 
 use crate::failure::{Failure, Observed, OpeningCrack, Strain};
 use crate::lane::{Lane, Real};
@@ -6,25 +6,25 @@ use crate::parameter::{Check, ParameterError};
 use crate::state;
 
 state! {
-    /// Memory of a crack that opens.
+    /// State variables of an opening crack.
     pub struct Crack<L> {
         /// Volume of the open crack over reference volume.
         pub crack_volume: L,
-        /// The widest opening so far over w_c, in \[0, 1\]; one where the point has failed.
+        /// Largest opening so far over w_c, in \[0, 1\]; one if the point has failed.
         pub crack_damage: L,
     }
 }
 
-/// Cohesive spall \[Hillerborg1976\]: where the mean tension reaches sigma_sp a crack opens, and bears
-/// sigma = sigma_sp (1 - w/w_c) at the opening w; at w_c the point has failed. A crack that closes bears what lies on
-/// the straight line to the origin, and nothing closed. So a surface takes the work G_c = sigma_sp w_c/2, whatever the
-/// cell: the crack is as wide as one cell h, w = h x volume of the crack over reference volume (a crack band,
-/// \[BazantOh1983\]), and the equation of state sees the volume beside it (book, "Damage and time to failure").
+/// Cohesive spall \[Hillerborg1976\]: a crack opens where the mean tension reaches sigma_sp and carries
+/// sigma = sigma_sp (1 - w/w_c) at the opening w; at w_c the point has failed. A closing crack unloads on the straight
+/// line to the origin; a closed one carries no tension. The work per area is G_c = sigma_sp w_c/2 for any cell size:
+/// the crack is as wide as one cell h, w = h x volume of the crack over reference volume (a crack band,
+/// \[BazantOh1983\]), and the equation of state uses the volume beside it (book, "Damage and time to failure").
 ///
-/// Cells shall be smaller than 2 G_c K/sigma_sp^2 = w_c K/sigma_sp, K the bulk modulus: larger ones store more than the
-/// surface takes, and fail as soon as the strength is reached, as those of
-/// [`TensilePressure`](crate::failure::TensilePressure) do. The deviator is lost when the crack has opened. Two numbers
-/// of memory. For a [`Solid`](crate::Solid), one such criterion in each:
+/// Cells must be smaller than 2 G_c K/sigma_sp^2 = w_c K/sigma_sp, K the bulk modulus: larger ones store more energy
+/// than the surface dissipates, and fail as soon as the strength is reached, as with
+/// [`TensilePressure`](crate::failure::TensilePressure). The deviator is lost at full opening. Two state variables. For
+/// a [`Solid`](crate::Solid), with one such criterion at most:
 ///
 /// ```
 /// use mpm_materials::{CohesiveSpall, Constitutive, PlasticStrainLimit, library};
@@ -36,7 +36,7 @@ state! {
 /// # }
 /// ```
 ///
-/// Two that open cracks do not compile ([`combine`](crate::failure::combine)):
+/// Two criteria that open cracks do not compile ([`combine`](crate::failure::combine)):
 /// ```compile_fail,E0277
 /// use mpm_materials::{CohesiveSpall, library};
 /// # fn main() -> Result<(), mpm_materials::ParameterError> {
@@ -52,7 +52,7 @@ pub struct CohesiveSpall<T> {
 }
 
 impl<T: Real> CohesiveSpall<T> {
-    /// With the spall strength sigma_sp, Pa, and the opening w_c at which nothing is borne, m.
+    /// Create from spall strength sigma_sp, Pa, and opening w_c of zero stress, m.
     ///
     /// # Errors
     /// A number that is not positive.
@@ -63,7 +63,7 @@ impl<T: Real> CohesiveSpall<T> {
             opening: check.positive("opening w_c", opening)?,
         })
     }
-    /// With the spall strength sigma_sp, Pa, and the work G_c that an area of crack takes, J/m^2.
+    /// Create from spall strength sigma_sp, Pa, and work of fracture per area G_c, J/m^2.
     ///
     /// # Errors
     /// A number that is not positive.
@@ -105,17 +105,17 @@ impl<T: Real> Failure<T> for CohesiveSpall<T> {
         let strained = (zero - pressure).gt(bears) | history.crack_volume.gt(zero);
         strained & history.crack_damage.lt(one)
     }
-    /// With t the tension and K the stiffness, t + K (v - v') = sigma(v') is linear in v' on both branches: the line down
-    /// from the strength, and that to the origin where the crack was wider before the step.
+    /// Solve t + K (v - v') = sigma(v'), with t the tension and K the stiffness. It is linear in v' on both branches:
+    /// softening from the strength, and unloading to the origin if the crack was wider before the step.
     #[inline(always)]
     fn opened<L: Lane<Real = T>>(&self, strain: &Strain<L>, now: &Crack<L>, old: &Crack<L>) -> Crack<L> {
         let (zero, one) = (L::zero(), L::one());
         let strength = L::splat(self.strength);
         let full = L::splat(self.opening) * strain.length.recip();
         let damage = old.crack_damage;
-        // The tension if the crack were closed.
+        // Tension if the crack were closed.
         let closed = strain.stiffness.mul_add(now.crack_volume, zero - strain.pressure);
-        // Softer than the fall of the strength with the opening: no state in between.
+        // No intermediate state if the material is softer than the softening branch.
         let stable = (strain.stiffness * full).gt(strength * L::of(1.0 + 1e-3));
         let slope = L::select(stable, strain.stiffness - strength * full.recip(), one);
         let down = (closed - strength) * slope.recip();
@@ -123,7 +123,7 @@ impl<T: Real> Failure<T> for CohesiveSpall<T> {
         let opens = self.opens(now, strain.pressure);
         let wider = opens & stable & down.gt(widest);
         let breaks = opens & ((wider & down.ge(full)) | (!stable & closed.gt(strength)));
-        // Back on the line to the origin, and shut where that would bear compression.
+        // Unload on the line to the origin; close the crack where it would carry compression.
         let both = strain.stiffness * widest + strength * (one - damage);
         let back = (closed * widest * both.recip()).max(zero);
         let volume = L::select(wider, down, back);

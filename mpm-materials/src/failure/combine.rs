@@ -1,20 +1,22 @@
-//! Which criteria go together, and what is said of those that do not: once, where they are handed to a law.
+//! Allowed combinations of failure criteria, and a single compiler message for others, where they are passed to a law.
 //!
-//! A point has one crack. So a pair has one criterion that opens one at most ([`OneCrack`]), [`LosesShear`](crate::LosesShear) none, since what a
-//! crack has opened in bears no tension ([`BearsTension`]), and [`Ground`](crate::Ground) none, since the crack is solved with an equation of state. A
-//! criterion says by [`Failure::Cracks`] what it is.
+//! A point has one crack. At most one criterion of a pair opens it ([`OneCrack`]). A criterion in
+//! [`LosesShear`](crate::LosesShear) opens none, since a cracked point carries no tension ([`BearsTension`]). A
+//! criterion of [`Ground`](crate::Ground) opens none, since the crack is solved with an equation of state.
+//! [`Failure::Cracks`] declares the crack model of a criterion.
 //!
-//! What a law with a criterion is follows from the bound on the criterion, so that nothing is reported of what is done with a law that is
-//! none. For that [`OfSolid`] and [`OfGround`] have two implementations each, of which the second never holds: of two the compiler takes
-//! the one whose bounds hold, and where neither does, there is no type, and one message.
+//! The type of a law with a criterion follows from the bound on the criterion, so that later uses of an invalid law
+//! cause no messages. For this [`OfSolid`] and [`OfGround`] have two implementations each, the second with a bound that
+//! no type satisfies: the compiler selects the implementation whose bounds are satisfied, and if none is, there is no
+//! type, and one message.
 
 use crate::failure::Failure;
 use crate::lane::Real;
 
-/// What opens no crack: a point is whole until it has failed.
+/// Crack model without a crack: a point is intact until it fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoCrack {}
-/// What opens a crack before the point fails: [`CohesiveSpall`](crate::CohesiveSpall).
+/// Crack model with a crack that opens before the point fails: [`CohesiveSpall`](crate::CohesiveSpall).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpeningCrack {}
 
@@ -24,9 +26,9 @@ mod sealed {
     impl Sealed for super::OpeningCrack {}
 }
 
-/// Does a criterion open a crack? [`NoCrack`] or [`OpeningCrack`].
+/// Crack model of a criterion: [`NoCrack`] or [`OpeningCrack`].
 pub trait Cracking: sealed::Sealed + OneCrack<NoCrack, Together = Self> {
-    /// It does. With `false` nothing of cracks is compiled.
+    /// True if a crack opens; with `false` no crack code is compiled.
     const OPENS: bool;
 }
 impl Cracking for NoCrack {
@@ -36,14 +38,14 @@ impl Cracking for OpeningCrack {
     const OPENS: bool = true;
 }
 
-/// One crack at most, together with `C`.
+/// At most one crack together with the crack model `C`.
 #[diagnostic::on_unimplemented(
     message = "two criteria of a pair open a crack, and a point has one",
     note = "take one that opens none for one of them, such as `TensilePressure` or `PrincipalStress`",
     note = "generic code asks for it: `where A::Cracks: OneCrack<B::Cracks>`"
 )]
 pub trait OneCrack<C> {
-    /// What the two do.
+    /// Crack model of the combination.
     type Together: Cracking;
 }
 impl<C: Cracking> OneCrack<C> for NoCrack {
@@ -53,7 +55,7 @@ impl OneCrack<NoCrack> for OpeningCrack {
     type Together = OpeningCrack;
 }
 
-/// [`NoCrack`]: nothing has opened in a point that has failed, so that it may keep tension.
+/// Crack model of criteria whose failed points may keep tension: [`NoCrack`], since no crack has opened.
 #[diagnostic::on_unimplemented(
     message = "`LosesShear` keeps tension, which what a crack has opened in does not bear",
     note = "take the criterion that opens one without it, or in `LosesTension` or `Removed`",
@@ -62,16 +64,16 @@ impl OneCrack<NoCrack> for OpeningCrack {
 pub trait BearsTension {}
 impl BearsTension for NoCrack {}
 
-/// The implementation that counts.
+/// Marker of the implementation with satisfiable bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Holding;
-/// The one that never holds.
+/// Marker of the implementation with unsatisfiable bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct Failing;
-/// What no type is.
+/// Trait that no type implements.
 pub trait Never {}
 
-/// A criterion for a [`Solid`](crate::Solid): a [`Failure`]; what makes `R` of the solid `M` is the same.
+/// Failure criterion for a [`Solid`](crate::Solid): a [`Failure`]; the resulting type `R` of the solid `M` is `M`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a failure criterion that a solid can have",
     label = "not in a solid",
@@ -83,7 +85,7 @@ pub trait Never {}
             also `A::Cracks: OneCrack<B::Cracks>`"
 )]
 pub trait OfSolid<T, W, M, R> {
-    /// It.
+    /// Return the law.
     fn made(law: M) -> R;
 }
 impl<T: Real, F: Failure<T>, M> OfSolid<T, Holding, M, M> for F {
@@ -97,7 +99,8 @@ impl<T, F: Never, M> OfSolid<T, Failing, M, M> for F {
     }
 }
 
-/// A criterion for [`Ground`](crate::Ground): a [`Failure`] that opens no crack; what makes `R` of the ground `M` is the same.
+/// Failure criterion for [`Ground`](crate::Ground): a [`Failure`] that opens no crack; the resulting type `R` of the
+/// ground `M` is `M`.
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not a failure criterion that ground can have",
     label = "not in ground",
@@ -107,7 +110,7 @@ impl<T, F: Never, M> OfSolid<T, Failing, M, M> for F {
             `where F: Failure<T, Cracks = NoCrack>`"
 )]
 pub trait OfGround<T, W, M, R> {
-    /// It.
+    /// Return the law.
     fn made(law: M) -> R;
 }
 impl<T: Real, F: Failure<T, Cracks = NoCrack>, M> OfGround<T, Holding, M, M> for F {

@@ -1,18 +1,18 @@
-//! Failure at a limit of the damage that a strength keeps.
+//! Failure at a limit of the damage of a strength.
 
 use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// Fails where the damage of the strength, [`Strength::damage`](crate::Strength::damage), reaches D_c: the companion
-/// of [`Borvik`](crate::strength::Borvik), whose flow stress the damage has softened by then.
+/// Failure where the damage of the strength, [`Strength::damage`](crate::Strength::damage), reaches D_c: for use with
+/// [`Borvik`](crate::strength::Borvik), whose damage softens the flow stress before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DamageLimit<T> {
     limit: T,
 }
 
 impl<T: Real> DamageLimit<T> {
-    /// With critical damage D_c.
+    /// Create from the critical damage D_c.
     ///
     /// # Errors
     /// D_c outside (0, 1\].
@@ -22,7 +22,7 @@ impl<T: Real> DamageLimit<T> {
         Ok(DamageLimit { limit })
     }
 
-    /// Of a limit that was checked.
+    /// Create from a checked limit.
     pub(crate) fn known(limit: T) -> Self {
         DamageLimit { limit }
     }

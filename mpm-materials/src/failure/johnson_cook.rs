@@ -6,7 +6,7 @@ use crate::parameter::{Check, ParameterError};
 use crate::state;
 
 state! {
-    /// Memory of a criterion that accumulates.
+    /// State variable of a criterion with accumulated damage.
     pub struct Damaged<L> {
         /// Damage D in \[0, 1\]; the point has failed at one.
         pub failure_damage: L,
@@ -15,10 +15,11 @@ state! {
 
 /// Smallest failure strain unless stated otherwise.
 const SMALLEST: f64 = 1e-6;
-/// Largest exponent: beyond it the failure strain is out of reach anyway.
+/// Largest exponent: beyond it the failure strain is unreachable.
 const STEEPEST: f64 = 80.0;
 
-/// D = sum of d_eps_p/eps_f, failed at D = 1, with (\[JohnsonCook1985\], book, "Damage and time to failure")
+/// Johnson-Cook damage D = sum of d_eps_p/eps_f, failure at D = 1, with (\[JohnsonCook1985\], book, "Damage and time to
+/// failure")
 ///
 /// eps_f = \[D1 + D2 exp(D3 s*)\] \[1 + D4 ln max(rate*, 1)\] \[1 + D5 T*\],
 ///
@@ -27,9 +28,9 @@ const STEEPEST: f64 = 80.0;
 /// (zero for one without temperature). eps_f is floored, since the fit may fall below zero in strong tension (the
 /// set of 6061-T6 does at s* = 1.35).
 ///
-/// Damage does not soften: the point carries its full flow stress until it fails, then what
-/// [`Remains`](crate::failure::Remains). With [`CrackBand`](crate::failure::CrackBand) the failure strain follows
-/// the size of the cell. One number of memory.
+/// Damage does not soften: the point carries its full flow stress until it fails, then the stress selected by
+/// [`Remains`](crate::failure::Remains). With [`CrackBand`](crate::failure::CrackBand) the failure strain depends on
+/// the size of the cell. One state variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JohnsonCookDamage<T, B = Local> {
     d: [T; 5],
@@ -39,7 +40,7 @@ pub struct JohnsonCookDamage<T, B = Local> {
 }
 
 impl<T: Real> JohnsonCookDamage<T> {
-    /// From D1 to D5 and the reference rate rate0, 1/s.
+    /// Create from D1 to D5 and the reference rate rate0, 1/s.
     ///
     /// # Errors
     /// A constant that is not finite, D2 negative, rate0 not positive.
@@ -87,7 +88,7 @@ impl<T: Real> JohnsonCookDamage<T> {
 }
 
 impl<T: Real, B: Localisation<T>> JohnsonCookDamage<T, B> {
-    /// The same criterion with another floor of the failure strain.
+    /// Set the lower bound of the failure strain.
     ///
     /// # Errors
     /// A floor that is not positive.
@@ -95,13 +96,13 @@ impl<T: Real, B: Localisation<T>> JohnsonCookDamage<T, B> {
         let smallest = Check("Johnson-Cook damage").positive("smallest failure strain", smallest)?;
         Ok(JohnsonCookDamage { smallest, ..self })
     }
-    /// The same criterion with another dependence on the size of the cell.
+    /// Set the dependence on the size of the cell.
     pub fn with_localisation<C: Localisation<T>>(self, localisation: C) -> JohnsonCookDamage<T, C> {
         let JohnsonCookDamage { d, reference, smallest, .. } = self;
         JohnsonCookDamage { d, reference, smallest, localisation }
     }
 
-    /// eps_f at triaxiality s*, relative plastic strain rate and homologous temperature.
+    /// Failure strain eps_f at triaxiality s*, relative plastic strain rate and homologous temperature.
     #[inline(always)]
     pub fn failure_strain<L: Lane<Real = T>>(&self, triaxiality: L, rate: L, temperature: L) -> L {
         let [d1, d2, d3, d4, d5] = self.d;
@@ -130,7 +131,7 @@ impl<T: Real, B: Localisation<T>> Failure<T> for JohnsonCookDamage<T, B> {
         if !increment.gt(L::zero()).any() {
             return *old;
         }
-        // Where nothing flows there may be no equivalent stress to divide by, and nothing is added either.
+        // Without plastic flow the equivalent stress may be zero; no damage is added there.
         let equivalent = observed.deviator.equivalent().max(L::of(1e-20));
         let triaxiality = -(observed.pressure / equivalent);
         let rate = increment / (observed.dt * L::splat(self.reference));

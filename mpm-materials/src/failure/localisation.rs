@@ -1,18 +1,18 @@
-//! How softening and damage depend on the size of the cell.
+//! Regularisation of softening and damage by the size of the cell.
 
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
 /// Weight of a strain increment in a damage law.
 ///
-/// A softening point takes up all further strain of its neighbourhood, so that a crack is one cell wide however
-/// small the cell, and the energy of a new surface vanishes with refinement. [`CrackBand`] cures that.
+/// Strain localises in a softening point, so that a crack is one cell wide for any cell size, and the energy of a new
+/// surface vanishes with mesh refinement. [`CrackBand`] corrects this.
 pub trait Localisation<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The weight at a cell of this size, m.
     fn weight<L: Lane<Real = T>>(&self, length: L) -> L;
 }
 
-/// Weight one: damage is a function of strain, whatever the cell. Costs nothing.
+/// Weight one: damage depends on strain only, for any cell size. Costs nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Local;
 
@@ -23,9 +23,9 @@ impl<T: Real> Localisation<T> for Local {
     }
 }
 
-/// Crack band \[BazantOh1983\]: weight h/h0 for a cell of size h, where h0 is the width over which the failure
-/// strain was measured. The opening h eps_f to failure, and with it the work per area of crack, then is that of
-/// the test for every h (book, "Damage and time to failure").
+/// Crack band \[BazantOh1983\]: weight h/h0 for a cell of size h, where h0 is the width over which the failure strain
+/// was measured. The opening h eps_f to failure, and with it the work per area of crack, is then that of the test for
+/// every h (book, "Damage and time to failure").
 ///
 /// Limits: for a localised band one cell wide. Diffuse damage before localisation is scaled too.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub struct CrackBand<T> {
 }
 
 impl<T: Real> CrackBand<T> {
-    /// With the reference size h0, m.
+    /// Create from the reference size h0, m.
     ///
     /// # Errors
     /// h0 not positive.

@@ -5,15 +5,15 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// Fails at eps_p >= eps_f (book, "Failure criteria"; 1.5 to 3 in the public decks). Plastic strain never falls, so
-/// no memory is needed.
+/// Failure at eps_p >= eps_f (book, "Failure criteria"; 1.5 to 3 in the public decks). Plastic strain never decreases,
+/// so that no state variable is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticStrainLimit<T> {
     limit: T,
 }
 
 impl<T: Real> PlasticStrainLimit<T> {
-    /// With failure strain eps_f.
+    /// Create from the failure strain eps_f.
     ///
     /// # Errors
     /// eps_f not positive.

@@ -4,10 +4,10 @@ use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// Fails where the largest principal stress sigma_1 >= sigma_t, or the largest shear stress
+/// Failure where the largest principal stress sigma_1 >= sigma_t, or the largest shear stress
 /// (sigma_1 - sigma_3)/2 >= tau_f (book, "Failure criteria").
 ///
-/// Principal values are computed only when some point of the pack comes near a limit: with q = sqrt(3/2 s:s),
+/// Principal values are computed only if some point of the pack is near a limit: with q = sqrt(3/2 s:s),
 /// sigma_1 <= 2q/3 - p and (sigma_1 - sigma_3)/2 <= q/sqrt 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PrincipalStress<T> {
@@ -16,7 +16,7 @@ pub struct PrincipalStress<T> {
 }
 
 impl<T: Real> PrincipalStress<T> {
-    /// With tensile strength sigma_t and shear strength tau_f, Pa; a very large value switches one off.
+    /// Create from tensile strength sigma_t and shear strength tau_f, Pa; a very large value disables one.
     ///
     /// # Errors
     /// A strength that is not positive and finite.
@@ -43,7 +43,7 @@ impl<T: Real> Failure<T> for PrincipalStress<T> {
     fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Flag<L>) -> Flag<L> {
         let (tension, shear) = (L::splat(self.tension), L::splat(self.shear));
         let equivalent = observed.deviator.equivalent();
-        // Rounded up a little: a bound must not lose to the rounding of the principal values.
+        // Rounded up, so that the bounds exceed the rounded principal values.
         let largest = equivalent * L::of(0.67) - observed.pressure;
         let near = largest.ge(tension) | (equivalent * L::of(0.58)).ge(shear);
         if !near.any() {
@@ -51,7 +51,7 @@ impl<T: Real> Failure<T> for PrincipalStress<T> {
         }
         let [first, _, third] = observed.deviator.principal();
         let now = (first - observed.pressure).ge(tension) | ((first - third) * L::of(0.5)).ge(shear);
-        // A pack may hold points far from failing: ask only where the bound did.
+        // Only lanes whose bound is reached may fail, independent of the other lanes of the pack.
         old.or(now & near)
     }
 }

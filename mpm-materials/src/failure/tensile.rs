@@ -4,14 +4,14 @@ use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// Fails where the mean tension -p exceeds sigma_sp (book, "Failure criteria").
+/// Failure where the mean tension -p exceeds sigma_sp (book, "Failure criteria").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TensilePressure<T> {
     strength: T,
 }
 
 impl<T: Real> TensilePressure<T> {
-    /// With spall strength sigma_sp, Pa.
+    /// Create from the spall strength sigma_sp, Pa.
     ///
     /// # Errors
     /// sigma_sp not positive.

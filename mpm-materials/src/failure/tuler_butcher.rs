@@ -1,4 +1,4 @@
-//! Failure after a time under tension.
+//! Tuler-Butcher criterion: failure after a time under tension.
 
 use crate::failure::{Failure, NoCrack, Observed};
 use crate::lane::{Lane, Mask, Real};
@@ -6,20 +6,20 @@ use crate::parameter::{Check, ParameterError};
 use crate::state;
 
 state! {
-    /// Memory of a criterion that counts time under load.
+    /// State variable of a criterion with time to failure.
     pub struct Overstressed<L> {
-        /// The integral of (sigma_1/sigma_0 - 1)^lambda over time, s.
+        /// Integral of (sigma_1/sigma_0 - 1)^lambda over time, s.
         pub overstress_time: L,
     }
 }
 
-/// Time to failure \[TulerButcher1968\]: failed when the integral over time of (sigma_1/sigma_0 - 1)^lambda, where
-/// the largest principal stress sigma_1 exceeds sigma_0, reaches t_f (book, "Damage and time to failure"). In the usual form,
-/// integral of (sigma_1 - sigma_0)^lambda = K_f, the constant is K_f = sigma_0^lambda t_f.
+/// Time to failure \[TulerButcher1968\]: failure when the integral over time of (sigma_1/sigma_0 - 1)^lambda, where the
+/// largest principal stress sigma_1 exceeds sigma_0, reaches t_f (book, "Damage and time to failure"). In the usual
+/// form, integral of (sigma_1 - sigma_0)^lambda = K_f, the constant is K_f = sigma_0^lambda t_f.
 ///
-/// lambda = 1 is a critical impulse, lambda = 2 about a critical energy; a large lambda is a critical stress. A
-/// square pulse of stress sigma fails after t_f/(sigma/sigma_0 - 1)^lambda. One number of memory. Principal values
-/// are computed only when some point of the pack comes near sigma_0.
+/// lambda = 1 is a critical impulse, lambda = 2 about a critical energy; a large lambda is a critical stress. A square
+/// pulse of stress sigma causes failure after t_f/(sigma/sigma_0 - 1)^lambda. One state variable. Principal values are
+/// computed only if some point of the pack is near sigma_0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TulerButcher<T> {
     threshold: T,
@@ -28,7 +28,7 @@ pub struct TulerButcher<T> {
 }
 
 impl<T: Real> TulerButcher<T> {
-    /// From the threshold stress sigma_0, Pa, the exponent lambda and the time t_f, s, at twice the threshold.
+    /// Create from threshold stress sigma_0, Pa, exponent lambda and time t_f, s, at twice the threshold.
     ///
     /// # Errors
     /// A number that is not positive.
@@ -63,7 +63,7 @@ impl<T: Real> Failure<T> for TulerButcher<T> {
         let [first, ..] = observed.deviator.principal();
         let over = (first - observed.pressure) * L::splat(T::of(1.0) / self.threshold) - L::one();
         let counts = over.gt(L::zero()) & bound.gt(threshold);
-        // Where it does not count the power is of one.
+        // Use the base one in lanes without overstress.
         let rate = L::select(counts, over, L::one()).powf(L::splat(self.exponent));
         let grown = (old.overstress_time + rate * observed.dt).min(L::splat(self.time));
         Overstressed { overstress_time: L::select(counts, grown, old.overstress_time) }

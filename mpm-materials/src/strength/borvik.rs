@@ -12,7 +12,7 @@ use crate::strength::{
 use crate::tensor::Sym3;
 
 state! {
-    /// What a softening strength remembers.
+    /// State variables of a softening strength.
     pub struct Softened<L> {
         /// Accumulated equivalent plastic strain p.
         pub plastic_strain: L,
@@ -30,19 +30,19 @@ state! {
 pub struct BorvikConstants<T> {
     /// Shear modulus G, Pa.
     pub shear: T,
-    /// A, B, Pa, and n of the hardening.
+    /// Hardening constants A, B, Pa, and n.
     pub hardening: [T; 3],
-    /// C of the rate factor.
+    /// Rate coefficient C.
     pub c: T,
     /// Reference rate, 1/s.
     pub reference_rate: T,
     /// Heating and thermal softening.
     pub heat: Heat<T>,
-    /// D1 to D5 of the fracture strain.
+    /// Fracture strain constants D1 to D5.
     pub fracture: [T; 5],
     /// Critical damage D_c.
     pub critical_damage: T,
-    /// Plastic strain at which damage begins, p_d.
+    /// Damage threshold p_d: plastic strain at which damage begins.
     pub threshold: T,
 }
 
@@ -51,14 +51,15 @@ const STEEPEST: f64 = 80.0;
 /// Smallest p_f - p_d.
 const SMALLEST: f64 = 1e-6;
 
-/// sigma_y = (1 - D) (A + B r^n) (1 + rdot*)^C (1 - T*^m), dr = (1 - D) dp (\[Borvik2001\], book, "Other flow stresses"), with
-/// dD = D_c dp/(p_f - p_d) beyond p_d and
+/// Flow stress sigma_y = (1 - D) (A + B r^n) (1 + rdot*)^C (1 - T*^m), dr = (1 - D) dp (\[Borvik2001\], book, "Other
+/// flow stresses"), with dD = D_c dp/(p_f - p_d) beyond p_d and
 ///
 /// p_f = \[D1 + D2 exp(D3 s*)\] (1 + pdot*)^D4 (1 + D5 T*), s* = -p/sigma_y, tension positive.
 ///
 /// D stops at D_c; with [`DamageLimit`](crate::DamageLimit) of D_c the point then fails. Hardening is implicit; damage,
 /// temperature, pressure (all at the start of the step) and rate (total deviatoric) are explicit. With
-/// [`CrackBand`](crate::CrackBand) the softening follows the size of the cell. Elastic moduli are not damaged.
+/// [`CrackBand`](crate::CrackBand) the softening depends on the size of the cell. Damage does not change the elastic
+/// moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Borvik<T, B = Local> {
     shear: T,
@@ -73,11 +74,11 @@ pub struct Borvik<T, B = Local> {
 }
 
 impl<T: Real> Borvik<T> {
-    /// With these constants.
+    /// Create from constants.
     ///
     /// # Errors
-    /// G, A, n or the reference rate not positive, B, C, D2 or p_d negative, D_c outside (0, 1), D1 to D5 not
-    /// finite, or what [`Adiabatic::new`] refuses.
+    /// G, A, n or the reference rate not positive, B, C, D2 or p_d negative, D_c outside (0, 1), D1 to D5 not finite,
+    /// or an error of [`Adiabatic::new`].
     pub fn new(constants: BorvikConstants<T>) -> Result<Self, ParameterError> {
         let check = Check("Borvik viscoplasticity");
         let k = &constants;
@@ -128,17 +129,17 @@ impl<T: Real> Borvik<T> {
 }
 
 impl<T: Real, B: Localisation<T>> Borvik<T, B> {
-    /// The same law with another dependence on the size of the cell.
+    /// Set the dependence on the size of the cell.
     pub fn with_localisation<C: Localisation<T>>(self, localisation: C) -> Borvik<T, C> {
         let Borvik { shear, hardening, rate, reference, heat, fracture, critical, threshold, .. } = self;
         Borvik { shear, hardening, rate, reference, heat, fracture, critical, threshold, localisation }
     }
-    /// D_c.
+    /// Critical damage D_c.
     pub fn critical_damage(&self) -> T {
         self.critical
     }
 
-    /// p_f at triaxiality s*, plastic strain rate, 1/s, and homologous temperature.
+    /// Fracture strain p_f at triaxiality s*, plastic strain rate, 1/s, and homologous temperature.
     #[inline(always)]
     pub fn fracture_strain<L: Lane<Real = T>>(&self, triaxiality: L, rate: L, temperature: L) -> L {
         let [d1, d2, d3, d4, d5] = self.fracture;
@@ -149,7 +150,7 @@ impl<T: Real, B: Localisation<T>> Borvik<T, B> {
         ductile * fast * L::splat(d5).mul_add(temperature, one)
     }
 
-    /// (1 - D) times rate and temperature factor, explicit.
+    /// Flow stress factor: (1 - D) times rate and temperature factor, explicit.
     #[inline(always)]
     fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>, old: &Softened<L>) -> L {
         let sound = L::one() - old.damage;

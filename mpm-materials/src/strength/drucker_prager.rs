@@ -8,7 +8,7 @@ use crate::point::{Breakdown, Fault};
 use crate::state;
 
 state! {
-    /// What a point of soil remembers beside stress, volume and energy.
+    /// State variables of soil, in addition to stress, volume and energy.
     pub struct Sheared<L> {
         /// Accumulated equivalent plastic strain.
         pub plastic_strain: L,
@@ -17,19 +17,19 @@ state! {
     }
 }
 
-/// How a cone is fitted to the hexagonal pyramid of Mohr and Coulomb.
+/// Fit of a cone to the hexagonal Mohr-Coulomb pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cone {
-    /// Through its inner edges: exact in triaxial extension, safe elsewhere.
+    /// Cone through the inner edges: exact in triaxial extension, safe elsewhere.
     Inner,
-    /// Through its outer edges: exact in triaxial compression.
+    /// Cone through the outer edges: exact in triaxial compression.
     Outer,
-    /// Equal limit loads in plane strain, for dilatancy equal to friction.
+    /// Cone of equal limit loads in plane strain, for dilatancy equal to friction.
     PlaneStrain,
 }
 
 impl Cone {
-    /// q and k per cohesion from the sine and cosine of the angle.
+    /// Compute q and k per cohesion from the sine and cosine of the angle.
     fn fit(self, sine: f64, cosine: f64) -> (f64, f64) {
         let root = 3.0_f64.sqrt();
         match self {
@@ -44,7 +44,7 @@ impl Cone {
     }
 }
 
-/// Drucker-Prager soil (book, "Soil"), a [`Geomaterial`]; `Ground::new` makes it a law. With
+/// Drucker-Prager soil (book, "Soil"), a [`Geomaterial`]; `Ground::new` turns it into a law. With
 /// tau = sqrt(s:s/2) and sigma_m = -p:
 ///
 /// - shear: tau + q_phi sigma_m <= k_phi, flow with dilatancy q_psi <= q_phi;
@@ -52,13 +52,13 @@ impl Cone {
 /// - elasticity: p = -K (ln J - dilation), Jaumann rate of the deviator with G.
 ///
 /// The return to the cone is that of MPM3D, d_lambda = f/(G + K q_phi q_psi), exact for the straight cone. Where it
-/// would end beyond the cap, or the trial is in tension alone, the point goes to the cap instead, with
-/// tau <= k_phi - q_phi sigma_t: every result is admissible. MPM3D divides the corner by a slanted line and may leave
-/// it slightly outside the cone.
+/// would end beyond the cap, or for a trial in pure tension, the stress returns to the cap instead, with
+/// tau <= k_phi - q_phi sigma_t: every result is admissible. MPM3D divides the corner by an inclined line and may
+/// return slightly outside the cone.
 ///
-/// Tension is a gap: what opens beyond the cap is not remembered, so that a point carries pressure again when its
-/// density is back. (A rate form would make every such opening permanent.) Limits: perfectly plastic; dilatancy
-/// never ends; plastic strain leaves the gap out.
+/// Tension opens a gap: the opening beyond the cap is not stored, so that a point carries pressure again at its
+/// original density. (A rate form would make every such opening permanent.) Limits: perfectly plastic; unlimited
+/// dilatancy; plastic strain without the gap.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DruckerPrager<T> {
     density: T,
@@ -73,7 +73,7 @@ pub struct DruckerPrager<T> {
 const CHECK: Check = Check("Drucker-Prager");
 
 impl<T: Real> DruckerPrager<T> {
-    /// From density, kg/m^3, elastic moduli, q_phi, k_phi, Pa, q_psi and sigma_t, Pa.
+    /// Create from density, kg/m^3, elastic moduli, q_phi, k_phi, Pa, q_psi and sigma_t, Pa.
     ///
     /// # Errors
     /// Density not positive, q_phi or k_phi negative, q_psi outside \[0, q_phi\], sigma_t negative or beyond the
@@ -93,7 +93,7 @@ impl<T: Real> DruckerPrager<T> {
         CHECK.not_negative("cohesion k_phi", cohesion)?;
         let inside = dilatancy >= T::of(0.0) && dilatancy <= friction;
         CHECK.that(inside, "dilatancy q_psi", dilatancy, "between 0 and q_phi")?;
-        // To rounding: decks print the apex itself.
+        // With a rounding tolerance: decks print the apex itself.
         let reach = tension * friction <= cohesion * T::of(1.0 + 1e-3);
         let allowed = "zero or positive and at most k_phi/q_phi";
         CHECK.that(tension >= T::of(0.0) && reach, "tensile strength", tension, allowed)?;
@@ -109,9 +109,9 @@ impl<T: Real> DruckerPrager<T> {
         })
     }
 
-    /// From density, kg/m^3, elastic moduli, friction angle phi, cohesion c, Pa, and dilatancy angle psi (radians) of
-    /// Mohr and Coulomb, matched by `cone`. The tensile strength is that of the apex, c/tan phi; without friction
-    /// there is no apex and it is c.
+    /// Create from density, kg/m^3, elastic moduli, friction angle phi, cohesion c, Pa, and dilatancy angle psi
+    /// (radians) of Mohr and Coulomb, matched by `cone`. The tensile strength is that of the apex, c/tan phi; without
+    /// friction there is no apex and it is c.
     ///
     /// # Errors
     /// phi outside \[0, pi/2), psi outside \[0, phi\], c negative, a density or modulus that is not positive.
@@ -138,7 +138,7 @@ impl<T: Real> DruckerPrager<T> {
         Self::new(density, moduli, q_phi, k_phi, T::of(q_psi), tension)
     }
 
-    /// The same soil with another tensile strength sigma_t, Pa.
+    /// Set the tensile strength sigma_t, Pa.
     ///
     /// # Errors
     /// sigma_t negative or beyond the apex.
@@ -147,14 +147,14 @@ impl<T: Real> DruckerPrager<T> {
         Self::new(self.density, moduli, self.friction, self.cohesion, self.dilatancy, tension)
     }
 
-    /// Soil of the slope of MPM3D-F90 `Slopefail.mpm`: rho 2100 kg/m^3, E 70 MPa, nu 0.3, phi 20 degrees, c 10 kPa,
-    /// inner cone, no dilatancy, tension to the apex: q_phi 0.3545, k_phi 9.74 kPa, sigma_t 27.48 kPa
-    /// (book, "Material constants").
+    /// Slope soil of MPM3D-F90 `Slopefail.mpm`: rho 2100 kg/m^3, E 70 MPa, nu 0.3, phi 20 degrees, c 10 kPa, inner
+    /// cone, no dilatancy, tension to the apex: q_phi 0.3545, k_phi 9.74 kPa, sigma_t 27.48 kPa (book, "Material
+    /// constants").
     pub fn slope_soil() -> Self {
         Self::known(2100.0, [70e6, 0.3], Cone::Inner, 20.0, 10e3)
     }
 
-    /// Aluminium bars as granular matter: rho 2650 kg/m^3, E 0.84 MPa, nu 0.3, phi 19.8 degrees, no cohesion, no
+    /// Aluminium bars as granular material: rho 2650 kg/m^3, E 0.84 MPa, nu 0.3, phi 19.8 degrees, no cohesion, no
     /// dilatancy (two public sources, book, "Material constants"), matched in plane strain, our choice.
     pub fn aluminium_bars() -> Self {
         Self::known(2650.0, [0.84e6, 0.3], Cone::PlaneStrain, 19.8, 0.0)
@@ -180,15 +180,15 @@ impl<T: Real> DruckerPrager<T> {
         }
     }
 
-    /// q_phi.
+    /// Friction coefficient q_phi.
     pub fn friction(&self) -> T {
         self.friction
     }
-    /// k_phi, Pa.
+    /// Cohesion k_phi, Pa.
     pub fn cohesion(&self) -> T {
         self.cohesion
     }
-    /// sigma_t, Pa.
+    /// Tensile strength sigma_t, Pa.
     pub fn tension_cap(&self) -> T {
         self.tension
     }
@@ -216,12 +216,12 @@ impl<T: Real> Geomaterial<T> for DruckerPrager<T> {
         let mean = L::splat(self.bulk) * (trial.volume_ratio.ln() - old.dilation);
         let tau = (trial.deviator.dot(&trial.deviator) * L::of(0.5)).sqrt();
 
-        // To the cone.
+        // Return to the cone.
         let over = (q.mul_add(mean, tau) - k).max(zero);
         let stiffness = self.shear + self.bulk * self.friction * self.dilatancy;
         let multiplier = over * L::splat(T::of(1.0) / stiffness);
         let shifted = mean - multiplier * L::splat(self.bulk * self.dilatancy);
-        // To the cap, where the cone is not reached below it.
+        // Return to the cap where the return to the cone ends beyond it.
         let torn = shifted.gt(cap);
         let new_mean = L::select(torn, cap, shifted);
         let flowed = L::select(torn, zero, multiplier * L::splat(self.dilatancy));
@@ -232,7 +232,7 @@ impl<T: Real> Geomaterial<T> for DruckerPrager<T> {
         let loss = tau - new_tau;
         let shrink = L::select(loss.gt(zero), one - loss / tau, one);
         let slip = loss * L::splat(T::of(1.0) / self.shear);
-        // sqrt(2/3 d_ep:d_ep) of a shear slip and a volume flowed.
+        // sqrt(2/3 d_ep:d_ep) of the shear slip and the plastic dilatation.
         let square = slip * slip * L::of(1.0 / 3.0) + flowed * flowed * L::of(2.0 / 9.0);
         let history =
             Sheared { plastic_strain: old.plastic_strain + square.sqrt(), dilation: old.dilation + flowed };

@@ -13,7 +13,7 @@ pub struct Elastic<T> {
 }
 
 impl<T: Real> Elastic<T> {
-    /// With shear modulus G, Pa.
+    /// Create from the shear modulus G, Pa.
     ///
     /// # Errors
     /// G not positive.

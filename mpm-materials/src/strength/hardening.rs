@@ -1,10 +1,10 @@
-//! Isotropic hardening sigma_h(eps_p), and the plastic strain increment that it allows.
+//! Isotropic hardening sigma_h(eps_p) and its plastic strain increment.
 
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Breakdown, Fault};
 
-/// The solution of the consistency equation.
+/// Solution of the consistency equation.
 #[derive(Clone, Copy, Debug)]
 pub struct Increment<L> {
     /// Plastic strain increment d >= 0; zero in the lanes that do not yield.
@@ -13,20 +13,20 @@ pub struct Increment<L> {
     pub fault: Fault<L>,
 }
 
-/// A hardening curve sigma_h(eps_p), Pa.
+/// Hardening curve sigma_h(eps_p), Pa.
 pub trait Hardening<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
-    /// sigma_h, Pa.
+    /// Hardening stress sigma_h, Pa.
     fn stress<L: Lane<Real = T>>(&self, strain: L) -> L;
 
-    /// A cheap lower bound of sigma_h, Pa: where the trial stress stays below it nothing else is computed.
+    /// Lower bound of sigma_h, Pa, cheap to compute: a trial stress below it needs no return mapping.
     fn lower_bound<L: Lane<Real = T>>(&self, strain: L) -> L;
 
-    /// The increment d with `trial` - `three_g` d = `factor` sigma_h(`strain` + d), where the trial stress
-    /// exceeds `factor` sigma_h(`strain`); `factor` holds rate and temperature and is not negative.
+    /// Solve `trial` - `three_g` d = `factor` sigma_h(`strain` + d) for the increment d, where the trial stress exceeds
+    /// `factor` sigma_h(`strain`); `factor`, of rate and temperature, is not negative.
     fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L>;
 }
 
-/// sigma_h = Y0 + H eps_p (book, "Linear hardening"), returned in closed form.
+/// Linear hardening sigma_h = Y0 + H eps_p (book, "Linear hardening"), returned in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearHardening<T> {
     initial: T,
@@ -34,7 +34,7 @@ pub struct LinearHardening<T> {
 }
 
 impl<T: Real> LinearHardening<T> {
-    /// From initial yield stress Y0 and plastic modulus H, Pa. H = 0 is perfect plasticity; from a tangent
+    /// Create from initial yield stress Y0 and plastic modulus H, Pa. H = 0 is perfect plasticity; from a tangent
     /// modulus E_t, H = E E_t / (E - E_t).
     ///
     /// # Errors
@@ -47,7 +47,7 @@ impl<T: Real> LinearHardening<T> {
         })
     }
 
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(initial: f64, modulus: f64) -> Self {
         LinearHardening { initial: T::of(initial), modulus: T::of(modulus) }
     }
@@ -70,13 +70,13 @@ impl<T: Real> Hardening<T> for LinearHardening<T> {
     }
 }
 
-/// A hardening curve that never bends upwards, with a finite slope everywhere.
+/// Concave hardening curve with a finite slope everywhere.
 trait Concave<T: Real> {
     /// Stress and slope, Pa.
     fn point<L: Lane<Real = T>>(&self, strain: L) -> (L, L);
 
-    /// Newton's iteration from d = 0. The consistency function falls and is convex, so that it approaches the
-    /// root from the left and cannot overshoot.
+    /// Newton iteration from d = 0. The consistency function is decreasing and convex, so that the iteration approaches
+    /// the root from the left without overshoot.
     #[inline(always)]
     fn newton<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
         let zero = L::zero();
@@ -99,7 +99,7 @@ trait Concave<T: Real> {
     }
 }
 
-/// sigma_h = A + Q \[1 - exp(-b eps_p)\] (Voce): saturates at A + Q.
+/// Voce hardening sigma_h = A + Q \[1 - exp(-b eps_p)\]: saturates at A + Q.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VoceHardening<T> {
     initial: T,
@@ -108,7 +108,7 @@ pub struct VoceHardening<T> {
 }
 
 impl<T: Real> VoceHardening<T> {
-    /// From initial yield stress A and saturation Q, Pa, and b, dimensionless.
+    /// Create from initial yield stress A and saturation Q, Pa, and b, dimensionless.
     ///
     /// # Errors
     /// A not positive, Q or b negative.
@@ -145,7 +145,7 @@ impl<T: Real> Hardening<T> for VoceHardening<T> {
     }
 }
 
-/// sigma_h = min( Y0 \[1 + beta (eps_p + eps_i)\]^n, Y_max ): the hardening of
+/// Saturating power hardening sigma_h = min( Y0 \[1 + beta (eps_p + eps_i)\]^n, Y_max ), used in
 /// [`SteinbergGuinan`](crate::strength::SteinbergGuinan).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SaturatingPower<T> {
@@ -157,7 +157,7 @@ pub struct SaturatingPower<T> {
 }
 
 impl<T: Real> SaturatingPower<T> {
-    /// From Y0 and Y_max, Pa, beta, n and the initial plastic strain eps_i.
+    /// Create from Y0 and Y_max, Pa, beta, n and the initial plastic strain eps_i.
     ///
     /// # Errors
     /// Y0 not positive, Y_max below Y0, beta or eps_i negative, n outside \[0, 1\].
@@ -208,23 +208,23 @@ impl<T: Real> Hardening<T> for SaturatingPower<T> {
     }
 }
 
-/// sigma_h = A + B eps_p^n (Ludwik), also the hardening of Johnson and Cook (book, "Johnson-Cook").
+/// Ludwik hardening sigma_h = A + B eps_p^n, also used in Johnson-Cook (book, "Johnson-Cook").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerHardening<T> {
     initial: T,
     coefficient: T,
     exponent: T,
-    /// B where eps^n >= eps on \[0, 1\], else zero.
+    /// Slope of the chord: B if eps^n >= eps on \[0, 1\], else zero.
     chord: T,
 }
 
-/// Increments below this fraction of the strain are polished by the binomial series.
+/// Largest increment over strain for the binomial series.
 const SMALL: f64 = 1.0 / 64.0;
-/// Newton converges from below and quadratically; more steps than this mean that a number is broken.
+/// Limit of Newton steps: convergence is quadratic from below, so that more steps mean an invalid number.
 const STEPS: usize = 60;
 
 impl<T: Real> PowerHardening<T> {
-    /// From initial yield stress A and hardening coefficient B, Pa, and exponent n.
+    /// Create from initial yield stress A and hardening coefficient B, Pa, and exponent n.
     ///
     /// # Errors
     /// A not positive, B negative, or n not positive.
@@ -241,42 +241,41 @@ impl<T: Real> PowerHardening<T> {
         PowerHardening { initial, coefficient, exponent, chord }
     }
 
-    /// Is the curve a straight line? The same for all points, so worth a branch.
+    /// True if the curve is a straight line; uniform over all points, so worth a branch.
     #[inline(always)]
     fn is_straight(&self) -> bool {
         self.exponent == T::of(1.0) || self.coefficient == T::of(0.0)
     }
 
-    /// The strain at which the curve starts: the logarithm needs a positive argument, and the slope a finite
-    /// value. Small enough that B eps^n is nothing there unless n is very small, and then the curve simply
-    /// starts flat.
+    /// Smallest strain of the curve: the logarithm needs a positive argument, and the slope a finite value. B eps^n is
+    /// negligible there unless n is very small, and then the curve starts flat.
     #[inline(always)]
     fn start<L: Lane<Real = T>>(&self) -> L {
         if size_of::<T>() < size_of::<f64>() { L::of(1e-26) } else { L::of(1e-280) }
     }
 
-    /// strain^n.
+    /// Compute strain^n.
     #[inline(always)]
     fn power<L: Lane<Real = T>>(&self, strain: L) -> L {
         strain.max(self.start()).powf(L::splat(self.exponent))
     }
 
-    /// (1 + x)^n - 1 - n x for |x| <= [`SMALL`], to 1e-12: what the tangent leaves out.
+    /// Remainder of the tangent, (1 + x)^n - 1 - n x for |x| <= [`SMALL`], to 1e-12.
     #[inline(always)]
     fn beyond_tangent<L: Lane<Real = T>>(&self, x: L) -> L {
         let one = L::one();
         let n = self.exponent;
         let mut sum = one;
         for k in [5.0, 4.0, 3.0] {
-            // x times a constant first: it does not wait for the sum.
+            // Multiply x by the constant first: independent of the sum.
             let term = x * L::splat((n - T::of(k - 1.0)) * T::of(1.0 / k));
             sum = term.mul_add(sum, one);
         }
         x * x * L::splat(n * (n - T::of(1.0)) * T::of(0.5)) * sum
     }
 
-    /// One Newton step for the increment where the curve has the height `hardened` above A at a strain, and
-    /// `over` is left of the trial stress.
+    /// Newton step for the increment, with `hardened` the height of the curve above A at a strain and `over` the
+    /// residual of the trial stress.
     #[inline(always)]
     fn tangent_step<L: Lane<Real = T>>(&self, hardened: L, per_strain: L, three_g: L, over: L) -> Tangent<L> {
         let slope = L::splat(self.exponent) * hardened * per_strain;
@@ -285,8 +284,8 @@ impl<T: Real> PowerHardening<T> {
         Tangent { hardened, slope, compliance, value, relative: value * per_strain }
     }
 
-    /// A small step and one Newton step more, with the power by series and the slope where the first leads. The
-    /// linear terms of what is left over cancel.
+    /// Refine a small step by one more Newton step, with the power by series and the slope at the end of the first. The
+    /// linear terms of the residual cancel.
     #[inline(always)]
     fn polished<L: Lane<Real = T>>(&self, step: &Tangent<L>) -> L {
         let (one, n) = (L::one(), L::splat(self.exponent));
@@ -295,7 +294,7 @@ impl<T: Real> PowerHardening<T> {
         rest.mul_add(step.compliance * (one + bend), step.value)
     }
 
-    /// Monotone Newton iteration for increments that are not small against the strain, and for the first one,
+    /// Monotone Newton iteration for increments that are not small compared with the strain, and for the first one,
     /// where the slope of the curve is infinite.
     #[inline(always)]
     fn iterate<L: Lane<Real = T>>(&self, start: Start<L>) -> Increment<L> {
@@ -304,8 +303,8 @@ impl<T: Real> PowerHardening<T> {
         let tolerance = trial * L::splat(T::default_epsilon() * T::of(64.0));
         let b = factor * L::splat(self.coefficient);
         let a = factor * L::splat(self.initial);
-        // For n <= 1 the consistency function is convex and falls, and (eps + d)^n <= eps^n + d^n: this start
-        // lies left of the root, where its tangents cannot overshoot. For n > 1 one overshoot comes first.
+        // For n <= 1 the consistency function is convex and decreasing, and (eps + d)^n <= eps^n + d^n: this start is
+        // left of the root, where its tangents cannot overshoot. For n > 1 one overshoot comes first.
         let half = over.max(zero) * L::of(0.5);
         let share = (half / b.max(tiny)).clamp(tiny, one);
         let mut value = (half / three_g).min(share.powf(n.recip())).max(tiny);
@@ -324,18 +323,18 @@ impl<T: Real> PowerHardening<T> {
     }
 }
 
-/// A Newton step along the tangent of the curve, and what it was made of.
+/// Newton step along the tangent of the curve, with its intermediate values.
 struct Tangent<L: Lane> {
     hardened: L,
     slope: L,
     compliance: L,
     value: L,
-    /// Over the strain.
+    /// Step over the strain.
     relative: L,
 }
 
 impl<L: Lane> Tangent<L> {
-    /// Is it small enough against the strain for the binomial series?
+    /// True if the step is small enough, compared with the strain, for the binomial series.
     #[inline(always)]
     fn is_small(&self) -> L::Mask {
         self.relative.abs().le(L::of(SMALL))
@@ -378,12 +377,12 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
         }
         let per_strain = strain.max(self.start()).recip();
         let step = self.tangent_step(factor * b * power, per_strain, three_g, L::select(yields, over, zero));
-        // A lane takes the first that is good enough for it, whatever others need: its result does not depend on them.
+        // Each lane keeps its first accurate result, so that it does not depend on other lanes.
         let (value, mut done) = (self.polished(&step), step.is_small());
         if done.all() {
             return Increment { value: L::select(yields, value, zero), fault: Fault::none() };
         }
-        // Once more from where the tangent leads: enough unless flow has only begun.
+        // Second step from the end of the first: sufficient unless plastic flow has just begun.
         let strain_there = (strain + step.value).max(self.start());
         let power = self.power(strain_there);
         let over_there = trial - three_g * step.value - factor * b.mul_add(power, a);

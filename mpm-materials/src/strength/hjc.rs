@@ -1,4 +1,4 @@
-//! Concrete of Holmquist, Johnson and Cook.
+//! Holmquist-Johnson-Cook concrete.
 
 use crate::eos::crush::{CrushConstants, CrushCurve};
 use crate::failure::{Local, Localisation};
@@ -10,7 +10,7 @@ use crate::state;
 use crate::strength::j2::radial_return;
 
 state! {
-    /// What a point of concrete remembers beside stress, volume and energy.
+    /// State variables of concrete, in addition to stress, volume and energy.
     pub struct Concrete<L> {
         /// Accumulated equivalent plastic strain.
         pub plastic_strain: L,
@@ -21,10 +21,10 @@ state! {
     }
 }
 
-/// By which part of its volume a fully damaged point must be open to count as debris: far more than one step closes.
+/// Volume factor beyond zero pressure at which a fully damaged point counts as debris: far more than one step closes.
 const OPEN: f64 = 1.1;
 
-/// The constants of strength and damage of [`HolmquistJohnsonCook`].
+/// Constants of strength and damage of [`HolmquistJohnsonCook`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConcreteConstants<T> {
     /// Reference density rho0, kg/m^3.
@@ -56,7 +56,7 @@ pub struct ConcreteConstants<T> {
 }
 
 /// Holmquist-Johnson-Cook concrete (\[HolmquistJohnsonCook1993\], book, "Concrete"), a
-/// [`Geomaterial`]; `Ground::new` makes it a law. With P* = P/f_c, T* = T/f_c and rate* the
+/// [`Geomaterial`]; `Ground::new` turns it into a law. With P* = P/f_c, T* = T/f_c and rate* the
 /// equivalent deviatoric rate over its reference, floored at one:
 ///
 /// - strength sqrt(3/2 s:s)/f_c <= min( \[A (1 - D) + B P*^N\] \[1 + C ln rate*\], S_max ) for P* >= 0,
@@ -64,10 +64,11 @@ pub struct ConcreteConstants<T> {
 /// - pressure on a [`CrushCurve`], not below -T (1 - D);
 /// - damage D = sum (d_eps_p + d_mu_p)/(eps_f + mu_f), eps_f + mu_f = max( D1 (P* + T*)^D2, EF_min ).
 ///
-/// Pressure is that of the end of the step, the return radial and exact; damage acts from the next step on, so it is
-/// explicit. A point opened beyond the tension cut-off closes along its unloading line: pressure comes back with the
-/// density. With [`CrackBand`](crate::CrackBand) the damage by plastic strain follows the size of the cell. Limits: no
-/// energy term, so no shock heating; flow without dilatancy, whose tangent may exceed rho c^2 by some per cent where B matters.
+/// The pressure is that at the end of the step, the return radial and exact; damage acts from the next step on, so that
+/// it is explicit. A point opened beyond the tension cut-off closes along its unloading line: pressure returns with the
+/// density. With [`CrackBand`](crate::CrackBand) the damage by plastic strain depends on the size of the cell. Limits:
+/// no energy term, so no shock heating; flow without dilatancy, whose tangent may exceed rho c^2 by some per cent where
+/// B matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HolmquistJohnsonCook<T, B = Local> {
     constants: ConcreteConstants<T>,
@@ -76,7 +77,7 @@ pub struct HolmquistJohnsonCook<T, B = Local> {
 }
 
 impl<T: Real> HolmquistJohnsonCook<T> {
-    /// From strength and damage, and the crush curve.
+    /// Create from the constants of strength and damage, and the crush curve.
     ///
     /// # Errors
     /// Density, G, N, reference rate, f_c, T, S_max, D1, D2 or EF_min not positive; A, B or C negative.
@@ -135,8 +136,8 @@ impl<T: Real> HolmquistJohnsonCook<T> {
 }
 
 impl<T: Real, B: Localisation<T>> HolmquistJohnsonCook<T, B> {
-    /// The same concrete whose damage by plastic strain depends otherwise on the size of the cell; crushing of pores
-    /// damages the same for every cell.
+    /// Set the dependence of damage by plastic strain on the size of the cell; damage by crushing of pores does not
+    /// depend on it.
     pub fn with_localisation<C: Localisation<T>>(self, localisation: C) -> HolmquistJohnsonCook<T, C> {
         HolmquistJohnsonCook { constants: self.constants, crush: self.crush, localisation }
     }
@@ -157,7 +158,7 @@ impl<T: Real, B: Localisation<T>> HolmquistJohnsonCook<T, B> {
         let (zero, one) = (L::zero(), L::one());
         let sound = one - damage;
         let relative = pressure * L::splat(T::of(1.0) / k.compressive);
-        // Below any pressure of interest the power is nothing, and its logarithm would need a positive argument.
+        // The power is negligible below any pressure of interest, and its logarithm needs a positive argument.
         let tiny = L::of(1e-15);
         let hardened = L::splat(k.b) * relative.max(tiny).powf(L::splat(k.n));
         let hardened = L::select(relative.gt(tiny), hardened, zero);
@@ -175,12 +176,12 @@ impl<T: Real, B: Localisation<T>> HolmquistJohnsonCook<T, B> {
         let relative = (pressure + L::splat(k.tensile)) * L::splat(T::of(1.0) / k.compressive);
         let tiny = L::of(1e-15);
         let clipped = relative.max(tiny);
-        // The usual exponent; the same for all points, so worth a branch.
+        // Usual exponent: the branch is uniform over all points.
         let power = if k.d2 == T::of(1.0) { clipped } else { clipped.powf(L::splat(k.d2)) };
         (L::splat(k.d1) * power).max(L::splat(k.smallest_strain))
     }
 
-    /// A cheap lower bound of the strength: without friction and rate.
+    /// Lower bound of the strength, cheap to compute: without friction and rate.
     #[inline(always)]
     fn cohesion<L: Lane<Real = T>>(&self, pressure: L, damage: L) -> L {
         let k = &self.constants;
@@ -220,7 +221,7 @@ impl<T: Real, B: Localisation<T>> Geomaterial<T> for HolmquistJohnsonCook<T, B> 
         let cut_off = L::splat(-k.tensile) * (one - old.damage);
         let pressure = self.crush.pressure(mu, largest).max(cut_off);
 
-        // A maximum may hide what is not a number.
+        // A maximum may mask NaN.
         let fault = Fault::none().require((mu + old.damage).is_finite(), Breakdown::NotFinite);
         let equivalent = trial.deviator.equivalent();
         let crushes = mu.gt(old.largest_compression);
@@ -250,8 +251,8 @@ impl<T: Real, B: Localisation<T>> Geomaterial<T> for HolmquistJohnsonCook<T, B> 
         let slope = self.crush.unloading_slope(largest).max(self.crush.loading_slope(largest));
         slope / volume_ratio
     }
-    /// None where a fully damaged point is open by a tenth of its volume beyond the end of its unloading line: its
-    /// strength is that of no pressure, which is zero.
+    /// Zero for a fully damaged point that is open by a tenth of its volume beyond the end of its unloading line: its
+    /// strength at zero pressure is zero.
     #[inline(always)]
     fn shear_stiffness<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Concrete<L>) -> L {
         let (zero, one) = (L::zero(), L::one());

@@ -9,7 +9,7 @@ use crate::strength::{
 };
 use crate::tensor::Sym3;
 
-/// J2 flow, rate and temperature independent: sqrt(3/2 s:s) <= sigma_h(eps_p), radial return.
+/// J2 plasticity, independent of rate and temperature: sqrt(3/2 s:s) <= sigma_h(eps_p), radial return.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct J2<T, H = LinearHardening<T>> {
     shear: T,
@@ -17,7 +17,7 @@ pub struct J2<T, H = LinearHardening<T>> {
 }
 
 impl<T: Real> J2<T> {
-    /// sigma_y = Y0 + H eps_p, with shear modulus G, all Pa.
+    /// Create with linear hardening sigma_y = Y0 + H eps_p and shear modulus G, all Pa.
     ///
     /// # Errors
     /// G or Y0 not positive, H negative.
@@ -27,7 +27,7 @@ impl<T: Real> J2<T> {
 }
 
 impl<T: Real> J2<T, PowerHardening<T>> {
-    /// sigma_y = A + B eps_p^n (Ludwik), with shear modulus G; G, A, B in Pa.
+    /// Create with Ludwik hardening sigma_y = A + B eps_p^n and shear modulus G; G, A, B in Pa.
     ///
     /// # Errors
     /// G, A or n not positive, B negative.
@@ -37,7 +37,7 @@ impl<T: Real> J2<T, PowerHardening<T>> {
 }
 
 impl<T: Real> J2<T, VoceHardening<T>> {
-    /// sigma_y = A + Q \[1 - exp(-b eps_p)\] (Voce), with shear modulus G; G, A, Q in Pa.
+    /// Create with Voce hardening sigma_y = A + Q \[1 - exp(-b eps_p)\] and shear modulus G; G, A, Q in Pa.
     ///
     /// # Errors
     /// G or A not positive, Q or b negative.
@@ -47,7 +47,7 @@ impl<T: Real> J2<T, VoceHardening<T>> {
 }
 
 impl<T: Real, H: Hardening<T>> J2<T, H> {
-    /// With shear modulus G, Pa, and any hardening.
+    /// Create from shear modulus G, Pa, and any hardening.
     ///
     /// # Errors
     /// G not positive.
@@ -55,7 +55,7 @@ impl<T: Real, H: Hardening<T>> J2<T, H> {
         Ok(J2 { shear: Check("J2 plasticity").positive("shear modulus G", shear)?, hardening })
     }
 
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(shear: f64, hardening: H) -> Self {
         J2 { shear: T::of(shear), hardening }
     }
@@ -111,8 +111,8 @@ impl<T: Real, H: Hardening<T>> FlowStress<T> for J2<T, H> {
     }
 }
 
-/// Shrink the trial deviator of equivalent stress `equivalent` by 3 G times the plastic strain increment;
-/// also the plastic work per current volume.
+/// Return the trial deviator of equivalent stress `equivalent` radially by 3 G times the plastic strain increment; also
+/// return the plastic work per current volume.
 #[inline(always)]
 pub(crate) fn radial_return<L: Lane>(
     trial: &Sym3<L>,
@@ -121,8 +121,8 @@ pub(crate) fn radial_return<L: Lane>(
     increment: L,
 ) -> (Sym3<L>, L) {
     let relaxed = three_g * increment;
-    // Where nothing flows `equivalent` may be zero; the quotient is not used there. The inverse does not wait
-    // for the increment.
+    // Without plastic flow `equivalent` may be zero; the quotient is then not used. The reciprocal does not depend on
+    // the increment.
     let shrink = L::select(increment.gt(L::zero()), L::one() - relaxed * equivalent.recip(), L::one());
     (*trial * shrink, (equivalent - relaxed) * increment)
 }

@@ -9,8 +9,8 @@ use crate::tensor::Sym3;
 
 /// Johnson-Cook flow stress sigma_y = (A + B eps_p^n) R(rate) S(T) (book, "Johnson-Cook").
 ///
-/// The rate factor R is a type: [`RateIndependent`] (C = 0, costs nothing), [`Logarithmic`] or
-/// [`SmoothLogarithmic`]. So is the temperature: [`Isothermal`] keeps none and has S = 1, [`Adiabatic`] heats.
+/// The rate factor R is a type: [`RateIndependent`] (C = 0, costs nothing), [`Logarithmic`] or [`SmoothLogarithmic`].
+/// The thermal model is a type, too: [`Isothermal`] has no temperature and S = 1, [`Adiabatic`] heats.
 ///
 /// The return is radial. Hardening is implicit: the yield condition holds at the new plastic strain to the
 /// rounding of the hardening curve (1e-9 of the flow stress or better). The rate is the total deviatoric rate
@@ -26,14 +26,14 @@ pub struct JohnsonCook<T, R = RateIndependent, H = Isothermal> {
     thermal: H,
 }
 
-/// With the standard rate factor and no temperature.
+/// Johnson-Cook with the standard rate factor and no temperature.
 pub type SimplifiedJohnsonCook<T> = JohnsonCook<T, Logarithmic<T>>;
 
-/// With the standard rate factor, heating and softening.
+/// Johnson-Cook with the standard rate factor, heating and thermal softening.
 pub type AdiabaticJohnsonCook<T> = JohnsonCook<T, Logarithmic<T>, Adiabatic<T>>;
 
 impl<T: Real> JohnsonCook<T> {
-    /// sigma_y = A + B eps_p^n with shear modulus G; G, A, B in Pa. Rate and temperature are added by
+    /// Create with sigma_y = A + B eps_p^n and shear modulus G; G, A, B in Pa. Add rate and temperature by
     /// [`JohnsonCook::with_rate`] and [`JohnsonCook::with_heat`].
     ///
     /// # Errors
@@ -44,11 +44,11 @@ impl<T: Real> JohnsonCook<T> {
         Ok(JohnsonCook { shear, hardening, rate: RateIndependent, thermal: Isothermal })
     }
 
-    /// Simplified Johnson-Cook, without temperature: sigma_y = (A + B eps_p^n)(1 + C ln max(rate*, 1)), with shear
-    /// modulus G; G, A, B in Pa, the reference rate in 1/s.
+    /// Create simplified Johnson-Cook, without temperature: sigma_y = (A + B eps_p^n)(1 + C ln max(rate*, 1)), with
+    /// shear modulus G; G, A, B in Pa, the reference rate in 1/s.
     ///
-    /// The routine of MPM3D-F90 of this name floors rate* at 0.001 instead, which lowers a point at rest by 6.9 C
-    /// (book, "Johnson-Cook").
+    /// The routine of MPM3D-F90 of this name floors rate* at 0.001 instead, which lowers the rate factor at rest by
+    /// 6.9 C (book, "Johnson-Cook").
     ///
     /// # Errors
     /// G, A, n or the reference rate not positive, B or C negative.
@@ -100,7 +100,7 @@ impl<T: Real> JohnsonCook<T> {
     }
 
     /// Tungsten alloy: A 1507 MPa, B 177 MPa, n 0.12, C 0.016 at 1 /s, m 1.0 (Uintah; book, "Material constants"); G 145 GPa of
-    /// W-Ni-Fe (Steinberg, the same). T_melt 1723 K and c 134 J/(kg K) are from memory of the literature; T_room 294 K,
+    /// W-Ni-Fe (Steinberg, same source). T_melt 1723 K and c 134 J/(kg K) are from memory of the literature; T_room 294 K,
     /// Taylor-Quinney 0.9.
     pub fn tungsten_alloy() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([145e9, 1507e6, 177e6, 0.12], 0.016, [294.0, 1723.0, 1.0, 134.0])
@@ -139,15 +139,15 @@ impl<T: Real> JohnsonCook<T> {
 }
 
 impl<T: Real, R, H> JohnsonCook<T, R, H> {
-    /// The same law with another rate factor.
+    /// Set the rate factor.
     pub fn with_rate<Q: RateFactor<T>>(self, rate: Q) -> JohnsonCook<T, Q, H> {
         JohnsonCook { shear: self.shear, hardening: self.hardening, rate, thermal: self.thermal }
     }
-    /// The same law with another temperature.
+    /// Set the thermal model.
     pub fn with_heat<K: Thermal<T>>(self, thermal: K) -> JohnsonCook<T, R, K> {
         JohnsonCook { shear: self.shear, hardening: self.hardening, rate: self.rate, thermal }
     }
-    /// The same law with another shear modulus G, Pa.
+    /// Set the shear modulus G, Pa.
     ///
     /// # Errors
     /// G not positive.
@@ -175,7 +175,7 @@ impl<T: Real, R: RateFactor<T>, H: Thermal<T>> Strength<T> for JohnsonCook<T, R,
         loading: &Loading<L>,
         old: &Self::History<L>,
     ) -> Return<L, Self::History<L>> {
-        // The rate factor is at least one, so this bounds the flow stress without ln or exp.
+        // Lower bound of the flow stress without ln or exp, since the rate factor is at least one.
         let cold = self.hardening.lower_bound(old.plastic_strain);
         let bound = cold * self.thermal.softening_bound(&old.temperature);
         let squared = trial.dot(trial) * L::of(1.5);
@@ -216,13 +216,13 @@ impl<T: Real, R: RateFactor<T>, H: Thermal<T>> FlowStress<T> for JohnsonCook<T, 
     }
 }
 
-/// The rate factor R of the flow stress.
+/// Rate factor R of the flow stress.
 pub trait RateFactor<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
-    /// R >= 1, dimensionless.
+    /// Rate factor R >= 1, dimensionless.
     fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>) -> L;
 }
 
-/// R = 1.
+/// Rate factor R = 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RateIndependent;
 
@@ -233,7 +233,7 @@ impl<T: Real> RateFactor<T> for RateIndependent {
     }
 }
 
-/// The standard factor R = 1 + C ln max(rate/rate0, 1).
+/// Standard rate factor R = 1 + C ln max(rate/rate0, 1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Logarithmic<T> {
     c: T,
@@ -241,7 +241,7 @@ pub struct Logarithmic<T> {
 }
 
 impl<T: Real> Logarithmic<T> {
-    /// From C and the reference rate rate0, 1/s.
+    /// Create from C and the reference rate rate0, 1/s.
     ///
     /// # Errors
     /// C negative or rate0 not positive.
@@ -259,7 +259,7 @@ impl<T: Real> RateFactor<T> for Logarithmic<T> {
     }
 }
 
-/// R = 1 + C ln(1 + rate/rate0), smooth at rest (Feng 2014); above the standard factor by at most C ln 2.
+/// Rate factor R = 1 + C ln(1 + rate/rate0), smooth at rest (Feng 2014); above the standard factor by at most C ln 2.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SmoothLogarithmic<T> {
     c: T,
@@ -267,7 +267,7 @@ pub struct SmoothLogarithmic<T> {
 }
 
 impl<T: Real> SmoothLogarithmic<T> {
-    /// From C and the reference rate rate0, 1/s.
+    /// Create from C and the reference rate rate0, 1/s.
     ///
     /// # Errors
     /// C negative or rate0 not positive.
@@ -290,7 +290,7 @@ fn rate_constants<T: Real>(c: T, reference: T) -> Result<(T, T), ParameterError>
     Ok((check.not_negative("rate coefficient C", c)?, check.positive("reference rate", reference)?))
 }
 
-/// The temperature of a point and how it softens.
+/// Thermal model: temperature of a point and thermal softening.
 pub trait Thermal<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The temperature column, or [`Nothing`].
     type Temperature<L: Lane<Real = T>>: State<L>;
@@ -302,11 +302,11 @@ pub trait Thermal<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
         let _ = temperature;
         L::zero()
     }
-    /// The factor S in \[0, 1\].
+    /// Thermal softening factor S in \[0, 1\].
     fn softening<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L;
-    /// A cheap lower bound of S, not below zero.
+    /// Lower bound of S, cheap to compute, not below zero.
     fn softening_bound<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L;
-    /// The temperature after `work` J/kg of plastic work.
+    /// Return the temperature after `work` J/kg of plastic work.
     fn heated<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>, work: L) -> Self::Temperature<L>;
 }
 
@@ -344,20 +344,19 @@ pub struct Heat<T> {
     pub exponent: T,
     /// Specific heat capacity c_p, J/(kg K).
     pub heat_capacity: T,
-    /// Taylor-Quinney coefficient chi: the part of the plastic work that heats.
+    /// Taylor-Quinney coefficient chi: fraction of the plastic work that becomes heat.
     pub taylor_quinney: T,
 }
 
 /// Adiabatic heating dT = chi sigma_y d_eps_p / (rho c_p) and softening S = 1 - T*^m with
-/// T* = (T - T_room)/(T_melt - T_room) clipped to \[0, 1\]. The softening of a step is that of the temperature
-/// at its start.
+/// T* = (T - T_room)/(T_melt - T_room) clipped to \[0, 1\]. The softening of a step uses the temperature at its start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adiabatic<T> {
     heat: Heat<T>,
 }
 
 impl<T: Real> Adiabatic<T> {
-    /// With these constants.
+    /// Create from constants.
     ///
     /// # Errors
     /// Room temperature negative, melting temperature not above it, m or c_p not positive, chi outside \[0, 1\].
@@ -372,7 +371,7 @@ impl<T: Real> Adiabatic<T> {
         Ok(Adiabatic { heat })
     }
 
-    /// Of constants that were checked.
+    /// Create from checked constants.
     pub(crate) fn known(heat: Heat<T>) -> Self {
         Adiabatic { heat }
     }
@@ -394,12 +393,12 @@ impl<T: Real> Thermal<T> for Adiabatic<T> {
         if self.heat.exponent == T::of(1.0) {
             return L::one() - t;
         }
-        // Far below one kelvin the power is nothing, and its logarithm would need a positive argument.
+        // Far below one kelvin the power is negligible, and its logarithm needs a positive argument.
         let tiny = L::of(1e-12);
         let softened = L::one() - t.max(tiny).powf(L::splat(self.heat.exponent));
         L::select(t.gt(tiny), softened, L::one())
     }
-    /// 1 - t^m >= min(1, m) (1 - t): the chord for m >= 1, the tangent at t = 1 for m < 1.
+    /// Lower bound 1 - t^m >= min(1, m) (1 - t): the chord for m >= 1, the tangent at t = 1 for m < 1.
     #[inline(always)]
     fn softening_bound<L: Lane<Real = T>>(&self, temperature: &L) -> L {
         let slope = if self.heat.exponent < T::of(1.0) { self.heat.exponent } else { T::of(1.0) };

@@ -10,23 +10,23 @@ use crate::point::{Breakdown, Fault};
 use crate::strength::drucker_prager::Sheared;
 use crate::tensor::Sym3;
 
-/// Mohr-Coulomb soil (book, "Soil"), a [`Geomaterial`]; `Ground::new` makes it a law. With principal stresses
+/// Mohr-Coulomb soil (book, "Soil"), a [`Geomaterial`]; `Ground::new` turns it into a law. With principal stresses
 /// s1 >= s2 >= s3, tension positive:
 ///
 /// - shear: (s1 - s3) + (s1 + s3) sin phi <= 2 c cos phi, flow with dilatancy angle psi <= phi;
 /// - tension: s1 <= sigma_t, at most the apex c/tan phi;
-/// - elasticity as of [`DruckerPrager`](crate::strength::DruckerPrager), and tension is a gap as there.
+/// - elasticity and gaps in tension as of [`DruckerPrager`](crate::strength::DruckerPrager).
 ///
-/// The return is exact: to a face, an edge or the apex of the pyramid, in principal stresses \[deSouzaNeto2008\]; then
-/// principal stresses above sigma_t are cut off. **Slow**: principal axes are found point by point for the points
-/// that yield; lanes do not help. Points far from yield are told by a bound and cost nothing.
+/// The return mapping is exact: to a face, an edge or the apex of the pyramid, in principal stresses
+/// \[deSouzaNeto2008\]; then principal stresses above sigma_t are cut off. **Slow**: principal axes are computed point
+/// by point for points that yield, without vector lanes. A cheap bound skips points far from yield.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MohrCoulomb<T> {
     density: T,
     bulk: T,
     shear: T,
     sin_friction: T,
-    /// 2 c cos phi, Pa.
+    /// Cohesion term 2 c cos phi, Pa.
     cohesion: T,
     sin_dilatancy: T,
     tension: T,
@@ -35,8 +35,8 @@ pub struct MohrCoulomb<T> {
 const CHECK: Check = Check("Mohr-Coulomb");
 
 impl<T: Real> MohrCoulomb<T> {
-    /// From density, kg/m^3, elastic moduli, friction angle phi, cohesion c, Pa, and dilatancy angle psi (radians).
-    /// The tensile strength is that of the apex, c/tan phi; without friction there is no apex and it is c.
+    /// Create from density, kg/m^3, elastic moduli, friction angle phi, cohesion c, Pa, and dilatancy angle psi
+    /// (radians). The tensile strength is that of the apex, c/tan phi; without friction there is no apex and it is c.
     ///
     /// # Errors
     /// phi outside \[0, pi/2), psi outside \[0, phi\], c negative, a density or modulus that is not positive.
@@ -69,7 +69,7 @@ impl<T: Real> MohrCoulomb<T> {
         })
     }
 
-    /// The same soil with another tensile strength sigma_t, Pa.
+    /// Set the tensile strength sigma_t, Pa.
     ///
     /// # Errors
     /// sigma_t negative or beyond the apex.
@@ -81,12 +81,12 @@ impl<T: Real> MohrCoulomb<T> {
         Ok(MohrCoulomb { tension, ..self })
     }
 
-    /// The yield function of two principal stresses, Pa.
+    /// Yield function of two principal stresses, Pa.
     fn excess(&self, high: T, low: T) -> T {
         (high - low) + (high + low) * self.sin_friction - self.cohesion
     }
 
-    /// Principal stresses, largest first, returned to the pyramid, and the dilatation of the flow.
+    /// Map principal stresses, largest first, to the pyramid; also return the plastic dilatation.
     fn on_pyramid(&self, [s1, s2, s3]: [T; 3]) -> ([T; 3], T) {
         let (zero, two, four, third) = (T::of(0.0), T::of(2.0), T::of(4.0), T::of(1.0 / 3.0));
         let over = self.excess(s1, s3);
@@ -94,12 +94,13 @@ impl<T: Real> MohrCoulomb<T> {
             return ([s1, s2, s3], zero);
         }
         let (g, k, sin, dil) = (self.shear, self.bulk, self.sin_friction, self.sin_dilatancy);
-        // Fall of the larger, rise of the smaller and of the idle principal stress a unit of slip on a face.
+        // Decrease of the largest, increase of the smallest and of the intermediate principal stress per unit slip on a
+        // face.
         let fall = two * g * (T::of(1.0) + dil * third) + two * k * dil;
         let rise = two * g * (T::of(1.0) - dil * third) - two * k * dil;
         let idle = (four * g * third - two * k) * dil;
         let face = four * g * (T::of(1.0) + sin * dil * third) + four * k * sin * dil;
-        // Volume of the flow a unit of slip.
+        // Plastic dilatation per unit slip.
         let per_slip = two * dil;
 
         let slip = over / face;
@@ -107,7 +108,7 @@ impl<T: Real> MohrCoulomb<T> {
         if new[0] >= new[1] && new[1] >= new[2] {
             return (new, per_slip * slip);
         }
-        // Two faces: those that share the largest, or the smallest, principal stress.
+        // Edge of two faces: those that share the largest, or the smallest, principal stress.
         let shares_largest = (T::of(1.0) - dil) * s1 - two * s2 + (T::of(1.0) + dil) * s3 > zero;
         let volume_part = four * k * sin * dil;
         let edge = if shares_largest {
@@ -127,13 +128,13 @@ impl<T: Real> MohrCoulomb<T> {
         if new[0] + scale >= new[1] && new[1] + scale >= new[2] {
             return (new, per_slip * slips);
         }
-        // The apex; with friction only, for without the pyramid is a prism.
+        // Return to the apex; without friction the pyramid is a prism without apex.
         let apex = if sin > zero { self.cohesion / (two * sin) } else { (s1 + s2 + s3) * third };
         ([apex; 3], zero)
     }
 }
 
-/// Solves \[face cross; cross face\] (a, b) = (first, second).
+/// Solve \[face cross; cross face\] (a, b) = (first, second).
 fn two_slips<T: Real>(face: T, cross: T, first: T, second: T) -> (T, T) {
     let determinant = face * face - cross * cross;
     ((face * first - cross * second) / determinant, (face * second - cross * first) / determinant)
@@ -213,7 +214,7 @@ impl<T: Real> MohrCoulomb<T> {
         }
         let third = T::of(1.0 / 3.0);
         let new_mean = (after[0] + after[1] + after[2]) * third;
-        // A sum over the axes; plastic strain by the loss of deviator and the volume that flowed.
+        // Sum over the principal axes; plastic strain from the loss of deviator and the plastic dilatation.
         let mut tensor = Matrix3::zeros();
         let mut loss = T::default();
         for i in 0..3 {

@@ -1,11 +1,11 @@
-//! More rate factors for [`JohnsonCook`](crate::JohnsonCook).
+//! Additional rate factors for [`JohnsonCook`](crate::JohnsonCook).
 
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::strength::{Loading, RateFactor};
 
-/// R = (1 + rate/rate0)^C, the power form of the Johnson-Cook factor (\[Borvik2001\], book, "Other flow stresses"). Smooth at
-/// rest; for small C and high rates 1 + C ln rate* to first order.
+/// Power rate factor R = (1 + rate/rate0)^C, the power form of the Johnson-Cook factor (\[Borvik2001\], book, "Other
+/// flow stresses"). Smooth at rest; for small C and high rates 1 + C ln rate* to first order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerRate<T> {
     c: T,
@@ -13,7 +13,7 @@ pub struct PowerRate<T> {
 }
 
 impl<T: Real> PowerRate<T> {
-    /// From C and the reference rate rate0, 1/s.
+    /// Create from C and the reference rate rate0, 1/s.
     ///
     /// # Errors
     /// C negative or rate0 not positive.
@@ -25,7 +25,7 @@ impl<T: Real> PowerRate<T> {
     pub(crate) fn known(c: f64, reference: f64) -> Self {
         PowerRate { c: T::of(c), reference: T::of(reference) }
     }
-    /// R at this rate, 1/s.
+    /// Rate factor R at a strain rate, 1/s.
     #[inline(always)]
     pub fn at<L: Lane<Real = T>>(&self, rate: L) -> L {
         rate.mul_add(L::splat(T::of(1.0) / self.reference), L::one()).powf(L::splat(self.c))
@@ -39,7 +39,7 @@ impl<T: Real> RateFactor<T> for PowerRate<T> {
     }
 }
 
-/// R = 1 + (rate/D)^(1/q) of Cowper and Symonds (book, "Other flow stresses").
+/// Cowper-Symonds rate factor R = 1 + (rate/D)^(1/q) (book, "Other flow stresses").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CowperSymonds<T> {
     reference: T,
@@ -47,7 +47,7 @@ pub struct CowperSymonds<T> {
 }
 
 impl<T: Real> CowperSymonds<T> {
-    /// From D, 1/s, the rate that doubles the flow stress, and q.
+    /// Create from D, 1/s, the rate that doubles the flow stress, and q.
     ///
     /// # Errors
     /// A number that is not positive.
@@ -64,7 +64,7 @@ impl<T: Real> RateFactor<T> for CowperSymonds<T> {
     #[inline(always)]
     fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>) -> L {
         let relative = loading.equivalent_rate() * L::splat(T::of(1.0) / self.reference);
-        // Below this the power is nothing, unless q is very large, and its logarithm would need a positive argument.
+        // The power is negligible below this, unless q is very large, and its logarithm needs a positive argument.
         let tiny = L::of(1e-30);
         let power = relative.max(tiny).powf(L::splat(T::of(1.0) / self.exponent));
         L::one() + L::select(relative.gt(tiny), power, L::zero())

@@ -8,16 +8,16 @@ use crate::strength::j2::radial_return;
 use crate::strength::{FlowStress, Hardened, Loading, Return, Strength};
 use crate::tensor::Sym3;
 
-/// The constants of [`SteinbergGuinan`].
+/// Constants of [`SteinbergGuinan`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteinbergConstants<T> {
     /// Reference density rho0, kg/m^3.
     pub density: T,
     /// Shear modulus G0 at 300 K without pressure, Pa.
     pub shear: T,
-    /// A, 1/Pa: (dG/dp)/G0.
+    /// Pressure coefficient A, 1/Pa: (dG/dp)/G0.
     pub pressure: T,
-    /// B, 1/K: -(dG/dT)/G0.
+    /// Temperature coefficient B, 1/K: -(dG/dT)/G0.
     pub temperature: T,
     /// Temperature of the virgin point, K.
     pub room: T,
@@ -33,21 +33,21 @@ pub struct SteinbergConstants<T> {
     pub taylor_quinney: T,
 }
 
-/// Stiffness of the return that a soft or molten point keeps, of G0.
+/// Smallest shear modulus of the return mapping over G0, of a soft or molten point.
 const SOFTEST: f64 = 0.1;
 
-/// Steinberg, Cochran and Guinan (\[SteinbergCochranGuinan1980\], book, "Other flow stresses"):
+/// Steinberg-Cochran-Guinan strength (\[SteinbergCochranGuinan1980\], book, "Other flow stresses"):
 ///
 /// - G = G0 r, r = 1 + A p J^(1/3) - B (T - 300 K);
 /// - sigma_y = r min( Y0 \[1 + beta (eps_p + eps_i)\]^n, Y_max ), zero for r < 0 and above the melting
 ///   temperature T_m = T_m0 exp(2 a (1 - J)) J^-(2 (gamma0 - a - 1/3)).
 ///
 /// Hardening is implicit; pressure and temperature are those at the start of the step. For rates above 1e5 /s, where
-/// the flow stress no longer depends on rate. The wave speed takes the stiffening along.
+/// the flow stress no longer depends on rate. The wave speed includes the stiffening.
 ///
-/// Limits: the temperature rises by plastic work alone, dT = chi sigma_y d_eps_p/(rho c); the heat of a shock is
-/// left out, so that softening and melting in a strong shock come too late. For the return G is not below a tenth of
-/// G0; a molten point has no strength all the same.
+/// Limits: only plastic work heats, dT = chi sigma_y d_eps_p/(rho c); shock heating is left out, so that softening and
+/// melting in a strong shock occur too late. The return mapping uses G of at least a tenth of G0; a molten point still has
+/// no strength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SteinbergGuinan<T> {
     constants: SteinbergConstants<T>,
@@ -55,7 +55,7 @@ pub struct SteinbergGuinan<T> {
 }
 
 impl<T: Real> SteinbergGuinan<T> {
-    /// With these constants and hardening.
+    /// Create from constants and hardening.
     ///
     /// # Errors
     /// Density, G0, T_melt or heat capacity not positive, A, B or room temperature negative, chi outside \[0, 1\],
@@ -83,9 +83,9 @@ impl<T: Real> SteinbergGuinan<T> {
     /// 4340 steel: G0 81.8 GPa, A 20.6e-12 /Pa, B 0.16e-3 /K, Y0 1.15 GPa, beta 2, n 0.5, T_m0 2310 K (Uintah
     /// `SCGPlastic4340Steel.xml`; book, "Material constants"), c 477 J/(kg K), rho0 7830 kg/m^3.
     ///
-    /// **Known misprints of the source**: Y_max is printed 0.25 GPa, below Y0; 2.5 GPa is taken here. Gamma_0 3.0 and
-    /// a 1.67 are printed so and look exchanged; they act on the melting temperature under pressure alone, and are
-    /// exchanged here: gamma0 1.67, a 3.0.
+    /// **Known misprints of the source**: Y_max is printed 0.25 GPa, below Y0; 2.5 GPa is used here. Gamma_0 3.0 and
+    /// a 1.67 appear to be exchanged in print; they change only the melting temperature under pressure and are exchanged
+    /// here: gamma0 1.67, a 3.0.
     pub fn steel_4340() -> Self {
         Self::known([7830.0, 81.8e9, 20.6e-12, 0.16e-3, 2310.0, 1.67, 3.0, 477.0], [1.15e9, 2.5e9, 2.0, 0.5])
     }
@@ -119,7 +119,7 @@ impl<T: Real> SteinbergGuinan<T> {
         SteinbergGuinan { constants, hardening: SaturatingPower::known(curve) }
     }
 
-    /// r = G/G0 before any floor.
+    /// Relative shear modulus r = G/G0 before any floor.
     #[inline(always)]
     fn relative<L: Lane<Real = T>>(&self, pressure: L, volume_ratio: L, temperature: L) -> L {
         let k = &self.constants;
@@ -128,7 +128,7 @@ impl<T: Real> SteinbergGuinan<T> {
         L::one() + L::splat(k.pressure) * pressure * cube_root - L::splat(k.temperature) * warm
     }
 
-    /// T_m, K.
+    /// Melting temperature T_m, K.
     #[inline(always)]
     pub fn melting_temperature<L: Lane<Real = T>>(&self, volume_ratio: L) -> L {
         let k = &self.constants;
@@ -137,11 +137,11 @@ impl<T: Real> SteinbergGuinan<T> {
         L::splat(k.melt) * growth * volume_ratio.powf(L::splat(power))
     }
 
-    /// The relative shear modulus of the return, and the factor of the flow stress.
+    /// Relative shear modulus of the return mapping, and factor of the flow stress.
     #[inline(always)]
     fn factors<L: Lane<Real = T>>(&self, loading: &Loading<L>, temperature: L) -> (L, L) {
         let volume_ratio = loading.specific_volume * L::splat(self.constants.density);
-        // Inside out is reported elsewhere.
+        // An inverted point is reported elsewhere.
         let volume_ratio = L::select(volume_ratio.gt(L::zero()), volume_ratio, L::one());
         let relative = self.relative(loading.pressure, volume_ratio, temperature);
         let solid = temperature.lt(self.melting_temperature(volume_ratio));
@@ -156,7 +156,7 @@ impl<T: Real> Strength<T> for SteinbergGuinan<T> {
     fn name(&self) -> &'static str {
         "Steinberg-Guinan"
     }
-    /// G0.
+    /// Shear modulus G0, Pa.
     fn shear_modulus(&self) -> T {
         self.constants.shear
     }
@@ -172,7 +172,7 @@ impl<T: Real> Strength<T> for SteinbergGuinan<T> {
     ) -> Return<L, Hardened<L, L>> {
         let k = &self.constants;
         let (stiffness, factor) = self.factors(loading, old.temperature);
-        // The trial was made with G0.
+        // The trial deviator was computed with G0.
         let more = (stiffness - L::one()) * L::splat(k.shear * T::of(2.0));
         let trial = *trial + loading.strain_deviator * more;
         let equivalent = trial.equivalent();
@@ -194,7 +194,7 @@ impl<T: Real> Strength<T> for SteinbergGuinan<T> {
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Hardened<L, L>) -> L {
         history.plastic_strain
     }
-    /// (T - T_room)/(T_m0 - T_room), the melting temperature taken at rho0.
+    /// Homologous temperature (T - T_room)/(T_m0 - T_room), with the melting temperature at rho0.
     #[inline(always)]
     fn homologous_temperature<L: Lane<Real = T>>(&self, history: &Hardened<L, L>) -> L {
         let k = &self.constants;

@@ -1,4 +1,4 @@
-//! A tessellation without double cover.
+//! Tessellation with single coverage.
 
 use super::{Inspected, Limits, Revision, Tessellation, View, corners, inspect, orient, sorted};
 use crate::particles::Particle;
@@ -6,32 +6,30 @@ use crate::simplex::{Corners, angles, circumsphere, distance_squared, measure, o
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
-/// Shear of the coordinates in which spheres are tested, so that lattices are not degenerate: a square is cut along
-/// one diagonal, a cube into six tetrahedra around one (Freudenthal's), everywhere the same. Edges of a cube must meet at
-/// obtuse angles for that, so it is negative. Rounding is far below it.
+/// Shear of the coordinates for the test of spheres, against the degeneracy of lattices: a square is cut along one diagonal, a cube into
+/// six tetrahedra around one (Freudenthal's), everywhere the same. For that the edges of a cube must form obtuse angles, so that the shear
+/// is negative. Rounding is far below it.
 const SHEAR: f64 = -1e-3;
-/// Two elements that share less than this part of the smaller one do not overlap.
+/// Largest overlap of two adjacent elements, over the smaller one.
 const TOUCHING: f64 = 1e-9;
-/// A particle this much nearer to the centre than the radius (squares, relative) lies within a sphere.
+/// Tolerance of the sphere test: relative difference of squared distances by which a particle is within a sphere.
 const INSIDE: f64 = 1e-9;
 
-/// Elements whose circumsphere is empty (Delaunay), laid only where none is yet; hysteresis between creation and
-/// deletion; in two dimensions poor pairs of triangles exchange their diagonal.
+/// Elements with an empty circumsphere (Delaunay), created in uncovered space only; hysteresis between creation and deletion; in two
+/// dimensions poor pairs of triangles exchange their diagonal.
 ///
 /// A revision
 /// 1. exchanges the diagonal of pairs of triangles with an angle below `improve`, if the smallest angle of the pair
 ///    grows by a fifth or more (two dimensions);
-/// 2. deletes what fails the limits `keep`;
-/// 3. among the particles that are not surrounded looks for elements with an empty circumsphere that meet the limits
-///    `create` and overlap no element there is, and lays them, smallest sphere first.
+/// 2. deletes elements that fail the limits `keep`;
+/// 3. searches the particles that are not surrounded for elements with an empty circumsphere that pass the limits `create` and overlap no
+///    element, and creates these, smallest sphere first.
 ///
-/// What overlaps is not laid, so that matter is never covered twice; a new element needs better angles and shorter
-/// edges than an old one, so that none is made and unmade in turn. Ties of lattices are broken by a slight shear of the
-/// coordinates.
+/// Overlapping elements are not created, so that material is never covered twice. A new element needs better angles and shorter edges than
+/// an old one, so that none is created and deleted in turn. A slight shear of the coordinates breaks ties of lattices.
 ///
-/// Limits: overlap is looked for among the elements at the new element's particles and at the neighbours of its first
-/// one; two sheets that pass through each other with elements longer than the range of contact may escape it. In
-/// three dimensions nothing is exchanged.
+/// Limits: overlap is checked with the elements at the new element's particles and at the neighbours of its first one; the check may miss
+/// two sheets that pass through each other with elements longer than the contact range. In three dimensions there is no exchange.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalDelaunay {
     create: Limits,
@@ -41,12 +39,12 @@ pub struct LocalDelaunay {
 }
 
 impl LocalDelaunay {
-    /// With a tolerance of contact delta, m: elements are created with angles from 10 to 160 degrees and edges of at
-    /// least half the mean radius, kept with angles from 0.5 to 179 degrees, edges of at least a tenth of the
-    /// mean radius and gaps up to `stretch` times delta. Diagonals are exchanged below 25 degrees.
+    /// Create a tessellation with a contact tolerance delta, m: elements are created with angles from 10 to 160 degrees and edges of at
+    /// least half the mean radius, kept with angles from 0.5 to 179 degrees, edges of at least a tenth of the mean radius and gaps up to
+    /// `stretch` times delta. Diagonals are exchanged below 25 degrees.
     ///
-    /// On a square lattice of spacing h with radii h/2 the diagonals touch with delta of 0.42 h or more. A body that
-    /// flows must be allowed to stretch: elements that lose contact are cracks.
+    /// On a square lattice of spacing h with radii h/2 the diagonals are in contact with delta of 0.42 h or more. A body with large plastic
+    /// flow needs a large `stretch`: elements that lose contact are cracks.
     ///
     /// # Errors
     /// A tolerance that is not positive and finite, a stretch below 1.
@@ -59,13 +57,13 @@ impl LocalDelaunay {
         Ok(LocalDelaunay { create, keep, improve: 25f64.to_radians().cos(), gain: 1.2 })
     }
 
-    /// With other limits for creating and keeping elements.
+    /// Set the limits for creating and keeping elements.
     #[must_use]
     pub fn with_limits(self, create: Limits, keep: Limits) -> Self {
         LocalDelaunay { create, keep, ..self }
     }
 
-    /// Exchange the diagonals of pairs with an angle below this, degrees; 0 for never.
+    /// Set the angle below which pairs exchange their diagonals, degrees; 0 for never.
     ///
     /// # Errors
     /// An angle outside [0, 60).
@@ -76,14 +74,14 @@ impl LocalDelaunay {
     }
 }
 
-/// Smallest angle of a triangle, radians; zero if it is not positively oriented.
+/// Smallest angle of a triangle, radians; zero for one that is not positively oriented.
 fn smallest_angle<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f64 {
     let x = corners(particles, nodes);
     if measure(&x) > 0.0 { angles(&x).0.acos() } else { 0.0 }
 }
 
 impl LocalDelaunay {
-    /// Exchange diagonals of pairs of triangles: dead and born elements are added to the revision.
+    /// Exchange diagonals of pairs of triangles; add deleted and new elements to the revision.
     fn exchange<const D: usize>(&self, view: &View<'_, D>, worst: &[u32], revision: &mut Revision) {
         if worst.is_empty() {
             return;
@@ -121,7 +119,7 @@ impl LocalDelaunay {
         }
     }
 
-    /// Elements with an empty circumsphere among particles that are `open`, smallest sphere first.
+    /// Return elements with an empty circumsphere among particles that are `open`, smallest sphere first.
     fn candidates<const D: usize>(&self, view: &View<'_, D>, open: &[bool]) -> Vec<(f64, [u32; 4])> {
         const CHUNK: usize = 128;
         let particles = view.particles.len();
@@ -176,7 +174,7 @@ impl LocalDelaunay {
     }
 }
 
-/// Coordinates relative to `origin`, sheared.
+/// Return sheared coordinates relative to `origin`.
 fn sheared<const D: usize>(x: &[f64; D], origin: &[f64; D]) -> [f64; D] {
     let mut y = [0.0; D];
     for d in 0..D {
@@ -189,7 +187,7 @@ fn sheared<const D: usize>(x: &[f64; D], origin: &[f64; D]) -> [f64; D] {
     y
 }
 
-/// The squared radius of the circumsphere (in sheared coordinates), if no neighbour lies within.
+/// Return the squared radius of the circumsphere (in sheared coordinates), if no neighbour is within.
 fn empty_sphere<const D: usize>(view: &View<'_, D>, nodes: &[u32]) -> Option<f64> {
     let at = |n: u32| &view.particles[n as usize].position;
     let origin = at(nodes[0]);
@@ -205,7 +203,7 @@ fn empty_sphere<const D: usize>(view: &View<'_, D>, nodes: &[u32]) -> Option<f64
     (!blocked && squared.is_finite()).then_some(squared)
 }
 
-/// Elements that grow, by particle.
+/// Growing list of elements, by particle.
 struct Laid {
     nodes: Vec<u32>,
     at: Vec<Vec<u32>>,
@@ -244,7 +242,7 @@ impl<const D: usize> Tessellation<D> for LocalDelaunay {
         revision.flaws = bad.flaws;
         revision.dead.sort_unstable();
 
-        // Whoever loses an element may take part in a new one.
+        // Particles of deleted elements may take part in new ones.
         let mut open = std::borrow::Cow::Borrowed(view.open());
         for &e in &revision.dead {
             for &n in view.element(e as usize) {
@@ -255,7 +253,7 @@ impl<const D: usize> Tessellation<D> for LocalDelaunay {
         if candidates.is_empty() {
             return revision;
         }
-        // What stands: the survivors and the exchanged pairs.
+        // Present elements: the survivors and the exchanged pairs.
         let mut laid = Laid { nodes: Vec::new(), at: vec![Vec::new(); view.particles.len()] };
         let mut dead = revision.dead.iter().peekable();
         for (e, element) in view.nodes.chunks_exact(D + 1).enumerate() {
@@ -277,7 +275,7 @@ impl<const D: usize> Tessellation<D> for LocalDelaunay {
     }
 }
 
-/// Does the element lie over one that is laid?
+/// True if the element overlaps one in the list.
 fn overlaps<const D: usize>(view: &View<'_, D>, laid: &Laid, element: &[u32]) -> bool {
     let x = view.corners(element);
     let size = measure(&x);

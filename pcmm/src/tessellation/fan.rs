@@ -1,18 +1,17 @@
-//! Triangles in the fans of particles, as printed.
+//! Triangles in the fans of particles, original formulation.
 
 use super::{Limits, Revision, Tessellation, View, inspect, orient, sorted};
 use crate::simplex::distance_squared;
 use impactite_scene::SceneError;
 
-/// The triangles of \[Feng2014\] section 2, as printed (two dimensions).
+/// Triangles of \[Feng2014\] section 2, original formulation (two dimensions).
 ///
-/// The neighbours in contact with a particle are sorted by azimuth; of two successive ones less than 30 degrees apart
-/// the farther is dropped; each remaining pair of successive neighbours makes a triangle with the particle if the
-/// three [`Limits`] hold. A triangle is deleted when any of them fails.
+/// The neighbours in contact with a particle are sorted by azimuth. Of two successive ones less than 30 degrees apart the farther is
+/// dropped. Each remaining pair of successive neighbours forms a triangle with the particle if the three [`Limits`] hold. A triangle is
+/// deleted when any of them fails.
 ///
-/// Nothing keeps triangles of different fans from lying over each other. A square lattice whose diagonals touch is
-/// covered twice; its particles then weigh twice as much if masses come from the triangles, and speeds of waves are
-/// right all the same. Nothing fills holes either.
+/// Triangles of different fans may overlap. A square lattice whose diagonals are in contact is covered twice; its particles then have twice
+/// their mass if masses come from the triangles, but wave speeds are correct all the same. Holes are not filled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AzimuthFan {
     limits: Limits,
@@ -20,15 +19,15 @@ pub struct AzimuthFan {
 }
 
 impl AzimuthFan {
-    /// With the limits as printed and a tolerance of contact delta, m (no value is printed).
+    /// Create fans with the original limits and a contact tolerance delta, m (no value is published).
     ///
     /// # Errors
-    /// A tolerance that is negative or not finite.
+    /// A negative or non-finite tolerance.
     pub fn new(tolerance: f64) -> Result<Self, SceneError> {
         Ok(AzimuthFan { limits: Limits::printed(tolerance)?, apart: 30f64.to_radians() })
     }
 
-    /// The neighbours of `a` that are left after pruning, by azimuth.
+    /// Return the neighbours of `a` that are left after pruning, by azimuth.
     fn spokes(&self, view: &View<'_, 2>, a: usize) -> Vec<u32> {
         let centre = &view.particles[a];
         let mut spokes: Vec<(f64, f64, u32)> = Vec::new();
@@ -47,7 +46,7 @@ impl AzimuthFan {
             let next = (k + 1) % spokes.len();
             let turn = (spokes[next].0 - spokes[k].0).rem_euclid(std::f64::consts::TAU);
             if turn < apart {
-                // The one kept is compared with its new neighbour in turn.
+                // The next comparison is between the kept one and its new neighbour.
                 spokes.remove(if spokes[next].1 >= spokes[k].1 { next } else { k });
                 k = k.saturating_sub(1);
             } else {

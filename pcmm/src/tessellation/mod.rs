@@ -1,4 +1,4 @@
-//! Which particles make elements: strategies, and the conditions they ask for.
+//! Tessellation strategies, and limits on elements.
 
 mod delaunay;
 mod fan;
@@ -17,38 +17,38 @@ use crate::simplex::{Corners, angles, distance_squared, measure};
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
-/// What a strategy may look at.
+/// Input of a strategy.
 #[derive(Debug)]
 pub struct View<'a, const D: usize> {
     /// All particles.
     pub particles: &'a [Particle<D>],
-    /// Who is in range of whom, by [`Tessellation::reach`].
+    /// Neighbours in range, by [`Tessellation::reach`].
     pub neighbours: &'a Neighbours<D>,
-    /// The elements there are: `D + 1` particles each, positively oriented.
+    /// Present elements: `D + 1` particles each, positively oriented.
     pub nodes: &'a [u32],
-    /// Which elements meet at each particle.
+    /// Incidence of elements at particles.
     pub incidence: &'a Incidence,
-    /// Threads to use.
+    /// Thread pool.
     pub team: &'a Team,
-    /// Memory for [`View::open`].
+    /// Cache of [`View::open`].
     pub(crate) open: &'a OnceLock<Vec<bool>>,
 }
 
 impl<const D: usize> View<'_, D> {
-    /// How many elements there are.
+    /// Number of elements.
     pub fn elements(&self) -> usize {
         self.nodes.len() / (D + 1)
     }
-    /// The particles of element `e`.
+    /// Return the particles of element `e`.
     pub fn element(&self, e: usize) -> &[u32] {
         &self.nodes[e * (D + 1)..(e + 1) * (D + 1)]
     }
-    /// Where the particles `nodes` are.
+    /// Return the positions of the particles `nodes`.
     pub fn corners(&self, nodes: &[u32]) -> Corners<D> {
         corners(self.particles, nodes)
     }
-    /// The element on the other side of the facet of element `e` that faces its corner `k`, and which of its corners faces
-    /// it; the first one, if more than one lie there.
+    /// Return the element across the facet of element `e` opposite to its corner `k`, and that element's corner opposite to the facet; the
+    /// first one if there are several.
     pub fn across(&self, e: usize, k: usize) -> Option<(usize, usize)> {
         let element = self.element(e);
         let mut facet = [0; 3];
@@ -64,7 +64,7 @@ impl<const D: usize> View<'_, D> {
         }
         None
     }
-    /// For each particle: is it on a facet with one side only, or in no element?
+    /// Flags of open particles: on a facet with one side only, or in no element.
     pub fn open(&self) -> &[bool] {
         self.open.get_or_init(|| {
             let mut open = vec![false; self.particles.len()];
@@ -81,7 +81,7 @@ impl<const D: usize> View<'_, D> {
             open
         })
     }
-    /// Is there an element of these particles, in any order?
+    /// True if there is an element of these particles, in any order.
     pub fn has(&self, nodes: &[u32]) -> bool {
         let wanted = sorted(nodes);
         self.incidence
@@ -91,7 +91,7 @@ impl<const D: usize> View<'_, D> {
     }
 }
 
-/// Where the particles `nodes` are.
+/// Return the positions of the particles `nodes`.
 pub(crate) fn corners<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> Corners<D> {
     let mut x = [[0.0; D]; 4];
     for (a, &n) in nodes.iter().enumerate() {
@@ -100,7 +100,7 @@ pub(crate) fn corners<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) 
     x
 }
 
-/// The particles of an element in ascending order; places beyond the last hold `u32::MAX`.
+/// Return the particles of an element in ascending order; entries beyond the last are `u32::MAX`.
 pub(crate) fn sorted(nodes: &[u32]) -> [u32; 4] {
     let mut list = [u32::MAX; 4];
     list[..nodes.len()].copy_from_slice(nodes);
@@ -108,40 +108,40 @@ pub(crate) fn sorted(nodes: &[u32]) -> [u32; 4] {
     list
 }
 
-/// What a strategy wants changed.
+/// Changes requested by a strategy.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Revision {
     /// Elements to delete, in ascending order.
     pub dead: Vec<u32>,
     /// Elements to create: `D + 1` particles each, positively oriented.
     pub born: Vec<u32>,
-    /// How many of the dead failed which condition; those that made room for better ones are not among them.
+    /// Number of deleted elements by failed condition; those replaced by better ones are not counted.
     pub flaws: [usize; Flaw::COUNT],
 }
 
 impl Revision {
-    /// Nothing to do?
+    /// True if there is nothing to change.
     pub fn is_empty(&self) -> bool {
         self.dead.is_empty() && self.born.is_empty()
     }
 }
 
-/// Makes and unmakes elements.
+/// Strategy that creates and deletes elements.
 pub trait Tessellation<const D: usize>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
-    /// Particles closer than R_i + R_j + reach are neighbours (delta of \[Feng2014\]), m.
+    /// Contact tolerance (delta of \[Feng2014\]), m: particles closer than R_i + R_j + reach are neighbours.
     fn reach(&self) -> f64;
-    /// What to change now. From no elements at all it makes the first ones.
+    /// Return the changes to make now. Without elements, create the first ones.
     fn revise(&self, view: &View<'_, D>) -> Revision;
 }
 
-/// Which condition an element fails.
+/// Condition that an element fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flaw {
-    /// Two of its particles do not touch: d > R_i + R_j + delta.
+    /// Two particles are not in contact: d > R_i + R_j + delta.
     Contact = 0,
-    /// An angle is too small, or the element is flat or turned inside out.
+    /// An angle is too small, or the element is flat or inverted.
     SmallAngle = 1,
     /// An angle is too large.
     LargeAngle = 2,
@@ -150,11 +150,11 @@ pub enum Flaw {
 }
 
 impl Flaw {
-    /// How many kinds there are.
+    /// Number of conditions.
     pub const COUNT: usize = 4;
 }
 
-/// The conditions of \[Feng2014\] on an element:
+/// Conditions of \[Feng2014\] on an element:
 ///
 /// 1. d_ij <= R_i + R_j + delta for all pairs;
 /// 2. all angles between facets (in a triangle the inner angles, in a tetrahedron the dihedral ones) in a range;
@@ -168,20 +168,19 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// As printed, angles from 30 to 150 degrees and edges of at least half the mean radius, for a tolerance delta
-    /// (m; \[Feng2014\] gives no value).
+    /// Create the original limits, angles from 30 to 150 degrees and edges of at least half the mean radius, for a tolerance delta (m;
+    /// \[Feng2014\] gives no value).
     ///
     /// # Errors
-    /// A tolerance that is negative or not finite.
+    /// A negative or non-finite tolerance.
     pub fn printed(tolerance: f64) -> Result<Self, SceneError> {
         Self::new(tolerance, [30.0, 150.0], 0.5)
     }
 
-    /// With tolerance delta, m, the smallest and the largest angle, degrees, and the shortest edge over the mean
-    /// radius.
+    /// Create limits with the tolerance delta, m, the smallest and the largest angle, degrees, and the shortest edge over the mean radius.
     ///
     /// # Errors
-    /// A tolerance or edge that is negative, angles that are not 0 <= smallest < largest <= 180.
+    /// A negative tolerance or edge; angles that are not 0 <= smallest < largest <= 180.
     pub fn new(
         tolerance: f64,
         [smallest, largest]: [f64; 2],
@@ -209,25 +208,24 @@ impl Limits {
         })
     }
 
-    /// The tolerance of contact delta, m.
+    /// Contact tolerance delta, m.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
 
-    /// Is the distance between two particles one of contact?
+    /// True if two particles are in contact.
     pub fn touch<const D: usize>(&self, a: &Particle<D>, b: &Particle<D>) -> bool {
         let range = a.radius + b.radius + self.tolerance;
         distance_squared(&a.position, &b.position) <= range * range
     }
 
-    /// The first condition that the element of the particles `nodes` fails, if any. One that is turned inside out has
-    /// a [`Flaw::SmallAngle`].
+    /// Return the first condition that the element of the particles `nodes` fails, if any. An inverted element has a [`Flaw::SmallAngle`].
     pub fn flaw<const D: usize>(&self, particles: &[Particle<D>], nodes: &[u32]) -> Option<Flaw> {
         let x = corners(particles, nodes);
         self.flaw_of(particles, nodes, &x, angles(&x))
     }
 
-    /// The same with the element's corners and angles.
+    /// Return the first failed condition, from the element's corners and angles.
     fn flaw_of<const D: usize>(
         &self,
         particles: &[Particle<D>],
@@ -247,7 +245,7 @@ impl Limits {
                 short |= distance_squared(&a.position, &b.position) < shortest;
             }
         }
-        // A flat simplex has angles that are not numbers.
+        // The angles of a flat simplex are NaN.
         if !(small <= self.cosine_small && measure(x) > 0.0) {
             return Some(Flaw::SmallAngle);
         }
@@ -265,15 +263,15 @@ pub(crate) fn orient<const D: usize>(particles: &[Particle<D>], nodes: &mut [u32
     }
 }
 
-/// What a look at all elements found.
+/// Results of an inspection of all elements.
 pub(crate) struct Inspected {
-    /// The elements that fail the limits, and how many fail which.
+    /// Elements that fail the limits, and their number by condition.
     pub failing: Revision,
-    /// The elements with a smallest angle whose cosine is above a limit, and those that are flat.
+    /// Elements with a smallest angle whose cosine is above a limit, and flat elements.
     pub poor: Vec<u32>,
 }
 
-/// Look at all elements.
+/// Inspect all elements.
 pub(crate) fn inspect<const D: usize>(view: &View<'_, D>, limits: &Limits, poor: f64) -> Inspected {
     const CHUNK: usize = 1024;
     let elements = view.elements();

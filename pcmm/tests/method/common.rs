@@ -1,4 +1,4 @@
-//! Scenes, and the method once more, plainly: every pair is looked at, every element is a loop. Never made fast.
+//! Scenes, and a plain reference implementation of the method: loops over all pairs and elements, never optimised.
 
 use impactite_geometry::{Cuboid, Lattice};
 use impactite_scene::Embedding;
@@ -7,33 +7,33 @@ use mpm_materials::{
 };
 use pcmm::{Composition, Configuration, Dilatation, Packing, Particle, Pcmm};
 
-/// Elastic steel with a Mie-Grueneisen equation of state: internal energy is a number of the state.
+/// Elastic steel with a Mie-Grueneisen equation of state: internal energy is a state variable.
 pub fn steel() -> Solid<Elastic<f64>, MieGruneisen<f64>> {
     let moduli = Moduli::young_poisson(206e9, 0.3).unwrap();
     let eos = MieGruneisen::new(7850.0, 4500.0, 1.5, 2.0).unwrap();
     Solid::new(Elastic::new(moduli.shear).unwrap(), eos)
 }
 
-/// Copper that flows.
+/// Copper with plastic flow.
 pub fn copper() -> Solid<JohnsonCook<f64>, MieGruneisen<f64>> {
     Solid::new(JohnsonCook::copper_taylor(), MieGruneisen::copper())
 }
 
-/// Elastic steel whose stress is turned exactly.
+/// Elastic steel with exact rotation of the stress.
 pub fn turning_steel()
 -> Solid<Elastic<f64>, MieGruneisen<f64>, mpm_materials::NoFailure, mpm_materials::NoViscosity, HughesWinget>
 {
     steel().with_rate(HughesWinget)
 }
 
-/// A block of `nx` x `ny` spacings `h`, its corner at `corner`.
+/// Return a block of `nx` x `ny` spacings `h` with its corner at `corner`.
 pub fn block(corner: [f64; 2], nx: u32, ny: u32, h: f64) -> Packing<2> {
     let far = [corner[0] + f64::from(nx) * h, corner[1] + f64::from(ny) * h];
     let shape = Cuboid::new(corner, far).unwrap();
     Packing::on_nodes(&shape, &Lattice::new(corner, h).unwrap()).unwrap()
 }
 
-/// A number in [0, 1) from a seed and a place.
+/// Return a number in [0, 1) from a seed and a place.
 pub fn random(seed: u64, place: u64) -> f64 {
     let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place.wrapping_mul(0xD1B5_4A32_D192_ED03);
     for _ in 0..3 {
@@ -43,8 +43,8 @@ pub fn random(seed: u64, place: u64) -> f64 {
     (z >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Circles thrown at random into a square of edge 1 until `tries` in a row find no room: a dense random packing with
-/// radii between `small` and `large`.
+/// Return a dense random packing with radii between `small` and `large`: circles are thrown at random into a square of edge 1 until `tries`
+/// in a row find no room.
 pub fn thrown(seed: u64, small: f64, large: f64, tries: u64) -> Packing<2> {
     let (mut positions, mut radii): (Vec<[f64; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
     let (mut place, mut failed) = (0, 0);
@@ -66,7 +66,7 @@ pub fn thrown(seed: u64, small: f64, large: f64, tries: u64) -> Packing<2> {
     Packing::of_spheres(positions, radii)
 }
 
-/// Neighbours by looking at every pair.
+/// Return neighbours by a loop over all pairs.
 pub fn every_pair<const D: usize>(particles: &[Particle<D>], reach: f64) -> Vec<Vec<u32>> {
     let touch = |a: &Particle<D>, b: &Particle<D>| {
         let square: f64 = (0..D).map(|d| (a.position[d] - b.position[d]).powi(2)).sum();
@@ -82,7 +82,7 @@ pub fn every_pair<const D: usize>(particles: &[Particle<D>], reach: f64) -> Vec<
         .collect()
 }
 
-/// The plain method on a fixed set of elements.
+/// Plain method on a fixed set of elements.
 pub struct Plain<const D: usize, C: Constitutive<f64>> {
     pub law: C,
     pub particles: Vec<Particle<D>>,
@@ -95,7 +95,7 @@ pub struct Plain<const D: usize, C: Constitutive<f64>> {
 }
 
 impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
-    /// The same scene, virgin.
+    /// Create the same scene with virgin states.
     pub fn of<M: Composition<D>>(solver: &Pcmm<D, M>, law: C) -> Self {
         let particles = solver.particles().to_vec();
         let nodes = solver.element_nodes().to_vec();
@@ -123,7 +123,7 @@ impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
         x
     }
 
-    /// Volume by the determinant of the edges, `back` seconds ago.
+    /// Return the volume by the determinant of the edges, `back` seconds ago.
     fn volume(&self, e: usize, back: f64) -> f64 {
         let x: Vec<[f64; D]> = (0..=D).map(|a| self.corner(e, a, back)).collect();
         let mut m = [[0.0; 3]; 3];
@@ -139,7 +139,7 @@ impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
         if self.hoop { measure * radius } else { measure }
     }
 
-    /// Slope of the shape function of corner `a`, by how the volume changes with it: dV/dx_a = V grad N_a.
+    /// Return the shape function gradients, by the derivative of the volume: dV/dx_a = V grad N_a.
     fn slopes(&self, e: usize, back: f64) -> Vec<[f64; 3]> {
         let x: Vec<[f64; D]> = (0..=D).map(|a| self.corner(e, a, back)).collect();
         let edge = |a: usize, b: usize| {
@@ -173,7 +173,7 @@ impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
         all.map(|(at, _)| (at / (D + 1), at % (D + 1)))
     }
 
-    /// Mean over the particles of `e` of the means over their elements.
+    /// Return the mean over the particles of `e` of the means over their elements.
     fn averaged(&self, e: usize, of: &[f64]) -> f64 {
         let at = |a: usize| {
             let n = self.nodes[e * (D + 1) + a] as usize;
@@ -187,7 +187,7 @@ impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
         (0..=D).map(at).sum::<f64>() / (D + 1) as f64
     }
 
-    /// One step.
+    /// Make one step.
     pub fn step(&mut self, dt: f64) {
         let elements = self.states.len();
         // Forces.

@@ -1,4 +1,4 @@
-//! Rough walls, absorbing planes and conditions of one's own on particles, against exact answers.
+//! Rough walls, absorbing planes and user-defined conditions on particles, against exact solutions.
 
 use std::sync::Arc;
 
@@ -24,7 +24,7 @@ fn longitudinal() -> f64 {
 fn shear() -> f64 {
     (YOUNG / (2.0 * (1.0 + POISSON)) / DENSITY).sqrt()
 }
-/// A body of elements.
+/// Return a body of elements.
 fn body(
     packing: &Packing<2>,
     velocity: &dyn Fn([f64; 2]) -> [f64; 2],
@@ -38,7 +38,7 @@ fn floor(velocity: [f64; 2], friction: f64) -> Boundary<2> {
 
 #[test]
 fn particles_slide_to_a_stop_and_heat() {
-    // Without elements: every number is exact but for rounding.
+    // Without elements every number is exact to rounding.
     let packing = Packing {
         positions: vec![[0.0, 0.0], [5.0, 0.0]],
         radii: vec![0.1; 2],
@@ -54,12 +54,12 @@ fn particles_slide_to_a_stop_and_heat() {
     two.run_until(0.25).unwrap();
     let (v, given, account) = (two.totals().momentum[0] / mass, two.exchange(), two.account());
     assert!((v - (3.0 - 0.4 * G * 0.25)).abs() < 1e-12, "{v}");
-    // Friction takes mu m g times the slip, and the floor drags with its own speed.
+    // Friction dissipates mu m g times the slip, and the floor does work at its own speed.
     let heat = 0.4 * mass * G * (2.0 * 0.25 - 0.5 * 0.4 * G * 0.25 * 0.25);
     assert!((given.friction - heat).abs() < 1e-12 * heat, "{} and {heat} J", given.friction);
     assert!((given.work + 0.4 * mass * G * 0.25).abs() < 1e-12 * heat, "{} J", given.work);
     assert!(account.energy_error().abs() < 1e-13 && account.missing() < 1e-13 * account.momentum_scale);
-    // It goes on with the floor.
+    // Afterwards it moves with the floor.
     two.run_until(1.0).unwrap();
     let (v, given, account) = (two.totals().momentum[0] / mass, two.exchange(), two.account());
     assert!((v - 1.0).abs() < 1e-12, "{v}");
@@ -73,7 +73,7 @@ fn a_block_on_an_incline_sticks_or_slides() {
         let angle = degrees.to_radians();
         let mut block = body(&block([0.0; 2], 12, 3, 0.1), &|_| [0.0; 2]);
         block.bound(floor([0.0; 2], 0.4)).unwrap();
-        // Nothing damps the block: it is loaded slowly, and what it still bounces is taken off below.
+        // The block has no damping: the load rises slowly, and the rest of the bounce is subtracted below.
         block.set_body_force(Arc::new(move |t| {
             let g = G * (t / 0.3).min(1.0);
             [g * angle.sin(), -g * angle.cos()]
@@ -97,18 +97,18 @@ fn a_block_on_an_incline_sticks_or_slides() {
             assert!(speed.abs() < 0.02 && a.abs() < 0.05, "{a} m/s^2 from {speed} m/s");
         } else {
             let exact = G * (angle.sin() - 0.4 * angle.cos());
-            // Pressed by m (g cos a + a_y) on the mean.
+            // The mean normal force is m (g cos a + a_y).
             let settled = a + 0.4 * lifts;
             assert!((settled / exact - 1.0).abs() < 0.01, "{settled} m/s^2, exact {exact}");
             assert!((-along / across / 0.4 - 1.0).abs() < 5e-3, "{along} and {across} N s");
         }
-        // To rounding of what the floor gave.
+        // To rounding of the impulse of the floor.
         assert!(account.missing() < 1e-13 * across, "{} of {across} N s", account.missing());
         assert!(account.energy_error().abs() < 0.02, "{}", account.energy_error());
     }
 }
 
-/// The largest speed along `axis` in a bar after both halves of a pulse were at an end, over that of the pulse.
+/// Return the largest speed along `axis` in a bar after both halves of a pulse reached an end, over that of the pulse.
 fn reflected(absorbs: bool, axis: usize, cells: u32, courant: f64) -> f64 {
     let h = 1.0 / f64::from(cells);
     let pulse = |x: f64| 1e-4 * (-((x - 0.5) / 0.1).powi(2)).exp();
@@ -120,7 +120,7 @@ fn reflected(absorbs: bool, axis: usize, cells: u32, courant: f64) -> f64 {
             bar.bound(Boundary::Absorbing { axis: 0, at, side, longitudinal, shear }).unwrap();
         }
     }
-    // Nothing moves across the wave: a wave in one dimension.
+    // The velocity across the wave is zero: a one-dimensional wave.
     let all = Cuboid::new([-1.0; 2], [2.0; 2]).unwrap();
     let still = if axis == 0 { [None, Some(0.0), None] } else { [Some(0.0), None, None] };
     bar.bound(Boundary::Prescribed { region: Arc::new(all), velocity: Arc::new(move |_| still) }).unwrap();
@@ -144,7 +144,7 @@ fn waves_are_absorbed() {
     }
 }
 
-/// A viscous drag, implicit.
+/// Implicit viscous drag.
 #[derive(Debug)]
 struct Drag(f64);
 

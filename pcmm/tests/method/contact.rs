@@ -1,4 +1,4 @@
-//! Contact between bodies: the properties that grid contact has, and exact solutions.
+//! Contact between bodies: conformance suite of grid contact, and exact solutions.
 
 use crate::common::{block, steel};
 use impactite_geometry::{Ball, Filling, Lattice, fill};
@@ -15,7 +15,7 @@ use pcmm::{Bodies, Consistent, LocalDelaunay, Masses, Method, Packing, Pcmm, Rig
 
 type Body = Pcmm<2, Consistent<PlaneStrain>>;
 
-/// An elastic body of this density and Young's modulus.
+/// Return an elastic body of this density and Young's modulus.
 fn elastic(packing: &Packing<2>, h: f64, density: f64, young: f64, velocity: [f64; 2]) -> Body {
     let moduli = Moduli::young_poisson(young, 0.3).unwrap();
     let law =
@@ -28,18 +28,18 @@ fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The discs of the battery, of particles.
+/// Run the disc collision of the conformance suite with particles.
 fn discs<S>(detector: S, h: f64, order: &[usize], threads: usize) -> Result<Collision, Broken>
 where
     S: ContactDetector<f64, 2>,
 {
     let (seen, energy) = discs_in_steps(detector, h, 0.01, order, threads);
-    // First order in the step (the next test), which is 0.4 of the limit here.
+    // First order in the step (see the next test), which is 0.4 of the limit here.
     assert!(energy.abs() < 0.02, "energy error {energy}");
     Ok(seen)
 }
 
-/// What they show, and the energy error, with steps of `step` h.
+/// Return the collision and the energy error, with steps of `step` h.
 fn discs_in_steps<S>(detector: S, h: f64, step: f64, order: &[usize], threads: usize) -> (Collision, f64)
 where
     S: ContactDetector<f64, 2>,
@@ -61,7 +61,7 @@ where
         seen.drift = seen.drift.max(drift / start.momentum_scale);
         seen.contacts.extend(scene.contact_points().iter().map(|c| [c.normal, c.impulse]));
     }
-    // Contact takes energy, and what is left is kinetic and elastic.
+    // Contact dissipates energy; the rest is kinetic and elastic.
     let (end, taken) = (scene.totals(), scene.exchange().impacts);
     assert!(taken > 0.0 && taken < 0.2 * start.kinetic, "{taken} of {}", start.kinetic);
     let error = (end.kinetic + end.internal + taken) / start.kinetic - 1.0;
@@ -71,7 +71,7 @@ where
     (seen, error)
 }
 
-/// Velocities are half a step from stresses, and contact acts on those: the books close to the order of the step.
+/// Velocities, on which contact acts, are half a step from stresses: the energy balance closes to the order of the step.
 #[test]
 fn the_energy_books_close_with_the_step() {
     let error = |step: f64| discs_in_steps(SurfaceDistance::default(), 0.02, step, &[0, 1], 1).1.abs();
@@ -81,7 +81,7 @@ fn the_energy_books_close_with_the_step() {
 
 #[test]
 fn discs_meet_as_on_the_grid() -> Result<(), Broken> {
-    collision(|order, threads| // Enough particles that two threads are used.
+    collision(|order, threads| // Enough particles for two threads.
         discs(SurfaceDistance::default(), 0.0065, order, threads))
 }
 
@@ -101,7 +101,7 @@ fn every_detector_serves_particles() -> Result<(), Broken> {
     })
 }
 
-/// Two equal bars of one row of elements meet end to end: they exchange their velocities (exact), 2 L / c after they met.
+/// Two equal bars collide end to end: they exchange their velocities (exact), 2 L / c after the first contact.
 #[test]
 fn equal_bars_exchange_their_velocities() {
     let (h, cells, speed) = (1.0e-3, 200u32, 5.0);
@@ -109,7 +109,7 @@ fn equal_bars_exchange_their_velocities() {
     let length = f64::from(cells) * h;
     for (left, v) in [(0.0, speed), (length, -speed)] {
         let mut bar = elastic(&block([left, 0.0], cells, 2, h), h, 7850.0, 206e9, [v, 0.0]);
-        // Between planes: no lateral inertia, the confined modulus.
+        // Planes of symmetry: no lateral inertia, the confined modulus.
         bar.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
         bar.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below }).unwrap();
         scene.add("bar", bar);
@@ -125,13 +125,13 @@ fn equal_bars_exchange_their_velocities() {
     }
     let end = scene.totals();
     let drift = difference(end.momentum, start.momentum) / start.momentum_scale;
-    // Rounding, which wanders: up to 3e-13 within these 1700 steps.
+    // Random walk of rounding: up to 3e-13 within these 1700 steps.
     assert!(drift < 1e-12, "{drift:e}");
     let velocity = |b: usize| {
         let t = scene.totals_of(b).unwrap();
         t.momentum[0] / t.mass
     };
-    // What the fronts leave behind that the lattice disperses: about cells^(-2/3).
+    // Dispersion of the lattice behind the fronts: about cells^(-2/3).
     assert!(
         (velocity(0) / -speed - 1.0).abs() < 0.02 && (velocity(1) / speed - 1.0).abs() < 0.02,
         "{}",
@@ -141,11 +141,11 @@ fn equal_bars_exchange_their_velocities() {
     assert!((parted / (2.0 * length / wave) - 1.0).abs() < 0.05, "{parted}");
     let energy = (end.kinetic + end.internal + scene.exchange().impacts) / start.kinetic - 1.0;
     assert!(energy.abs() < 2e-3, "{energy}");
-    // The ends, half a spacing of 200 each, meet inelastically, and again in the ringing after.
+    // The ends, half a spacing of 200 each, collide inelastically, and again in the later ringing.
     assert!(scene.exchange().impacts < 0.01 * start.kinetic, "{}", scene.exchange().impacts / start.kinetic);
 }
 
-/// A block on a wall that is inclined: it sticks, or slides with g (sin - mu cos).
+/// Return the velocity of a block on an inclined wall, and the exact one: it sticks, or slides with g (sin - mu cos).
 fn incline(friction: f64, degrees: f64) -> (f64, f64) {
     let h = 0.01;
     let (s, c) = degrees.to_radians().sin_cos();
@@ -160,7 +160,7 @@ fn incline(friction: f64, degrees: f64) -> (f64, f64) {
     let end = 0.1;
     scene.run_until(end).unwrap();
     let (now, given) = (scene.totals(), scene.exchange());
-    // Gravity and the wall give all momentum.
+    // All momentum is from gravity and the wall.
     let weight = [now.mass * g * s * end, -now.mass * g * c * end];
     for d in 0..2 {
         let missing = now.momentum[d] - start.momentum[d] - weight[d] - given.impulse[d];
@@ -175,7 +175,7 @@ fn a_block_on_an_incline_sticks_or_slides() {
     let scale = 10.0 * 0.1;
     for (friction, degrees) in [(0.3, 45.0), (0.1, 30.0), (0.0, 20.0), (0.6, 20.0)] {
         let (velocity, expected) = incline(friction, degrees);
-        // It bounces a little as its weight comes on at once: friction acts with the mean of the reaction.
+        // The block bounces slightly, as its weight acts at once: friction acts with the mean of the reaction.
         assert!(
             (velocity - expected).abs() < 0.01 * scale,
             "{friction} {degrees}: {velocity} for {expected}"
@@ -183,7 +183,7 @@ fn a_block_on_an_incline_sticks_or_slides() {
     }
 }
 
-/// A wall that moves drags a block along by friction, and its work is what the block gets and what friction takes.
+/// A moving wall drags a block along by friction. Its work is the energy of the block plus the friction loss.
 #[test]
 fn a_moving_wall_does_work() {
     let h = 0.01;
@@ -194,17 +194,17 @@ fn a_moving_wall_does_work() {
     scene.add("block", body);
     scene.run_until(0.1).unwrap();
     let now = scene.totals();
-    // mu g t.
+    // Velocity mu g t.
     assert!((now.momentum[0] / now.mass - 0.2).abs() < 0.01, "{}", now.momentum[0] / now.mass);
     let work = scene.exchange().work;
     let friction: f64 = scene.contacts().iter().map(|e| e.friction).sum();
-    // Force mu m g: over 3 m/s t from the wall, over mu g t^2 / 2 to the block.
+    // Work of the force mu m g: over 3 m/s t by the wall, over mu g t^2 / 2 on the block.
     let force = 0.2 * now.mass * 10.0;
     assert!((work / (force * 0.3) - 1.0).abs() < 0.02, "{work} {}", force * 0.3);
     assert!((friction / (force * 0.29) - 1.0).abs() < 0.02, "{friction} {}", force * 0.29);
 }
 
-/// Against a wall by contact a bar does what it does against a wall that holds back centres.
+/// A bar on a contact wall behaves as on a wall condition for centres.
 #[test]
 fn a_contact_wall_is_a_wall() {
     let h = 1.0e-3;
@@ -221,7 +221,7 @@ fn a_contact_wall_is_a_wall() {
     assert!(one > 0.0 && (other / one - 1.0).abs() < 0.01, "{other} for {one}");
 }
 
-/// Stuck bodies are one body; what holds up to a strength lets go beyond it.
+/// Bodies under `Stick` are one body; adhesion fails beyond its strength.
 #[test]
 fn glue_holds_up_to_its_strength() {
     let h = 1.0e-3;
@@ -233,7 +233,7 @@ fn glue_holds_up_to_its_strength() {
         let right = scene.totals_of(1).unwrap();
         right.momentum[0] / right.mass
     };
-    // 10 m/s apart pull with rho c 5 m/s, 0.2 GPa, and swing back after 2 L / c, 3.7 us; weak glue does not hold them.
+    // Velocities 10 m/s apart cause a tension of rho c 5 m/s, 0.2 GPa, and reverse after 2 L / c, 3.7 us; weak adhesion fails.
     assert!(pulled(Pairs::new(Stick)).abs() < 4.5);
     assert!(pulled(Pairs::new(Adhesion::new(5e8, 5e8, 0.0).unwrap())).abs() < 4.5);
     assert!((pulled(Pairs::new(Adhesion::new(1e6, 1e6, 0.0).unwrap())) - 5.0).abs() < 0.1);
@@ -281,8 +281,8 @@ fn walls_are_refused_by_name() {
     assert!(RigidWall::new([0.0; 2], [0.0, 1.0]).unwrap().moving([0.0, f64::INFINITY]).is_err());
 }
 
-/// Two cubes in space, and two discs around an axis, meet face to face: momentum to rounding, impulses along the normal of
-/// the faces, and both bounce.
+/// Two cubes in space, and two discs around an axis, collide face to face: momentum is conserved to rounding, impulses are along the normal
+/// of the faces, and both rebound.
 #[test]
 fn faces_meet_in_space_and_around_an_axis() {
     use impactite_geometry::Cuboid;
@@ -320,8 +320,8 @@ fn face_to_face<const D: usize>(mut scene: Bodies<D, SurfaceDistance>, axis: usi
         scene.step_towards(3.0e-6).unwrap();
         for contact in scene.contact_points() {
             met += 1;
-            // In space one or two triangles of each face meet at a corner of a cube of six tetrahedra, so that the normals
-            // of two cubes are not mirror images at their rims (35 degrees at worst); within faces they are.
+            // In space one or two triangles of each face are at a corner of a cube of six tetrahedra, so that the normals of two cubes are
+            // not mirror images at their rims (35 degrees at worst); within faces they are.
             assert!(contact.normal[axis] > 0.8, "{contact:?}");
             // Faces bulge by the strain of the impact, v / c, 0.7 %.
             let slants = 1.0 - contact.normal[axis] > 1e-4;
@@ -336,13 +336,12 @@ fn face_to_face<const D: usize>(mut scene: Bodies<D, SurfaceDistance>, axis: usi
         assert!(scene.totals_of(body).unwrap().momentum[axis] * sign > 0.0);
     }
     let energy = (end.kinetic + end.internal + scene.exchange().impacts) / start.kinetic - 1.0;
-    // 2 % with half of the limiting step; first order in it.
+    // Energy error of 2 % at half the step limit, first order in the step.
     assert!(energy.abs() < 6e-3, "{energy}");
 }
 
-/// Particles without a grid have no nodes whose frequencies could be bounded.
-/// What is inside another body, however it came there, does not fly through it: a chip of nine particles that starts in
-/// the middle of a block shares its momentum with it before it has crossed a quarter.
+/// A body that starts inside another one is in contact with it: a chip of nine particles in the middle of a block shares its momentum with
+/// the block before it has crossed a quarter.
 #[test]
 fn what_is_inside_a_body_meets_it() {
     let h = 1.0e-3;
@@ -359,6 +358,7 @@ fn what_is_inside_a_body_meets_it() {
     assert!(scene.contact_points().is_empty() || scene.exchange().impacts > 0.0);
 }
 
+/// Particles have no grid nodes whose frequencies could be bounded.
 #[test]
 fn a_time_control_that_needs_a_grid_is_refused() {
     let h = 0.1;

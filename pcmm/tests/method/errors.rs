@@ -1,4 +1,4 @@
-//! Bad input is refused by name; a run that breaks names element, particles, position and cause.
+//! Invalid input is refused by name; a run that fails names element, particles, position and cause.
 
 use crate::common::{block, copper, steel};
 use impactite_scene::{Axisymmetric, Boundary, PlaneStrain, Side, TimeControl};
@@ -100,7 +100,7 @@ fn states_of_another_law_are_refused() {
 
 #[test]
 fn a_run_that_breaks_says_where_and_why() {
-    // Two halves fly through each other in one step far beyond the stable one.
+    // Two halves penetrate each other in one step far beyond the stable one.
     let method = Method::consistent(PlaneStrain, delaunay());
     let speed = |[x, _]: [f64; 2]| [if x < 2.5 * H { 4.0e3 } else { -4.0e3 }, 0.0];
     let packing = block([0.0; 2], 5, 5, H);
@@ -142,7 +142,7 @@ fn particles_without_elements_fly_on_and_walls_stop_them() {
     }
     let given = two.exchange();
     assert!((given.impulse[1] - 2.5 * two.totals().mass).abs() < 1e-9 * two.totals().mass);
-    // Kinetic energy: what was there, plus the work of the wall; what the impact took is booked apart.
+    // Kinetic energy: the initial one plus the work of the wall; the impact loss is booked separately.
     let change = 0.5 * two.totals().mass * (0.25 - 4.0);
     assert!((given.work - given.impacts - change).abs() < 1e-9 * change.abs(), "{} {change}", given.work);
     assert!((given.impacts - 0.5 * two.totals().mass * 2.5 * 2.5).abs() < 1e-9 * given.impacts);

@@ -1,4 +1,4 @@
-//! Particle contacts. One program, so that what all of them use is compiled once.
+//! Tests of the particle-contact method in one program, so that common code is compiled once.
 
 #![allow(missing_docs)]
 

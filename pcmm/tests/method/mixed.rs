@@ -1,4 +1,4 @@
-//! Bodies of this method as bodies of particles, beside those of another one.
+//! Particle-contact bodies beside bodies of another method.
 
 use impactite_geometry::{Cuboid, Lattice};
 use impactite_scene::{
@@ -48,12 +48,12 @@ fn particle_contacts_are_a_body_of_particles() -> Result<(), Broken> {
     })
 }
 
-/// A block of balls on springs falls on one of copper that lies on a wall.
+/// A block of balls on springs falls on a copper block on a wall.
 fn mixed() -> Bodies<2, SurfaceDistance> {
     let mut scene = Bodies::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3).unwrap()));
     scene.add("copper", target([0.0, 0.0], 0.0));
     let site = |i: u32| [(1.2 + f64::from(i % 8)) * H, (6.7 + f64::from(i / 8)) * H];
-    // As heavy and as stiff as copper, about.
+    // About as heavy and as stiff as copper.
     let balls = Balls::new((0..40).map(site).collect(), 0.5 * H, 8930.0 * H * H).bonded(1.2e11);
     scene.add("balls", balls.moving([10.0, -50.0]));
     scene.add_wall(RigidWall::new([0.0, 0.0], [0.0, 1.0]).unwrap());
@@ -88,7 +88,7 @@ fn bodies_of_two_methods_meet() {
     assert!(scene.part::<Balls<2>>(0).is_none() && scene.part::<Balls<2>>(1).is_some());
 }
 
-/// Each body has its own account of revisions; the scene has the sum of what they added.
+/// Each body has its own audit of revisions; the scene has the sum of their additions.
 #[test]
 fn bodies_keep_their_accounts() {
     let mut scene = Bodies::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.1).unwrap()));

@@ -14,7 +14,7 @@ use pcmm::{
 };
 use proptest::prelude::*;
 
-/// Area (volume) of the elements, and how much of it lies under another element.
+/// Return the area (volume) of the elements, and the part of it that is covered twice.
 fn cover<const D: usize>(solver: &Pcmm<D, impl Composition<D>>) -> (f64, f64) {
     let corners: Vec<[[f64; D]; 4]> = solver
         .element_nodes()
@@ -46,7 +46,7 @@ fn a_square_lattice_is_covered_once_by_ours_and_twice_as_printed() {
     for (nx, ny) in [(1, 1), (5, 8), (12, 7)] {
         let packing = block([0.3, -0.2], nx, ny, h);
         let area = f64::from(nx * ny) * h * h;
-        // Up to tolerances that reach the next but one particle.
+        // Tolerances up to the next but one particle.
         for tolerance in [0.42 * h, 0.6 * h, 1.1 * h] {
             let (whole, double) = cover(&ours(&packing, tolerance));
             assert!((whole / area - 1.0).abs() < 1e-12 && double < 1e-12 * area, "{whole} {double} {area}");
@@ -106,7 +106,7 @@ fn a_triangular_lattice_is_covered_once_by_both() {
     let printed =
         Pcmm::new(method, steel().compiled(), &packing, |_| [0.0; 2], Masses::FromElements).unwrap();
     let (as_printed, under) = cover(&printed);
-    // Seven rows of sixteen triangles and, at alternating ends, half ones that are not there.
+    // Seven rows of sixteen triangles; half triangles at alternating ends are missing.
     let area = 7.0 * 16.0 * 0.75f64.sqrt() / 2.0 * h * h;
     for (whole, double) in [(whole, double), (as_printed, under)] {
         assert!((whole / area - 1.0).abs() < 0.08 && double < 1e-12, "{whole} {double} {area}");
@@ -122,7 +122,7 @@ fn a_random_packing_has_no_holes_inside() {
         let solver = ours(&packing, 0.06);
         let (_, double) = cover(&solver);
         assert!(double < 1e-12, "{double}");
-        // The area of the elements within the inner square.
+        // Area of the elements within the inner square.
         let square =
             [[[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.0; 2]], [[0.1, 0.1], [0.9, 0.9], [0.1, 0.9], [0.0; 2]]];
         let mut covered = 0.0;
@@ -136,7 +136,7 @@ fn a_random_packing_has_no_holes_inside() {
     }
 }
 
-/// A spinning square: as a rigid body with the stresses that turn it.
+/// Spin a square as a rigid body with the stresses of its rotation. Return the largest equivalent stress and the energy error.
 fn spin(method: impl Composition<2>, law: impl Constitutive<f64>, turns: f64) -> (f64, f64) {
     let h = 1.0e-3;
     let packing = block([-5.0 * h, -5.0 * h], 10, 10, h);
@@ -167,15 +167,15 @@ fn without_rotation_of_stress_a_spinning_body_is_wrong() {
     assert!(turned < 1.5 * centrifugal && energy.abs() < 1e-5, "{turned:e} {energy:e}");
     let (jaumann, energy) = spin(method(), steel(), 1.0);
     assert!(jaumann < 1.5 * centrifugal && energy.abs() < 1e-5, "{jaumann:e} {energy:e}");
-    // Stress that is locked in must turn with the body, or it is no longer in balance.
+    // Residual stress must rotate with the body to stay in balance.
     let (turned, stuck) = (locked_in(turning_steel()), locked_in(steel().with_rate(NoRotation)));
     assert!(turned < 0.02 && stuck > 0.1, "{turned} {stuck}");
 }
 
 type Steel<R> = Solid<Elastic<f64>, MieGruneisen<f64>, NoFailure, NoViscosity, R>;
 
-/// A ring that spins by a quarter turn with residual stress in balance, sigma_r = S 4 (r - a)(b - r) / (b - a)^2 and
-/// sigma_t = d(r sigma_r)/dr: how far the stress of the elements is from that, turned, over its size.
+/// Spin a ring by a quarter turn with residual stress in balance, sigma_r = S 4 (r - a)(b - r) / (b - a)^2 and sigma_t = d(r sigma_r)/dr.
+/// Return the deviation of the element stresses from the rotated one, over its size.
 fn locked_in<R: ObjectiveRate>(law: Steel<R>) -> f64 {
     let h = 1.0e-3;
     let (inner, outer) = (8.0 * h, 16.0 * h);
@@ -205,7 +205,7 @@ fn locked_in<R: ObjectiveRate>(law: Steel<R>) -> f64 {
     body.set_revision_interval(100).unwrap();
     body.set_states::<Steel<R>>(|x, mut state| {
         state.stress = residual(x);
-        // The volume at which the equation of state gives this pressure: K = rho0 c0^2, to first order.
+        // Volume at which the equation of state has this pressure: K = rho0 c0^2, to first order.
         state.volume_ratio = 1.0 + residual(x).mean() / (7850.0 * 4500.0 * 4500.0);
         state
     })
@@ -230,8 +230,8 @@ fn locked_in<R: ObjectiveRate>(law: Steel<R>) -> f64 {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Random circles, random velocities: nothing is covered twice at the start or after a while; mass is that of the
-    /// particles to the bit; momentum and angular momentum to rounding; the energy within what revisions book.
+    /// Random circles, random velocities: no double coverage at the start or after a while; mass is that of the particles to the bit;
+    /// momentum and angular momentum to rounding; energy within the audit of revisions.
     #[test]
     fn conservation_on_random_packings(seed in 0u64..10_000, speed in 1.0f64..300.0) {
         let packing = thrown(seed, 0.02, 0.04, 600);
@@ -256,18 +256,18 @@ proptest! {
         }
         let (_, double) = cover(&solver);
         prop_assert!(double < 1e-9, "{double} is covered twice");
-        // Matter is in elements or in store.
+        // Material is in elements or in stores.
         let audit = solver.audit();
         let whole = solver.coverage().mass + audit.stored_mass - audit.mass_added();
         prop_assert!((whole - covered).abs() < 1e-12 * start.mass, "{whole} of {covered}");
         let error = end.kinetic + end.internal - solver.audit().energy_added() - start.kinetic;
-        // Leap-frog: velocities are half a step from stresses; a tenth of the energy may swing within a step on this
-        // roughest of fields, where every particle moves for itself.
+        // Leapfrog: velocities are half a step from stresses; a tenth of the energy may oscillate within a step in this roughest of fields,
+        // where every particle moves independently.
         prop_assert!(error.abs() < 0.1 * start.kinetic, "{error} of {}", start.kinetic);
     }
 
-    /// A rigid rotation of any size in one step has no strain where increments are of the start of the step, and to second order of
-    /// its end.
+    /// A rigid rotation of any size in one step causes no strain for increments of the start of the step, and strain of second order for
+    /// those of its end.
     #[test]
     fn rotation_gives_no_strain(angle in -0.5f64..0.5, seed in 0u64..1000) {
         let h = 1.0e-3;
@@ -280,7 +280,7 @@ proptest! {
             }
             p
         };
-        // The velocity that takes every particle along a chord to its rotated place.
+        // Velocity of every particle along a chord to its rotated place.
         let dt = 1.0e-8;
         let (s, c) = angle.sin_cos();
         let chord = |[x, y]: [f64; 2]| [((c - 1.0) * x - s * y) / dt, (s * x + (c - 1.0) * y) / dt];
@@ -303,15 +303,15 @@ proptest! {
             }
         };
         let modulus = 206e9;
-        // Rounding: positions of 1e-3 m to 1e-19, so strains to 1e-15 times a condition of ten.
+        // Rounding: positions of 1e-3 m to 1e-19, so strains to 1e-15 times a condition number of ten.
         prop_assert!(stress(true) < 1e-13 * modulus, "{}", stress(true));
-        // An increment that is not of the start of the step has a strain of the square of the turn.
+        // An increment that is not of the start of the step has a strain of the square of the rotation.
         let strain = stress(false) / modulus;
         prop_assert!(strain <= 6.0 * angle * angle, "{strain}");
         prop_assert!(angle.abs() < 0.01 || strain > 0.2 * angle * angle, "{strain}");
     }
 
-    /// What an exchange of diagonals hands on is what there was: mass, energy and volume.
+    /// Exchanges of diagonals conserve mass, energy and volume.
     #[test]
     fn exchanges_conserve(shear in 0.5f64..2.5, seed in 0u64..1000) {
         let h = 1.0e-3;
@@ -333,8 +333,8 @@ proptest! {
     }
 }
 
-/// Many steps without a revision, then one alone, in a step too short for anything else: what internal energy and mass
-/// change by is what the audit says.
+/// The audit equals the changes of internal energy and mass: many steps without a revision, then one alone, in a step too short for other
+/// changes.
 fn the_audit_closes(method: impl Composition<2>) {
     let packing = block([0.0; 2], 8, 8, 1.0e-3);
     let speed = |[x, y]: [f64; 2]| [60.0 * (3.0e3 * y).sin() + 4.0e4 * x, -150.0 * (2.5e3 * x).cos()];
@@ -348,12 +348,12 @@ fn the_audit_closes(method: impl Composition<2>) {
     let (after, audit) = (body.totals(), *body.audit());
     assert!(audit.removed.elements > 0 && audit.stored_energy != 0.0, "{audit:?}");
     let energy = after.internal - before.internal - audit.energy_added();
-    // Rounding of sums of hundreds.
+    // Rounding of sums of hundreds of terms.
     assert!(energy.abs() < 1e-12 * before.internal, "{energy} of {}", before.internal);
     assert_eq!(body.coverage().stored, audit.stored_energy);
     let mass = body.coverage().mass + audit.stored_mass - covered - audit.mass_added();
     assert!(mass.abs() < 1e-12 * before.mass, "{mass} of {}", before.mass);
-    // Nothing of nothing, but for what elements share that lie over each other.
+    // No energy without a source, except for shared parts of overlapping elements.
     assert!(audit.energy_added() > -1e-12 * before.internal, "{audit:?}");
 }
 
@@ -366,7 +366,7 @@ fn the_audit_closes_for_both_tessellations() {
 
 #[test]
 fn the_mean_of_particles_neither_keeps_mass_nor_energy() {
-    // Why there is another rule: the same sheared block with the printed inheritance.
+    // Reason for another rule: the same sheared block with the original inheritance.
     let h = 1.0e-3;
     let packing = block([0.0; 2], 6, 6, h);
     let method = Method::new(

@@ -1,4 +1,4 @@
-//! The solver against the plain method, and equal bits for any number of threads.
+//! The solver against the plain method, and bitwise identical results for any number of threads.
 
 use crate::common::{Plain, block, copper, every_pair, random, steel};
 use impactite_geometry::{Cuboid, Lattice};
@@ -11,7 +11,7 @@ use pcmm::{
     OverlapWeighted, Packing, Particle, ParticleMean, Pcmm, SMALL, StartOfStep,
 };
 
-/// Steps of both methods from a rough velocity field; positions, velocities and energies are compared.
+/// Compare positions, velocities and energies of both methods after some steps from a rough velocity field.
 fn compare<const D: usize>(method: impl Composition<D>, law: impl Constitutive<f64>, packing: &Packing<D>) {
     let name = method.describe();
     let speed = |x: [f64; D]| {
@@ -69,7 +69,7 @@ fn the_fast_step_is_the_plain_one() {
     compare(Method::new(FullSpace, wide(), OverlapWeighted, StartOfStep, OfElement), steel(), &space);
 }
 
-/// Neighbour lists against every pair, while particles wander. Lists hold all in range, and none beyond two skins.
+/// Compare neighbour lists with all pairs while particles wander. Lists include all in range, and none beyond two skins.
 fn neighbours_of_wanderers<const D: usize>(particles: usize) {
     let (reach, skin) = (0.02, 0.03);
     let mut list: Vec<Particle<D>> = (0..particles)
@@ -93,7 +93,7 @@ fn neighbours_of_wanderers<const D: usize>(particles: usize) {
         }
         for (n, p) in list.iter_mut().enumerate() {
             for d in 0..D {
-                // One flies off, so that the cells must grow.
+                // One particle flies off, so that the cells must grow.
                 let speed = if n == 0 { 3.0 } else { 0.004 };
                 p.position[d] += speed * (random(step, (n * D + d) as u64) - 0.5);
             }
@@ -116,7 +116,7 @@ fn lists_are_kept_while_nothing_moves_far() {
     for step in 0..20 {
         neighbours.update(&[at(0.0), at(0.9), at(1.9 + 0.02 * f64::from(step))], &Team::one());
     }
-    // 0.1 is half the skin: a search at the start and one after every seven steps of 0.02, a third of which all make on average.
+    // Half the skin is 0.1: a search at the start and one after every seven steps of 0.02, of which a third is the mean motion of all.
     assert_eq!(neighbours.searches(), 3);
 }
 
@@ -137,7 +137,7 @@ fn particles_that_no_search_can_use_have_no_neighbours_and_a_reason() {
     assert!(none.of(0).is_empty() && none.refused().is_some());
 }
 
-/// A bar that hits a wall and is tessellated anew: numbers of all particles after some steps.
+/// Run a bar that hits a wall, with revisions. Return the bits of all particles after some steps.
 fn bits(threads: usize, printed: bool) -> Vec<u64> {
     let h = 1.0e-4;
     let packing = block([0.0; 2], 24, 119, h);

@@ -1,4 +1,4 @@
-//! The solvers of this method are solvers.
+//! Conformance of the particle-contact solvers.
 
 use impactite_scene::{Axisymmetric, Boundary, FullSpace, PlaneStrain, Side, TimeControl, solver_conforms};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
@@ -13,7 +13,7 @@ fn delaunay() -> LocalDelaunay {
     LocalDelaunay::new(0.45 * H, 2.0).unwrap()
 }
 
-/// A copper bar against a wall, around its axis, revised as it flows.
+/// Copper bar on a wall, axisymmetric, with revisions during plastic flow.
 fn bar() -> impl impactite_scene::Solver {
     let method = Method::consistent(Axisymmetric, delaunay());
     let packing = block([0.0; 2], 4, 16, H);
@@ -23,7 +23,7 @@ fn bar() -> impl impactite_scene::Solver {
     bar
 }
 
-/// Steel as printed, sheared on its way down.
+/// Steel in the original formulation, sheared in free fall.
 fn printed() -> impl impactite_scene::Solver {
     let method = Method::printed(PlaneStrain, AzimuthFan::new(0.45 * H).unwrap());
     let packing = block([0.0; 2], 6, 6, H);
@@ -39,7 +39,7 @@ fn cube(packing: &Packing<3>, speed: f64) -> Pcmm<3, impl pcmm::Composition<3> +
     Pcmm::new(method, steel().compiled(), packing, |_| [0.0, 0.0, -speed], Masses::FromElements).unwrap()
 }
 
-/// A cube flies into another one that lies on a wall.
+/// Impact of a cube on another one on a wall.
 fn cubes() -> impl impactite_scene::Solver {
     let mut scene = Bodies::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3).unwrap()));
     for (name, z, speed) in [("lower", 0.0, 0.0), ("upper", 4.2 * H, 80.0)] {
@@ -51,7 +51,7 @@ fn cubes() -> impl impactite_scene::Solver {
     scene
 }
 
-/// Two halves that fly through each other in one step.
+/// Two halves that penetrate each other in one step.
 fn torn() -> impl impactite_scene::Solver {
     let speed = |[x, _]: [f64; 2]| [if x < 2.5 * H { 4.0e3 } else { -4.0e3 }, 0.0];
     let method = Method::consistent(PlaneStrain, delaunay());

@@ -1,19 +1,19 @@
-//! What artificial stress does to linear velocity fields.
+//! Balance of the artificial stress in linear velocity fields.
 
 use super::batch::Near;
 use crate::matrix::{Matrix, inverse_of_moments, times};
 use crate::records::Records;
 
-/// With the quotients q of the kernel, T = sum_j A_j s_ij q_ij d (x) d and M the same without q: R T M^-1 of the artificial stress R.
+/// Balance R T M^-1 of the artificial stress R: with the quotients q of the kernel, T = sum_j A_j s_ij q_ij d (x) d; M is T without q.
 pub(crate) struct Balance<'a, const D: usize> {
     pub records: &'a Records<D>,
     pub near: &'a Near,
-    /// The number of the first particle of the batch.
+    /// Place of the first particle of the batch.
     pub first: usize,
 }
 
 impl<const D: usize> Balance<'_, D> {
-    /// Columns of that of a particle of the batch.
+    /// Return the columns of the balance of a particle of the batch.
     pub fn of(&self, n: usize) -> [[f64; 4]; D] {
         let (records, i) = (self.records, self.first + n);
         let stress = &records.artificial[i];

@@ -1,4 +1,4 @@
-//! What one task computes: some particles, with their neighbours and states.
+//! Batch of particles, the work of one task, with their neighbours and states.
 
 use impactite_scene::Exchange;
 use impactite_simd::Float;
@@ -6,33 +6,33 @@ use mpm_materials::Breakdown;
 
 use crate::matrix::{Matrix, times};
 
-/// Particles of a batch. A multiple of the lanes of every vector.
+/// Number of particles of a batch, a multiple of the lanes of every vector.
 pub(crate) const BATCH: usize = 128;
 /// Lanes of a group.
 pub(crate) const GROUP: usize = <f64 as Float>::GROUP;
 
 pub(crate) type Row = <f64 as Float>::Row;
 
-/// The neighbours of some particles that are within reach.
+/// Neighbours within reach of the particles of a batch.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Near {
-    /// Where the neighbours of each particle begin; one more than there are.
+    /// Start of the neighbours of each particle, and the end of the last.
     pub starts: Vec<u32>,
     pub index: Vec<u32>,
-    /// -W'/r, 1/m^(D + 2).
+    /// Kernel slope -W'/r, 1/m^(D + 2).
     pub slope: Vec<f64>,
-    /// The kernel over its value at the spacing, to a power, with artificial stress.
+    /// With artificial stress: kernel over its value at the spacing, to a power.
     pub close: Vec<f64>,
 }
 
 impl Near {
-    /// The neighbours of a particle of the batch, and their slopes.
+    /// Return the neighbours of a particle of the batch, and their kernel slopes.
     #[inline]
     pub fn of(&self, i: usize) -> (&[u32], &[f64]) {
         let range = self.starts[i] as usize..self.starts[i + 1] as usize;
         (&self.index[range.clone()], &self.slope[range])
     }
-    /// None, with room for so many.
+    /// Clear the lists, with room for this number of pairs.
     pub fn clear(&mut self, room: usize, close: bool) {
         self.starts.clear();
         self.starts.push(0);
@@ -40,7 +40,7 @@ impl Near {
         self.slope.resize(room, 0.0);
         self.close.resize(if close { room } else { 0 }, 0.0);
     }
-    /// How many pairs.
+    /// Number of pairs.
     pub fn pairs(&self) -> usize {
         self.starts.last().map_or(0, |&end| end as usize)
     }
@@ -53,46 +53,46 @@ impl Near {
 /// A batch of particles.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Batch {
-    /// States: groups of rows, one a number.
+    /// State variables: groups of rows, one row per number.
     pub rows: Vec<Row>,
     pub near: Near,
-    /// Moments K of velocities, or of places, of the last sum: [`Strain`](super::Strain); their first rows, gradients of density.
+    /// Moments K of velocities or places from the last sum: [`Strain`](super::Strain); their first rows also store density gradients.
     pub moments: Vec<Matrix>,
-    /// What makes velocity gradients of them, C: grad v = K C.
+    /// Gradient correction C: grad v = K C.
     pub correction: Vec<Matrix>,
-    /// In the total Lagrangian form, C of the reference: C is that times F^-1.
+    /// In the total Lagrangian form: gradient correction C0 of the reference, with C = C0 F^-1.
     pub first: Vec<Matrix>,
-    /// And the deformation gradient F since.
+    /// In the total Lagrangian form: deformation gradient F since the reference.
     pub deformation: Vec<Matrix>,
-    /// The one from the start to the reference, once that was renewed.
+    /// Deformation gradient from the start to the reference, after an update of the reference.
     pub before: Vec<Matrix>,
-    /// Cauchy stress, Pa, volume ratio, and the wave speed that steps are held by, m/s.
+    /// Cauchy stress, Pa, volume ratio, and wave speed of the time step limit, m/s.
     pub stress: Vec<[f64; 8]>,
-    /// With artificial stress, how far particles turned in the last step: yx, zx, zy of the spin times the step.
+    /// With artificial stress: rotation of particles in the last step, yx, zx, zy of the spin times the step.
     pub spin: Vec<[f64; 3]>,
-    /// Accelerations that stabilise and are in no energy, m/s^2.
+    /// Accelerations by stabilisations without potential energy, m/s^2.
     pub stabilising: Vec<[f64; 4]>,
-    /// With a diffusion of density, the rate at which it makes particles denser: that of the logarithm, 1/s.
+    /// With density diffusion: its rate of the logarithm of density, 1/s.
     pub diffusing: Vec<f64>,
     /// Velocities at the start of the step, m/s.
     pub start: Vec<[f64; 4]>,
     pub report: Report,
 }
 
-/// What a sweep over a batch found.
+/// Results of a sweep over a batch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Report {
     /// Largest Courant rate, 1/s.
     pub rate: f64,
-    /// Largest stretch since the reference, or its inverse.
+    /// Largest stretch, or inverse stretch, since the reference.
     pub stretch: f64,
-    /// The first particle that cannot go on: its number in the batch.
+    /// First particle whose law failed, by number in the batch, and the cause.
     pub trouble: Option<(usize, Breakdown)>,
-    /// The first whose velocity is no number, or that came to the axis.
+    /// First particle with a non-finite position, or at the axis.
     pub lost: Option<usize>,
-    /// What a diffusion of density did to laws in a step, J.
+    /// Work of density diffusion on laws in a step, J.
     pub diffused: f64,
-    /// What mirrors, conditions and loads gave in a step.
+    /// Exchange with mirrors, conditions and loads in a step.
     pub given: Exchange,
 }
 
@@ -112,21 +112,21 @@ impl Batch {
             + 8 * self.diffusing.capacity()
     }
 
-    /// How a particle is deformed since the start, in `d` dimensions, where that is known.
+    /// Return the deformation gradient of a particle since the start, in `d` dimensions, if known.
     #[inline]
     pub fn whole(&self, i: usize, d: usize) -> Option<Matrix> {
         let f = self.deformation.get(i)?;
         Some(self.before.get(i).map_or(*f, |before| times(f, before, d)))
     }
 
-    /// The state of a particle, in `out`.
+    /// Load the state of a particle into `out`.
     pub fn read(&self, i: usize, out: &mut [f64]) {
         let rows = &self.rows[i / GROUP * out.len()..];
         for (k, x) in out.iter_mut().enumerate() {
             *x = rows[k].as_ref()[i % GROUP];
         }
     }
-    /// Let it be this.
+    /// Store the state of a particle.
     pub fn write(&mut self, i: usize, state: &[f64]) {
         let rows = &mut self.rows[i / GROUP * state.len()..];
         for (k, x) in state.iter().enumerate() {

@@ -1,20 +1,20 @@
-//! Diffusion of density.
+//! Density diffusion.
 
 use super::batch::Near;
 use crate::matrix::Matrix;
 use crate::records::Records;
 
-/// Gradients of density, corrected as those of velocities are: grad rho = C^T sum_j A_j s_ij (rho_j - rho_i) (x_j - x_i).
+/// Density gradients, corrected like velocity gradients: grad rho = C^T sum_j A_j s_ij (rho_j - rho_i) (x_j - x_i).
 pub(crate) struct DensityGradient<'a, const D: usize> {
     pub records: &'a Records<D>,
     pub near: &'a Near,
-    /// The number of the first particle of the batch.
+    /// Place of the first particle of the batch.
     pub first: usize,
     pub correction: &'a [Matrix],
 }
 
 impl<const D: usize> DensityGradient<'_, D> {
-    /// Of a particle of the batch, kg/m^4.
+    /// Return the density gradient of a particle of the batch, kg/m^4.
     pub fn of(&self, n: usize) -> [f64; 3] {
         let (records, i) = (self.records, self.first + n);
         let own = (&records.place[i], records.density[i][3]);
@@ -34,18 +34,18 @@ impl<const D: usize> DensityGradient<'_, D> {
     }
 }
 
-/// Rates at which density spreads.
+/// Rates of density diffusion.
 pub(crate) struct Diffuse<'a, const D: usize> {
     pub records: &'a Records<D>,
     pub near: &'a Near,
-    /// The number of the first particle of the batch.
+    /// Place of the first particle of the batch.
     pub first: usize,
     /// The coefficient delta.
     pub delta: f64,
 }
 
 impl<const D: usize> Diffuse<'_, D> {
-    /// The rate of the logarithm of the density of a particle of the batch, 1/s.
+    /// Return the rate of the logarithm of density of a particle of the batch, 1/s.
     pub fn of(&self, n: usize) -> f64 {
         let (records, i) = (self.records, self.first + n);
         let (place, density) = (&records.place[i], &records.density[i]);

@@ -1,4 +1,4 @@
-//! Accelerations: sums of what neighbours push with.
+//! Accelerations: sums over neighbours.
 
 use std::marker::PhantomData;
 
@@ -10,22 +10,22 @@ use crate::method::Composition;
 use crate::records::Records;
 use crate::stabilisation::Stabilisation;
 
-/// Accelerations of some particles by their neighbours.
+/// Accelerations of the particles of a batch by their neighbours.
 pub(crate) struct Push<'a, const D: usize, M> {
     pub records: &'a Records<D>,
     pub near: &'a Near,
     pub first: usize,
-    /// Of the viscosity of pairs.
+    /// Coefficients of the pair viscosity.
     pub viscosity: [f64; 2],
     pub out: Pushed<'a>,
     pub method: PhantomData<M>,
 }
 
-/// Where results go.
+/// Output arrays.
 pub(crate) struct Pushed<'a> {
-    /// m/s^2.
+    /// Acceleration, m/s^2.
     pub acceleration: &'a mut [[f64; 4]],
-    /// The part of it that stabilises and is in no energy, if there is such.
+    /// The part of it by stabilisations without potential energy, if any.
     pub stabilising: &'a mut [[f64; 4]],
 }
 
@@ -49,7 +49,7 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Push<'_, D, M> {
 }
 
 impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
-    /// The sum over its neighbours, and what stabilises apart.
+    /// Return the sum over the neighbours of a particle, and the stabilising part separately.
     #[inline(always)]
     fn sum<A: Arch<f64>>(&self, n: usize) -> ([f64; 4], [f64; 4]) {
         let (records, i) = (self.records, self.first + n);
@@ -72,7 +72,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
             }
             if M::Stabilisation::PENALTY {
                 let apart = A::Quad::load(&records.now[j]) - now;
-                // It is the same for all, unless by the radius.
+                // The stiffness is uniform, except for the factor radius.
                 let both = if M::Embedding::HOOP { bias + records.bias[j] } else { bias + bias };
                 push = apart.mul_add(A::Quad::splat(both), push);
             }
@@ -98,7 +98,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
                 extra = apart.mul_add(A::Quad::splat(push), extra);
             }
         }
-        // In the plane the last two numbers are those of the penalty.
+        // In the plane the last two numbers are the penalty's.
         let per = own[3] / records.velocity[i][3];
         let fold = |sum: A::Quad| {
             let mut all = [0.0; 4];
@@ -108,7 +108,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
         (fold(sum), fold(extra))
     }
 
-    /// The pressure between two particles that approach each other, negative: Pi rho_i rho_j, Pa.
+    /// Return the viscous pressure between two approaching particles, negative: Pi rho_i rho_j, Pa.
     #[inline(always)]
     fn viscous(&self, i: usize, j: usize) -> f64 {
         let records = self.records;

@@ -1,4 +1,4 @@
-//! Moments of velocities and of places: what gradients are made of.
+//! Moments of velocities and of places, from which gradients follow.
 
 use impactite_simd::{Arch, Kernel, Lane, Quad, Vectors};
 
@@ -6,7 +6,7 @@ use super::batch::Near;
 use crate::matrix::Matrix;
 use crate::records::Records;
 
-/// For some particles sum_j A_j s_ij (u_j - u_i) (x) (X_j - X_i), with u their velocities or, if `places`, X itself.
+/// Moments of the particles of a batch: sum_j A_j s_ij (u_j - u_i) (x) (X_j - X_i), with u their velocities or, if `places`, X itself.
 pub(crate) struct Strain<'a, const D: usize> {
     pub records: &'a Records<D>,
     pub near: &'a Near,

@@ -1,4 +1,4 @@
-//! Which neighbours are within reach, and the slope of the kernel there.
+//! Neighbours within reach, and their kernel slopes.
 
 use impactite_geometry::search::NeighbourLists;
 use impactite_simd::{Arch, Kernel, Lane, Pack, Vectors};
@@ -8,19 +8,19 @@ use crate::images::Images;
 use crate::kernel::Kernel as Smoothing;
 use crate::records::Records;
 
-/// Neighbours of particles from `first` on, from lists that may be longer.
+/// Neighbours within reach of the particles from `first` on, from lists that may be longer.
 pub(crate) struct Weigh<'a, const D: usize, K> {
     pub kernel: &'a K,
     pub records: &'a Records<D>,
     pub lists: &'a NeighbourLists,
     pub first: usize,
     pub count: usize,
-    /// With artificial stress, its power.
+    /// Exponent of the artificial stress, if any.
     pub power: Option<i32>,
-    /// Images, some of them at walls.
+    /// Mirror images; `walls` is true if some are at walls.
     pub images: &'a Images<D>,
     pub walls: bool,
-    /// Stresses of the particles, Pa: a wall is none to what is drawn away from it.
+    /// Stresses of the particles, Pa: walls do not act in tension.
     pub stress: &'a [[f64; 8]],
     pub near: &'a mut Near,
 }
@@ -36,7 +36,7 @@ impl<const D: usize, K: Smoothing> Kernel<f64> for Weigh<'_, D, K> {
         near.clear(room, power.is_some());
         let mut end = 0;
         let norm = kernel.norm(D);
-        // The spacing is that of the smoothing length.
+        // The spacing is h over the ratio of the kernel.
         let at_spacing: f64 = kernel.value(1.0 / kernel.ratio());
         let mut rows = [Row::default(); 4];
         let (mut squares, mut reaches, mut slopes, mut values) =
@@ -60,7 +60,7 @@ impl<const D: usize, K: Smoothing> Kernel<f64> for Weigh<'_, D, K> {
                         square = x.mul_add(x, square);
                     }
                     let reach = load(&rows[3]);
-                    // h is the mean of the two, q = r / h.
+                    // Mean smoothing length h of the pair, q = r / h.
                     let per = A::Pack::of(2.0) / reach;
                     let q = square.sqrt() * per;
                     let mut scale = A::Pack::splat(-norm) * per * per;
@@ -78,7 +78,7 @@ impl<const D: usize, K: Smoothing> Kernel<f64> for Weigh<'_, D, K> {
                     let reached = squares.as_ref()[lane] < reaches.as_ref()[lane];
                     let reached =
                         reached && !(walls && is_let_go(images, records.particles, j, &stress[i - first]));
-                    // Written over by the next one unless it is within reach: nothing to be guessed.
+                    // Branch-free compaction: the next neighbour overwrites one out of reach.
                     near.index[end] = j;
                     near.slope[end] = slopes.as_ref()[lane];
                     if let Some(power) = power {
@@ -92,7 +92,7 @@ impl<const D: usize, K: Smoothing> Kernel<f64> for Weigh<'_, D, K> {
     }
 }
 
-/// Is this an image at a wall that pulls at the particle with this stress?
+/// Return true for an image at a wall that would be in tension at this stress.
 fn is_let_go<const D: usize>(images: &Images<D>, particles: usize, j: u32, stress: &[f64; 8]) -> bool {
     let image = (j as usize).checked_sub(particles).and_then(|n| images.all.get(n));
     image.and_then(|image| image.wall).is_some_and(|axis| stress[axis] > 0.0)

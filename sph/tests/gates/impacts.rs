@@ -1,4 +1,4 @@
-//! Plates on walls (gates D, E), and rings of rubber.
+//! Plate impacts (gates D, E), and impacts of rubber rings.
 
 use impactite_geometry::{Cuboid, Ring};
 use impactite_scene::{Body, Boundary, PlaneStrain, Side, Solver};
@@ -10,8 +10,8 @@ use sph::{Composition, Layout, Method, Sph};
 
 use crate::particles;
 
-/// A bar between planes of symmetry on a wall: half of a symmetric impact. Mean pressure and stress along it, Pa, and density, kg/m^3, in the
-/// middle part of what the first wave has passed.
+/// Impact of a bar between planes of symmetry on a wall, half of a symmetric impact. Return the mean pressure and stress along it, Pa, and
+/// the density, kg/m^3, in the middle part behind the first wave.
 fn plate<M: Composition<2>>(
     method: M,
     law: impl IntoMaterial<f64>,
@@ -39,8 +39,8 @@ fn plate<M: Composition<2>>(
     [0, 1, 2].map(|n| sums[n] / sums[3])
 }
 
-/// Copper on copper at 500 m/s without strength: 9.6277 GPa, 9479.54 kg/m^3 behind a shock of 4312.5 m/s; by the printed form, which gate D of
-/// `tests/verification` does not have.
+/// Copper on copper at 500 m/s without strength: 9.6277 GPa, 9479.54 kg/m^3 behind a shock of 4312.5 m/s; by the original formulation,
+/// which gate D of `tests/verification` does not cover.
 #[test]
 fn a_shock_has_the_pressure_and_density_of_rankine_and_hugoniot() {
     let eos = MieGruneisen::new(8930.0, 3940.0, 1.49, 2.0).unwrap();
@@ -51,7 +51,7 @@ fn a_shock_has_the_pressure_and_density_of_rankine_and_hugoniot() {
     assert!((density / 9479.54 - 1.0).abs() < 0.005, "{density}");
 }
 
-/// An elastic precursor and a plastic wave, symmetric at 100 m/s: 0.86667 GPa between them, 1.8492 GPa behind.
+/// Elastic precursor and plastic wave, symmetric at 100 m/s: 0.86667 GPa between the waves, 1.8492 GPa behind.
 #[test]
 fn a_plastic_wave_follows_its_precursor() {
     let moduli = Moduli::young_poisson(117e9, 0.35).unwrap();
@@ -67,7 +67,7 @@ fn a_plastic_wave_follows_its_precursor() {
     assert!((between / 0.86667e9 - 1.0).abs() < 0.03, "{between:e}");
 }
 
-/// Rings of rubber (K 121.7, G 26.1 MPa, 1010 kg/m^3) at 30 m/s each bounce off each other and stay whole.
+/// Rubber rings (K 121.7, G 26.1 MPa, 1010 kg/m^3) at 30 m/s each rebound from each other and stay whole.
 #[test]
 fn rings_of_rubber_bounce() {
     let h = 1e-3;
@@ -89,6 +89,6 @@ fn rings_of_rubber_bounce() {
     let energy = (after.kinetic + after.internal + (scene.exchange().impacts + scene.exchange().viscosity))
         / before.kinetic
         - 1.0;
-    // Contact takes a part that goes with the step.
+    // Contact dissipates energy in proportion to the step.
     assert!(energy.abs() < 0.02, "{energy}");
 }

@@ -1,4 +1,4 @@
-//! Bodies that meet.
+//! Contact of bodies.
 
 use std::sync::Arc;
 
@@ -11,18 +11,18 @@ use sph::{Composition, Layout, Method, Sph};
 
 use crate::common::{block, linear};
 
-/// Soft rubber, with waves of 367 m/s.
+/// Soft rubber with a wave speed of 367 m/s.
 fn rubber(poisson: f64) -> impl IntoMaterial<f64> + Copy {
     NeoHookean::new(1000.0, Moduli::young_poisson(100e6, poisson).unwrap()).unwrap()
 }
 
-/// Particles of a shape on a lattice of `h` through the origin, wherever the shape is.
+/// Return particles of a shape on a lattice of `h` through the origin, at any position of the shape.
 fn filled<const D: usize>(shape: &impl Shape<D>, h: f64, axisymmetric: bool) -> Layout<D> {
     let filling = if axisymmetric { Filling::new().axisymmetric() } else { Filling::new() };
     Layout::of_seeds(&fill(shape, &Lattice::new([0.0; D], h).unwrap(), 1, &filling).unwrap())
 }
 
-/// Two bodies that approach each other along an axis, each at a speed, and their gap when they first touch, by the speed.
+/// Return the gap at first contact of two bodies that approach each other along an axis, each at `speed`; computed from the speed.
 fn gap_at_first_touch<const D: usize, M: Composition<D>>(
     method: M,
     bodies: [&Layout<D>; 2],
@@ -46,7 +46,7 @@ fn gap_at_first_touch<const D: usize, M: Composition<D>>(
     f64::NEG_INFINITY
 }
 
-/// Surfaces touch where they are, to within a tenth of a spacing, wherever they are on the lattice and whatever the form.
+/// First contact is at zero gap to within a tenth of a spacing, at any position on the lattice and in any form.
 #[test]
 fn surfaces_touch_where_they_are() {
     let h = 1e-3;
@@ -74,7 +74,7 @@ fn surfaces_touch_where_they_are() {
         );
         check("rods", gap_at_first_touch(Method::updated(Axisymmetric), [&lower, &upper], 1, 5.0, gap));
     }
-    // Facets between particles on a ball of ten across lie up to 0.07 spacings within it, on both balls.
+    // Facets between particles on a ball of ten spacings across are up to 0.07 spacings within it, on both balls.
     for [x, dy, dz] in [[5.2, 2.0, 1.0], [5.05, 1.0, 0.5], [5.3, 0.4, 0.1], [5.6, 1.3, -2.2], [5.1, 0.0, 0.0]]
     {
         let ball =
@@ -96,8 +96,8 @@ fn surfaces_touch_where_they_are() {
     }
 }
 
-/// Discs that meet off their centres at half the speed of sound do not get into each other, and with friction turn each other: momentum
-/// and angular momentum stay.
+/// Discs in eccentric impact at half the speed of sound do not penetrate each other, and rotate by friction: momentum and angular momentum
+/// are conserved.
 #[test]
 fn bodies_do_not_pass_through_each_other() {
     let h = 1e-3;
@@ -115,7 +115,7 @@ fn bodies_do_not_pass_through_each_other() {
     for d in 0..2 {
         assert!((end.momentum[d] - start.momentum[d]).abs() < 1e-12 * start.momentum_scale);
     }
-    // Positions are half a step from velocities: only what the discs exchange would be seen.
+    // Positions are half a step from velocities: the tolerance detects an exchange between the discs only.
     let lever = 10.0 * h * start.momentum_scale;
     let change = (end.angular_momentum[2] - start.angular_momentum[2]).abs();
     assert!(change < 1e-4 * lever, "{}", change / lever);
@@ -123,8 +123,8 @@ fn bodies_do_not_pass_through_each_other() {
     assert!(energy > 0.8 && energy < 1.0, "{energy}");
 }
 
-/// A block that is pressed between walls to 0.98 of its height, free beside: E / (1 - nu^2) e^2 / 2 of its volume, whatever the
-/// number of particles. Strains of second order add one per cent.
+/// Block compressed between walls to 0.98 of its height, with free sides: energy E / (1 - nu^2) e^2 / 2 per volume, for any number of
+/// particles. Second-order strains add one per cent.
 #[test]
 fn walls_press_on_the_surface() {
     for cells in [4.0, 8.0, 16.0] {
@@ -146,7 +146,7 @@ fn walls_press_on_the_surface() {
     }
 }
 
-/// Two halves of a bar that touch at the start are one bar under `stick` and a bond that is strong enough, and two under a weak one.
+/// Two halves of a bar in initial contact are one bar under `stick` and under a strong bond, and two under a weak one.
 #[test]
 fn what_touches_at_the_start_is_bonded() {
     fn halves<M: Composition<2>>(method: M, laws: Pairs<f64>) -> f64 {
@@ -157,7 +157,7 @@ fn what_touches_at_the_start_is_bonded() {
             let velocity = |x: [f64; 2]| [speed * (x[0] - 0.1).abs() / 0.1, 0.0];
             scene.add("half", Sph::new(method, rubber(0.0), &layout, velocity).unwrap());
         }
-        // A quarter of the period of the whole bar is its length over the wave speed, 316 m/s: it comes back.
+        // Half the period of the whole bar is its length over the wave speed, 316 m/s: 0.63 ms. Its velocities have reversed.
         scene.run_until(0.75e-3).unwrap();
         scene.totals_of(1).map_or(0.0, |t| t.momentum[0] / t.mass)
     }
@@ -173,7 +173,7 @@ fn what_touches_at_the_start_is_bonded() {
     }
 }
 
-/// Two bars of 10 cm, one at rest and one at 10 m/s: the second takes the speed of the first over.
+/// Impact of two bars of 10 cm, one at 10 m/s, one at rest: return both speeds, which are exchanged, and the relative energy error.
 fn bars<M: Composition<2>>(method: M) -> (f64, f64, f64) {
     let h = 0.002;
     let mut scene = Bodies::new(SurfaceDistance::default(), Pairs::new(Frictionless));
@@ -204,7 +204,7 @@ fn bars_exchange_their_speeds() {
     }
 }
 
-/// A block slides on a floor under its weight: friction slows it by mu g.
+/// Block sliding on a floor under its weight: friction decelerates it by mu g.
 #[test]
 fn a_block_is_slowed_by_friction() {
     let h = 0.01;

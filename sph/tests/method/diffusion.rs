@@ -1,4 +1,4 @@
-//! Diffusion of density.
+//! Density diffusion.
 
 use impactite_scene::{Axisymmetric, Embedding, FullSpace, PlaneStrain, Solver, TimeControl, Watch};
 use mpm_materials::{Fluid, Tait};
@@ -11,7 +11,7 @@ use crate::common::{block, noise};
 
 type Water = Fluid<Tait<f64>>;
 
-/// Density 1, wave speed 1.
+/// Water of density 1 and wave speed 1.
 fn water() -> Water {
     Fluid::new(Tait::new(1.0, 1.0).unwrap())
 }
@@ -22,7 +22,7 @@ fn method<const D: usize, E: Embedding<D> + std::fmt::Debug>(space: E) -> impl C
     Method::new(space, KERNEL, Updated, GradientCorrection, DensityDiffusion::default())
 }
 
-/// Particles off their lattice, far from an axis.
+/// Disordered particles, far from an axis.
 fn disordered<const D: usize>(hoop: bool) -> Layout<D> {
     let mut layout = block([0.0; D], [6.0; D], 1.0, false);
     for (n, (x, volume)) in layout.positions.iter_mut().zip(&mut layout.volumes).enumerate() {
@@ -36,7 +36,7 @@ fn disordered<const D: usize>(hoop: bool) -> Layout<D> {
     layout
 }
 
-/// Water at rest in which the density is this at the start.
+/// Water at rest with this initial density.
 fn at_rest<const D: usize, M: Composition<D>>(
     method: M,
     layout: &Layout<D>,
@@ -60,12 +60,12 @@ fn volume<const D: usize, M: Composition<D>>(body: &Sph<D, M>, i: usize) -> f64 
     body.material().describe_point(&body.particle_state(i).unwrap()).unwrap().volume_ratio * body.mass(i)
 }
 
-/// The rate of the logarithm of density by every pair, as the formula has it.
+/// Return the rate of the logarithm of density, summed over every pair by the formula.
 fn plain<const D: usize, M: Composition<D>>(body: &Sph<D, M>, delta: f64) -> Vec<f64> {
     let hoop = M::Embedding::HOOP;
     let (places, rho) = (body.positions(), densities(body));
     let (count, h) = (places.len(), KERNEL.ratio());
-    // 1/r times the derivative of the kernel.
+    // Kernel derivative over r.
     let slope = |i: usize, j: usize| {
         let r = (0..D).map(|d| (places[i][d] - places[j][d]).powi(2)).sum::<f64>().sqrt();
         let inside = j != i && r < 2.0 * h;
@@ -101,7 +101,7 @@ fn plain<const D: usize, M: Composition<D>>(body: &Sph<D, M>, delta: f64) -> Vec
     (0..count).map(of).collect()
 }
 
-/// How far the rates of a step are from the plain sums, over the largest.
+/// Return the largest deviation of the rates of a step from the plain sums, over the largest rate.
 fn off<const D: usize, M: Composition<D>>(method: M, hoop: bool) -> f64 {
     let mut body = at_rest(method, &disordered::<D>(hoop), |x| 1.0 + 1e-2 * noise(x, 5.0)[0]);
     let (dt, before, wanted) = (1e-7, densities(&body), plain(&body, 0.1));
@@ -131,18 +131,18 @@ fn a_density_that_is_linear_stays_up_to_the_surface() {
     let (dt, before) = (1e-7, densities(&body));
     body.set_time_control(TimeControl::Fixed(dt)).unwrap();
     body.step_at_most(f64::INFINITY).unwrap();
-    // What motion does in this time is 1e-7 of the densities' differences, and so is rounding.
+    // Motion in this time changes densities by 1e-7 of their differences, and so does rounding.
     let rates = before.iter().zip(densities(&body)).map(|(before, after)| ((after / before).ln() / dt).abs());
     let largest = rates.fold(0.0, f64::max);
     assert!(largest < 1e-2 * 1e-4, "{largest:e}");
 }
 
-/// What it does to the energy of the law is booked, with any stabilisation beside it, and momentum is kept.
+/// The energy exchange of density diffusion with the law is booked, with any other stabilisation too, and momentum is conserved.
 #[test]
 fn energy_that_diffusion_makes_or_takes_is_booked() {
     fn check<M: Composition<2>>(stabilisation: M) {
         let mut body = at_rest(stabilisation, &disordered::<2>(false), |x| 1.0 + 0.02 * noise(x, 2.0)[0]);
-        // What the leap-frog leaves goes with the square of the step.
+        // The energy error of the leapfrog is proportional to the square of the step.
         body.set_time_control(TimeControl::Courant { factor: 0.175, growth: 1.1 }).unwrap();
         let before = body.totals();
         body.run_until(3.0).unwrap();

@@ -1,4 +1,4 @@
-//! What is refused, and what is said.
+//! Invalid input and its error messages.
 
 use impactite_scene::{Axisymmetric, Boundary, PlaneStrain, Side};
 use sph::{ArtificialStress, Layout, Method, PairViscosity, Sph, TotalLagrangian, ZeroEnergyPenalty};

@@ -1,4 +1,4 @@
-//! Smoothed particles against plain sums, closed solutions and the contracts of the house.
+//! Smoothed particles against plain sums, closed-form solutions and the conformance suites.
 #![allow(missing_docs)]
 
 mod common;

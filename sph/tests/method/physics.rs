@@ -1,4 +1,4 @@
-//! What closed solutions and conservation say.
+//! Closed-form solutions and conservation laws.
 
 use impactite_scene::{
     Axisymmetric, Body, Boundary, FullSpace, PlaneStrain, Side, Solver, TimeControl, Watch,
@@ -33,7 +33,7 @@ fn momentum_is_kept_to_rounding() {
     momentum_is_kept::<3, _>(Method::updated(FullSpace));
 }
 
-/// Along the axis, beside which particles have images.
+/// Momentum along the axis of a body of revolution.
 #[test]
 fn momentum_along_the_axis_is_kept_to_rounding() {
     let layout = block([0.0; 2], [5.0; 2], 1.0, true);
@@ -48,12 +48,12 @@ fn momentum_along_the_axis_is_kept_to_rounding() {
     assert!(off < 1e-13, "{off:e}");
 }
 
-/// A block that spins without load keeps its angular momentum and its shape, and its energy to the order of the step.
+/// A block that spins without load conserves its angular momentum, and its energy to the order of the step.
 #[test]
 fn a_spinning_block_stays_as_it_is() {
     fn spin<M: Composition<2>>(method: M, turns: f64, allowed: [f64; 2]) {
         let layout = block([-3.0; 2], [3.0; 2], 1.0, false);
-        // 1 m/s at the corner.
+        // 42 m/s at the corner.
         let rate = 10.0;
         let mut body = Sph::new(method, linear(0.3), &layout, |[x, y]| [-rate * y, rate * x]).unwrap();
         let before = Body::totals(&body);
@@ -67,12 +67,12 @@ fn a_spinning_block_stays_as_it_is() {
     spin(Method::total_lagrangian(PlaneStrain), 1.0, [1e-10, 1e-6]);
     let updated = Method::new(PlaneStrain, CubicSpline::default(), Updated, GradientCorrection, Unstabilised);
     spin(updated, 1.0, [1e-10, 1e-6]);
-    // Artificial stress acts along no line between particles.
+    // Forces by artificial stress are not along the lines between particles.
     spin(Method::updated(PlaneStrain), 1.0, [1e-3, 1e-3]);
 }
 
-/// A block that swings in and out across its middle, with noise: artificial stress makes no energy. One that follows the stress at once
-/// makes particles flutter wherever there is tension: 6 % here, and more energy than there is in a plate that is perforated.
+/// Block in vibration in and out across its middle, with noise: artificial stress produces no energy. Without its delay particles flutter
+/// in tension: it produces 6 % here, and more than the total energy in a perforated plate.
 #[test]
 fn artificial_stress_makes_no_energy() {
     fn swing<M: Composition<2>>(method: M) {
@@ -86,14 +86,14 @@ fn artificial_stress_makes_no_energy() {
         let before = body.totals().kinetic;
         body.run_until(0.04).unwrap();
         let made = -Solver::exchange(&body).viscosity / before;
-        // It may take some, from what vibrates in tension.
+        // It may dissipate energy of vibrations in tension.
         assert!(made < 1e-3, "{}: {made:e}", body.describe());
     }
     swing(Method::printed(PlaneStrain));
     swing(Method::updated(PlaneStrain));
 }
 
-/// A linear velocity field is a uniform strain to rounding, on a disordered set too; a uniform stress does not accelerate at an axis.
+/// A linear velocity field is a uniform strain to rounding, on a disordered set too.
 #[test]
 fn a_linear_field_is_strained_uniformly() {
     fn check<M: Composition<2>>(method: M) {
@@ -117,16 +117,16 @@ fn a_linear_field_is_strained_uniformly() {
     check(Method::updated(PlaneStrain));
 }
 
-/// Accelerations along the radius in the first rows at the axis, over s / (rho r), under a uniform stress s.
+/// Return radial accelerations of the first rows at the axis, over s / (rho r), under a uniform stress s.
 fn at_the_axis<M: Composition<2>>(method: M) -> Vec<f64> {
     let layout = block([0.0; 2], [12.0; 2], 1.0, true);
-    // Compressed alike in all directions, without rotation: v = -x.
+    // Isotropic compression without rotation: v = -x.
     let mut body = Sph::new(method, linear(0.3), &layout, |[r, z]| [-r, -z]).unwrap();
     body.set_time_control(TimeControl::Fixed(1e-6)).unwrap();
     body.step_at_most(f64::INFINITY).unwrap();
     let mut rows = Vec::new();
     for (i, x) in body.positions().iter().enumerate() {
-        // Free surfaces accelerate.
+        // Without free surfaces, which accelerate.
         if x[0] < 6.0 && (x[1] - 5.5).abs() < 0.1 {
             let stress = body.points()[body.numbers()[i] as usize].stress[0];
             assert!(
@@ -141,8 +141,9 @@ fn at_the_axis<M: Composition<2>>(method: M) -> Vec<f64> {
     rows.into_iter().map(|(_, a)| a).collect()
 }
 
-/// Images beyond the axis leave what a kernel misses on a lattice, 1.4 % everywhere. Corrected gradients do without images, for the sake of
-/// energy: they are exact from the rows on that do not see the axis, and off by a quarter in the first two, with opposite signs.
+/// Images beyond the axis leave the kernel error on a lattice, 1.4 % everywhere. Corrected gradients have no images, to conserve energy:
+/// accelerations are exact from the rows on whose kernels do not reach the axis, and off by a quarter in the first two, with opposite
+/// signs.
 #[test]
 fn a_uniform_stress_hardly_accelerates_at_the_axis() {
     let printed = at_the_axis(Method::printed(Axisymmetric));
@@ -151,7 +152,7 @@ fn a_uniform_stress_hardly_accelerates_at_the_axis() {
     assert!(total[4..].iter().all(|a| a.abs() < 1e-8) && total.iter().all(|a| a.abs() < 0.3), "{total:?}");
 }
 
-/// Gate A: a bar without Poisson's ratio on a rigid wall.
+/// Gate A: a bar with a Poisson's ratio of zero on a rigid wall.
 #[test]
 fn a_bar_rebounds() {
     fn check<M: Composition<2>>(method: M, stress_within: f64, speed_within: f64, energy_within: f64) {
@@ -170,7 +171,7 @@ fn a_bar_rebounds() {
         let after = bar.totals();
         let speed = after.momentum[1] / after.mass;
         assert!((speed / 10.0 - 1.0).abs() < speed_within, "{}: {speed}", bar.describe());
-        // What the wall took is booked.
+        // The energy lost at the wall is booked.
         let off = (after.kinetic + after.internal - bar.exchange().work - energy) / energy;
         let booked = (after.kinetic + after.internal + (bar.exchange().impacts + bar.exchange().viscosity)
             - energy)
@@ -182,7 +183,7 @@ fn a_bar_rebounds() {
     check(Method::printed(PlaneStrain), 0.02, 0.04, 1e-2);
 }
 
-/// The length of a bar of 4340 steel that hit a wall at 181 m/s, against two axisymmetric finite element codes: 34.575 mm.
+/// Length of a bar of 4340 steel after impact on a wall at 181 m/s, against two axisymmetric finite element codes: 34.575 mm.
 #[test]
 fn a_taylor_bar_becomes_as_long_as_finite_elements_say() {
     fn length<M: Composition<2>>(method: M) -> f64 {
@@ -208,8 +209,8 @@ fn a_smoothing_length_is_checked_where_it_is_given() {
     assert!(refused.is_err());
 }
 
-/// A plane of symmetry that is added while a body is under way takes the present configuration for the reference: what was strained so far
-/// stays as it is, and its books close.
+/// A plane of symmetry that is added in the course of a run makes the present configuration the reference: strains so far are unchanged,
+/// and the energy balance closes.
 #[test]
 fn a_plane_that_comes_late_makes_no_energy() {
     let layout = block([0.0; 2], [6.0; 2], 1.0, false);

@@ -1,4 +1,4 @@
-//! Sums over neighbours against plain ones, by the formulas of the book.
+//! Sums over neighbours against plain sums, by the formulas of the book.
 
 use impactite_scene::{Axisymmetric, Body, Embedding, FullSpace, PlaneStrain, Solver, TimeControl, Watch};
 use sph::{
@@ -8,14 +8,14 @@ use sph::{
 
 use crate::common::{block, linear, noise};
 
-/// Particles off their lattice, so that nothing is symmetric.
+/// Disordered particles without any symmetry.
 fn disordered<const D: usize>(hoop: bool) -> Layout<D> {
     let mut layout = block([0.0; D], [6.0; D], 1.0, hoop);
     for (n, x) in layout.positions.iter_mut().enumerate() {
         let shift = noise(*x, n as f64);
         (0..D).for_each(|d| x[d] += 0.15 * shift[d]);
     }
-    // Spacings that differ.
+    // Variable spacings.
     for (x, spacing) in layout.positions.iter().zip(&mut layout.spacings) {
         *spacing *= 1.0 + 0.02 * x[D - 1];
     }
@@ -23,7 +23,7 @@ fn disordered<const D: usize>(hoop: bool) -> Layout<D> {
 }
 
 fn invert<const D: usize>(m: [[f64; D]; D]) -> [[f64; D]; D] {
-    // Gauss and Jordan, with the rows as they come: moments are positive definite.
+    // Gauss-Jordan elimination without pivoting: moments are positive definite.
     let (mut a, mut b) = (m, [[0.0; D]; D]);
     (0..D).for_each(|i| b[i][i] = 1.0);
     for i in 0..D {
@@ -41,8 +41,8 @@ fn invert<const D: usize>(m: [[f64; D]; D]) -> [[f64; D]; D] {
     b
 }
 
-/// Accelerations of particles without images, by every pair: a_i = A_i / m_i sum_j A_j (S_i + S_j) grad_i W, S = V / A sigma B^T; less
-/// sigma_tt / (rho r) around an axis.
+/// Return accelerations of particles without images, by every pair: a_i = A_i / m_i sum_j A_j (S_i + S_j) grad_i W, S = V / A sigma B^T;
+/// minus sigma_tt / (rho r) around an axis.
 fn plain<const D: usize, M: Composition<D>>(
     body: &Sph<D, M>,
     kernel: &impl Kernel,
@@ -110,14 +110,14 @@ fn plain<const D: usize, M: Composition<D>>(
 }
 
 thread_local! {
-    /// The last coordinate of each particle at the start, by which spacings were made.
+    /// Last coordinate of each particle at the start, from which spacings were computed.
     static START: std::cell::RefCell<Vec<f64>> = const { std::cell::RefCell::new(Vec::new()) };
 }
 
 fn follows<const D: usize, M: Composition<D>>(method: M, hoop: bool, corrected: bool) {
     let mut layout = disordered::<D>(hoop);
     if hoop {
-        // Farther from the axis than kernels reach: no images.
+        // Distance from the axis above the kernel support: no images.
         for (x, volume) in layout.positions.iter_mut().zip(&mut layout.volumes) {
             let r = x[0];
             x[0] += 20.0;
@@ -139,7 +139,7 @@ fn follows<const D: usize, M: Composition<D>>(method: M, hoop: bool, corrected: 
         let found = body.acceleration(i);
         (0..D).for_each(|d| off = off.max((found[d] - wanted[n as usize][d]).abs() / largest));
     }
-    // In the total Lagrangian form the plain sum has the kernel of the present: the same but for the strain of a step.
+    // In the total Lagrangian form the plain sum uses the present kernel: equal except for the strain of a step.
     let allowed = if M::Form::TOTAL { 1e-2 } else { 1e-12 };
     assert!(off < allowed, "{}: {off:e}", body.describe());
 }
@@ -165,12 +165,12 @@ fn accelerations_are_the_plain_sums() {
     follows::<3, _>(Method::new(FullSpace, wendland, total, GradientCorrection, Unstabilised), false, true);
 }
 
-/// Force is minus the derivative of the energy: strain energy and that of the penalty.
+/// Force is minus the derivative of the energy, the sum of strain energy and penalty energy.
 #[test]
 fn the_penalty_is_the_derivative_of_its_energy() {
     fn check<const D: usize, M: Composition<D>>(method: M) {
         let layout = block([0.0; D], [4.0; D], 1.0, M::Embedding::HOOP);
-        // A law that resists nothing: what is left is the penalty. Its stiffness is that of a law, so it resists a little.
+        // The stiffness of the penalty is that of the law: both energies contribute.
         let body = |e: f64, of: usize, axis: usize| {
             let velocity = |x: [f64; D]| {
                 let mut v = noise(x, 1.0).map(|v| 20.0 * v);

@@ -1,4 +1,4 @@
-//! Smoothed particles are solvers, and bodies that others meet.
+//! Conformance of smoothed particles as solvers and as contact bodies.
 
 use impactite_scene::{Axisymmetric, Boundary, FullSpace, PlaneStrain, Side, TimeControl, solver_conforms};
 use mpm_contact::conformance::particle_body;
@@ -14,7 +14,7 @@ use crate::common::{block, linear, noise};
 
 const H: f64 = 1.0e-3;
 
-/// A copper bar against a wall, around its axis, whose reference is renewed as it flows.
+/// Copper bar on a wall, axisymmetric, with updates of the reference during plastic flow.
 fn bar() -> impl impactite_scene::Solver {
     let form = TotalLagrangian::renewed(1.2).unwrap();
     let method = Method::new(
@@ -30,7 +30,7 @@ fn bar() -> impl impactite_scene::Solver {
     bar
 }
 
-/// Steel as printed, on a wall of mirror images, half of it behind a plane of symmetry.
+/// Steel in the original formulation, on a wall of mirror images, half of it behind a plane of symmetry.
 fn printed() -> impl impactite_scene::Solver {
     let layout = block([0.0; 2], [5.0 * H, 8.0 * H], H, false);
     let law = library::steel_4340().with_bulk_viscosity(0.5, 4.0).unwrap();
@@ -42,7 +42,7 @@ fn printed() -> impl impactite_scene::Solver {
     body
 }
 
-/// A cube flies into another one of another form.
+/// Impact of a cube on another one of another form.
 fn cubes() -> impl impactite_scene::Solver {
     let mut scene = Bodies::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3).unwrap()));
     let cube = |z: f64| block([0.0, 0.0, z], [4.0 * H, 4.0 * H, z + 4.0 * H], H, false);
@@ -54,7 +54,7 @@ fn cubes() -> impl impactite_scene::Solver {
     scene
 }
 
-/// Two halves that fly through each other in one step.
+/// Two halves that penetrate each other in one step.
 fn torn() -> impl impactite_scene::Solver {
     let speed = |[x, _]: [f64; 2]| [if x < 2.5 * H { 4.0e3 } else { -4.0e3 }, 0.0];
     let layout = block([0.0; 2], [5.0 * H, 5.0 * H], H, false);
@@ -65,7 +65,7 @@ fn torn() -> impl impactite_scene::Solver {
 }
 
 solver_conforms! {
-    // While it presses on the wall, particles that this pushes have the kinetic energy of half a step ago.
+    // In contact with the wall, particles that it moves have the kinetic energy of half a step before.
     total_lagrangian: super::bar, SolverTests::until(6.0e-6).energy_within(1.5e-2).breaking(1.0e-5, super::torn);
     as_printed: super::printed, SolverTests::until(4.0e-6).energy_within(0.05);
     bodies: super::cubes, SolverTests::until(6.0e-6).energy_within(0.02);

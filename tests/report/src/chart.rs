@@ -1,4 +1,4 @@
-//! A chart of error against work, both logarithmic, as inline SVG that follows the colours of the page.
+//! Error-work charts with two logarithmic axes, as inline SVG in the colours of the page.
 
 use std::fmt::Write;
 
@@ -18,7 +18,7 @@ const RIGHT: f64 = 498.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 384.0;
 
-/// A scale from decades to the drawing.
+/// Logarithmic scale: maps decades to drawing coordinates.
 pub struct Scale {
     low: f64,
     high: f64,
@@ -36,15 +36,15 @@ impl Scale {
         let (low, high) = (low.floor(), high.ceil());
         (low.is_finite() && high.is_finite()).then(|| Scale { low, high: high.max(low + 1.0), from, to })
     }
-    /// Across the plot, around these values, with room to whole decades.
+    /// Create a horizontal scale around these values, with whole decades.
     pub fn across(values: impl Iterator<Item = f64>) -> Option<Self> {
         Self::around(values, LEFT, RIGHT)
     }
-    /// Up the plot.
+    /// Create a vertical scale around these values.
     pub fn up(values: impl Iterator<Item = f64>) -> Option<Self> {
         Self::around(values, BOTTOM, TOP)
     }
-    /// Where a value is drawn.
+    /// Drawing coordinate of a value.
     pub fn at(&self, value: f64) -> f64 {
         let share = (value.log10() - self.low) / (self.high - self.low);
         self.from + share.clamp(-0.02, 1.02) * (self.to - self.from)
@@ -54,23 +54,23 @@ impl Scale {
     }
 }
 
-/// The shape of a marker.
+/// Marker shape.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mark {
-    /// Moves through the grid.
+    /// Updated Lagrangian runs.
     Disc,
-    /// In the reference configuration, or in single precision.
+    /// Total Lagrangian runs, or runs in single precision.
     Ring,
-    /// Cells of points at random; elements that become particles.
+    /// Cells of random points; elements converted to particles.
     Triangle,
-    /// Taichi.
+    /// Runs of Taichi.
     Square,
-    /// Warp.
+    /// Runs of Warp.
     Diamond,
 }
 
 impl Mark {
-    /// Of runs of a peer; of ours a ring or a disc.
+    /// Select the marker of a peer's run, or a ring or disc for a run of this library.
     pub fn of(peer: Option<Peer>, ring: bool) -> Mark {
         match peer {
             Some(Peer::Taichi) => Mark::Square,
@@ -80,8 +80,8 @@ impl Mark {
         }
     }
 
-    /// Draw it with the number of its colour, and a tip if that is not empty. Those of peers are hollow and larger, so that ours
-    /// are seen where both are in one place.
+    /// Draw the marker with its colour number, and a tooltip unless empty. Markers of peers are hollow and larger, so that
+    /// coincident markers of this library remain visible.
     pub fn draw(self, out: &mut String, colour: usize, (x, y): (f64, f64), size: f64, tip: &str) {
         let title = if tip.is_empty() { String::new() } else { format!("<title>{tip}</title>") };
         let _ = match self {
@@ -122,7 +122,7 @@ impl Mark {
     }
 }
 
-/// How a scheme is drawn: the number of its colour, its dash, its marker.
+/// Line style of a scheme: colour number, dash and marker.
 struct Style {
     colour: usize,
     dash: &'static str,
@@ -130,7 +130,8 @@ struct Style {
 }
 
 impl Style {
-    /// Of runs of contact the colour is that of the test, of footings that of the cure, else that of the kernel.
+    /// Select the style: its colour is that of the contact detection for contact, of the dilatation for footings,
+    /// else of the kernel.
     fn of(scheme: &str) -> Style {
         let (peer, scheme) = peers::split(scheme);
         let (method, variant) = scheme.split_once(", ").unwrap_or((scheme, ""));
@@ -142,7 +143,7 @@ impl Style {
                 mark: Mark::of(peer, ring),
             };
         }
-        // Methods beside material points.
+        // Methods other than material points.
         let beside = [
             ("PCMM", 2, false),
             ("SPH total Lagrangian", 8, true),
@@ -204,14 +205,14 @@ fn tip(record: &Record, error: &str) -> String {
 
 pub use stability::verdict::escape;
 
-/// The beginning of a drawing.
+/// Open the SVG element of a drawing.
 pub fn open(about: &str) -> String {
     format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">", escape(about))
 }
 
-/// The chart of some runs. A line is a scheme's own unbeaten runs; the others of the scheme are faint; runs that stopped
-/// or whose error is above the top are crosses on the top edge; the broad line joins the unbeaten of all of ours. `theirs`
-/// are the runs of peers. `band` is how much the time of the same run differs, which is drawn against time.
+/// Draw the chart of some runs. A line joins the Pareto front of a scheme; its other runs are faint. Runs that stopped or
+/// whose error is above the top are crosses on the top edge. The broad line is the Pareto front of all runs of this
+/// library. `theirs` are the runs of peers. `band` is the timing noise, drawn for charts against time.
 pub fn draw(
     chart: &Chart,
     runs: &[&Record],
@@ -222,7 +223,7 @@ pub fn draw(
     let error = chart.error;
     let drawn: Vec<&Record> = runs.iter().chain(theirs).copied().collect();
     let x = Scale::across(drawn.iter().filter_map(|r| cost.of(r)))?;
-    // Errors above one are no answers: they are crosses on the edge, as failures are.
+    // Errors above one are crosses on the edge, like failures.
     let inside = |r: &Record| r.answer(error).is_some();
     let y = Scale::up(drawn.iter().filter_map(|r| r.answer(error)))?;
     let mut out = open(&format!("{} against {}", chart.label, cost.label()));
@@ -259,7 +260,7 @@ pub fn draw(
         let how = format!("class=\"line c{colour}\" stroke-dasharray=\"{dash}\"");
         path(&mut out, &line, error, cost, (&x, &y), &how);
         for record in own {
-            // What stopped before its first step is at the left end.
+            // Runs that stopped before the first step are at the left end.
             let at = x.at(cost.of(record).unwrap_or(1e-300));
             match record.answer(error) {
                 Some(_) if cost.of(record).is_none() => {}
@@ -286,7 +287,7 @@ pub fn draw(
     Some(out)
 }
 
-/// How far apart two times may be by noise alone, as a bar in the scale of the axis.
+/// Draw the timing noise as a bar in the scale of the axis.
 fn noise(out: &mut String, x: &Scale, band: f64) {
     let wide = (x.to - x.from) / (x.high - x.low) * (1.0 + band).log10();
     let (at, high) = (LEFT + 10.0, BOTTOM - 14.0);
@@ -301,7 +302,7 @@ fn noise(out: &mut String, x: &Scale, band: f64) {
     );
 }
 
-/// A share in words, with two figures, but none that are noughts.
+/// Format a fraction as a percentage with two significant figures, without trailing zeros.
 pub fn percent(e: f64) -> String {
     if e >= 0.1 {
         format!("{:.0} %", 100.0 * e)
@@ -324,7 +325,7 @@ fn path(out: &mut String, runs: &[&Record], error: &str, cost: Cost, (x, y): (&S
     }
 }
 
-/// Axes with their decades and labels, and a remark on the top.
+/// Draw axes with decades and labels, and a remark at the top.
 pub fn axes(out: &mut String, (x, y): (&Scale, &Scale), along: &str, up: &str, remark: &str) {
     let power = |n: i32| format!("10<tspan dy=\"-6\" font-size=\"11\">{n}</tspan>");
     let skip = ((x.high - x.low) / 6.0).ceil() as i32;
@@ -372,7 +373,7 @@ pub fn axes(out: &mut String, (x, y): (&Scale, &Scale), along: &str, up: &str, r
     );
 }
 
-/// The legend: one entry a scheme.
+/// Format the legend: one entry per scheme.
 pub fn legend(runs: &[&Record]) -> String {
     let mut out = String::from("<p class=\"legend\">");
     for scheme in schemes(runs) {

@@ -1,5 +1,5 @@
-//! Contact: bars end to end (V8), a pulse through a joint (V9), colliding discs (V10), balls after Hertz (V11), by every test of
-//! contact.
+//! Contact benchmarks: bars end to end (V8), a pulse through a joint (V9), colliding discs (V10), Hertzian contact of balls
+//! (V11), with every contact detection.
 
 use std::time::Instant;
 
@@ -17,7 +17,7 @@ use verification::{Kernel, Outcome, Scheme, Velocity};
 
 use crate::job::Key;
 
-/// All tests of contact that are charted.
+/// All charted contact detections.
 pub const DETECTIONS: [Detection; 8] = [
     Detection::Plane,
     Detection::Approach,
@@ -29,32 +29,32 @@ pub const DETECTIONS: [Detection; 8] = [
     Detection::LocalRegression,
 ];
 
-/// Closing speed of the balls over sqrt(E / rho): the contact gets a sixth of the radius wide.
+/// Closing speed of the balls over sqrt(E / rho): the contact width reaches a sixth of the radius.
 const BALL_SPEED: f64 = 1e-2;
 
-/// Linear coefficient of bulk viscosity of bars that hit each other.
+/// Linear bulk viscosity coefficient of colliding bars.
 const VISCOSITY: f64 = 0.1;
 
-/// What meets.
+/// Contact benchmark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meeting {
-    /// V9: a pulse through a joint under pressure; cells are those of the bar.
+    /// V9: pulse through a joint under pressure. Resolution: cells of the bar.
     Pulse,
-    /// V10: two discs; cells are those across the box of 1 m.
+    /// V10: two discs. Resolution: cells across the box of 1 m.
     Discs,
-    /// V11: two balls; cells are those of the radius.
+    /// V11: two balls. Resolution: cells of the radius.
     Balls,
-    /// V8: two bars end to end, with bulk viscosity; cells are those of one.
+    /// V8: two bars end to end, with bulk viscosity. Resolution: cells of one bar.
     Bars,
-    /// V8: the same without.
+    /// V8: two bars end to end, without bulk viscosity.
     BareBars,
 }
 
 impl Meeting {
-    /// All.
+    /// All contact benchmarks.
     pub const ALL: [Meeting; 5] =
         [Meeting::Pulse, Meeting::Discs, Meeting::Balls, Meeting::Bars, Meeting::BareBars];
-    /// Its name in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Meeting::Pulse => "V9 pulse",
@@ -66,16 +66,17 @@ impl Meeting {
     }
 }
 
-/// A meeting, a method (linear shape functions or quadratic splines, FLIP and MUSL), a test of contact, a grid.
+/// Contact benchmark, method (linear shape functions or quadratic splines, FLIP and MUSL), contact detection and
+/// grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
-    /// What meets.
+    /// Contact benchmark.
     pub meeting: Meeting,
     /// Quadratic splines instead of linear shape functions.
     pub quadratic: bool,
-    /// How contact is found.
+    /// Contact detection.
     pub detection: Detection,
-    /// Cells along the problem's length.
+    /// Number of cells along the problem's length.
     pub cells: usize,
 }
 
@@ -84,7 +85,7 @@ impl Touch {
         if self.quadratic { Kernel::Quadratic } else { Kernel::Linear }
     }
 
-    /// Its name.
+    /// Key of the run.
     pub fn key(self) -> Key {
         let scheme = Scheme::moving(self.kernel(), Velocity::FlipMusl).name();
         let control = Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels().facts().time_control();
@@ -101,7 +102,7 @@ impl Touch {
         }
     }
 
-    /// The one of a name.
+    /// Find the run of a key.
     pub fn of(key: &Key) -> Option<Touch> {
         let meeting = Meeting::ALL.into_iter().find(|m| m.name() == key.problem)?;
         let made = DETECTIONS.into_iter().flat_map(|detection| {
@@ -110,7 +111,7 @@ impl Touch {
         made.into_iter().find(|t| t.key() == *key)
     }
 
-    /// The smallest that still meets.
+    /// Scale the run down to the smallest grid with contact.
     pub fn scaled(self) -> Touch {
         let cells = match self.meeting {
             Meeting::Bars | Meeting::BareBars => 25,
@@ -120,7 +121,7 @@ impl Touch {
         Touch { cells, ..self }
     }
 
-    /// Run it.
+    /// Run the benchmark.
     pub fn run(self) -> Outcome {
         let made = match (self.meeting, self.quadratic) {
             (Meeting::Balls, false) => self.balls(Method::new(Linear, Flip, Musl, Axisymmetric)),
@@ -131,7 +132,7 @@ impl Touch {
         made.unwrap_or_else(|error| Outcome { failure: Some(error.to_string()), ..Outcome::default() })
     }
 
-    /// Run what touches, and nothing to compare it with.
+    /// Run the contact only, without a reference, and return its work.
     pub fn work(self) -> Work {
         if self.meeting != Meeting::Pulse {
             return self.run().work;
@@ -159,12 +160,12 @@ impl Touch {
         Ok(Outcome { measures, work, failure: None })
     }
 
-    /// Nodes that stop what closes, whatever detects it.
+    /// Contact options: this detection with Coulomb friction.
     fn asked(self) -> Asked {
         Asked { detection: Some(self.detection), law: Some(Law::Coulomb) }
     }
 
-    /// Of the pulse, Pa: half of what holds the joint together.
+    /// Pulse amplitude, Pa: half of the preload of the joint.
     fn push() -> f64 {
         0.5 * waves::PRELOAD
     }
@@ -197,7 +198,8 @@ impl Touch {
         })?;
         let (first, last) = (made.rows.first(), made.rows.last());
         let (first, last) = (first.copied().unwrap_or([f64::NAN; 4]), last.copied().unwrap_or([f64::NAN; 4]));
-        // Contact is found in a step: its end that is farther off, for nobody knows when in it.
+        // Contact onset error: that of the farther end of the onset step, since the exact time within it is
+        // unknown.
         let end = made.rows.iter().map(|r| r[0]).find(|t| *t > made.onset).unwrap_or(f64::NAN);
         let off = |t: f64| (t / discs::touch() - 1.0).abs();
         let measures = vec![
@@ -227,8 +229,8 @@ impl Touch {
     }
 }
 
-/// What a run brings, and its work, with so many nodes or neighbours a particle. Core-seconds are those of the whole, by the share that
-/// steps have of its time by the clock: looks at every step are no work of a method.
+/// Return the result of a run and its work, with `nodes` nodes or neighbours per particle. Core-seconds are those of the whole run,
+/// times the fraction of wall-clock time in steps, so that sampling does not count.
 fn timed<R>(
     nodes: u64,
     run: impl FnOnce() -> Result<(R, Totals), CaseError>,
@@ -246,25 +248,25 @@ fn timed<R>(
     Ok((made, work))
 }
 
-/// What is measured of two bars that hit each other.
+/// Measures of two colliding bars.
 fn of_bars(made: &waves::Struck) -> Vec<(&'static str, f64)> {
     let stress = made.plateau[1] / made.stress - 1.0;
     vec![("velocity", made.error), ("overshoot", made.overshoot), ("stress", stress)]
 }
 
-/// V8 by smoothed particles, with bulk viscosity or without: contact is that of their surfaces.
+/// V8 by smoothed particles, with or without bulk viscosity: contact of their surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strike {
-    /// With bulk viscosity?
+    /// True if the bars have bulk viscosity.
     pub viscous: bool,
-    /// The method.
+    /// Method of smoothed particles.
     pub smoothed: Smoothed,
-    /// Particles along a bar.
+    /// Number of particles along a bar.
     pub cells: usize,
 }
 
 impl Strike {
-    /// All on these grids, coarse ones first.
+    /// List all runs on these grids, coarse first.
     pub fn all(viscous: bool, cells: &[usize]) -> Vec<Strike> {
         let of = |&cells| Smoothed::ALL.map(|smoothed| Strike { viscous, smoothed, cells });
         cells.iter().flat_map(of).collect()
@@ -274,7 +276,7 @@ impl Strike {
         if self.viscous { Meeting::Bars } else { Meeting::BareBars }
     }
 
-    /// Its name.
+    /// Key of the run.
     pub fn key(self) -> Key {
         let scheme = self.smoothed.name().into();
         Key {
@@ -286,13 +288,13 @@ impl Strike {
         }
     }
 
-    /// The one of a name.
+    /// Find the run of a key.
     pub fn of(key: &Key) -> Option<Strike> {
         let made = [true, false].into_iter().flat_map(|viscous| Strike::all(viscous, &[key.cells]));
         made.into_iter().find(|strike| strike.key() == *key)
     }
 
-    /// Run it.
+    /// Run the benchmark.
     pub fn run(self) -> Outcome {
         let viscosity = if self.viscous { VISCOSITY } else { 0.0 };
         let strike = |cells| match self.smoothed {

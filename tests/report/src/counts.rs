@@ -1,4 +1,4 @@
-//! Instructions a particle and step, counted by callgrind on a problem scaled down: a number that no load changes.
+//! Instructions per particle and step, counted by callgrind on a scaled-down problem: independent of machine load.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -8,29 +8,29 @@ use serde::{Deserialize, Serialize};
 use crate::job::{Job, Key};
 use crate::record::Record;
 
-/// A count.
+/// Instruction count of a scheme.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Count {
     /// Problem.
     pub problem: String,
     /// Scheme.
     pub scheme: String,
-    /// Particles a cell and axis.
+    /// Particles per cell and axis.
     pub per_axis: usize,
-    /// Instructions a particle and step; none if the problem scaled down breaks in its first step.
+    /// Instructions per particle and step; none if the scaled-down problem fails in its first step.
     pub instructions: Option<f64>,
-    /// Particle-steps that were counted.
+    /// Number of counted particle-steps.
     pub particle_steps: f64,
     /// Commit of the program.
     pub commit: String,
 }
 
-/// Is there something to count with?
+/// Return true if callgrind is available.
 pub fn possible() -> bool {
     Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
-/// The function that is a step: the only one of this name on the way, for one within another would end the count.
+/// Name pattern of the step function: unique in the call stack, since a nested match would end the count.
 fn steps_of(job: &Job) -> &'static str {
     match job {
         Job::Passage(passage) if passage.way.per_axis() == 1 => "*step_at_most*",
@@ -42,12 +42,12 @@ fn steps_of(job: &Job) -> &'static str {
 }
 
 impl Count {
-    /// Is it one of this job?
+    /// Return true if the count belongs to this job.
     pub fn is_of(&self, key: &Key) -> bool {
         (&self.problem, &self.scheme, self.per_axis) == (&key.problem, &key.scheme, key.per_axis)
     }
 
-    /// Count: this program runs once more under callgrind, which collects in steps alone.
+    /// Count instructions: run this program under callgrind, which collects in steps only.
     pub fn make(job: &Job, folder: &Path, commit: &str) -> Result<Count, Box<dyn std::error::Error>> {
         let key = job.scaled().key();
         let name = format!("{} {} {}", key.problem, key.scheme, key.per_axis);
@@ -76,7 +76,7 @@ impl Count {
     }
 }
 
-/// Give every run its instructions, from the youngest count of its scheme.
+/// Set the instructions of every run from the latest count of its scheme.
 pub fn attach(records: &mut [Record], counts: &[Count]) {
     for record in records {
         let count = counts.iter().rev().find(|c| c.is_of(&record.key));

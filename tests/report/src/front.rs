@@ -1,4 +1,4 @@
-//! Which runs are not beaten: none is both cheaper and more accurate.
+//! Pareto front of runs: no other run is both cheaper and more accurate.
 
 use verification::Scheme;
 use verification::problems::gates::{Gate, Way};
@@ -8,10 +8,10 @@ use crate::job::Key;
 use crate::peers;
 use crate::record::Record;
 
-/// What a run costs.
+/// Cost measure of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
-    /// Particle-steps times nodes a particle.
+    /// Particle-steps times nodes per particle.
     Units,
     /// Instructions of the steps.
     Instructions,
@@ -22,7 +22,7 @@ pub enum Cost {
 }
 
 impl Cost {
-    /// Of a run; none if it was not counted.
+    /// Return the cost of a run; none if it was not counted.
     pub fn of(self, record: &Record) -> Option<f64> {
         let cost = match self {
             Cost::Units => record.units,
@@ -32,7 +32,7 @@ impl Cost {
         };
         (cost > 0.0).then_some(cost)
     }
-    /// On axes.
+    /// Axis label.
     pub fn label(self) -> &'static str {
         match self {
             Cost::Units => "work, particle-steps × nodes a particle",
@@ -43,7 +43,7 @@ impl Cost {
     }
 }
 
-/// The unbeaten of some runs, cheap first.
+/// Return the Pareto front of some runs, cheap first.
 pub fn front<'a>(runs: impl Iterator<Item = &'a Record>, error: &str, cost: Cost) -> Vec<&'a Record> {
     let known = |r: &'a Record| Some((cost.of(r)?, r.error(error)?, r));
     let mut list: Vec<(f64, f64, &Record)> = runs.filter_map(known).collect();
@@ -57,8 +57,8 @@ pub fn front<'a>(runs: impl Iterator<Item = &'a Record>, error: &str, cost: Cost
     list.into_iter().map(|r| r.2).collect()
 }
 
-/// The cheapest run within an error whose finer grids, all else equal, are within it, too: where an error changes its sign
-/// a coarse grid may have next to none by luck.
+/// Return the cheapest run within an error limit whose finer grids, all else equal, are also within it: where an error
+/// changes sign, a coarse grid may have almost none by chance.
 pub fn cheapest<'a>(
     runs: impl Iterator<Item = &'a Record>,
     error: &str,
@@ -75,8 +75,8 @@ pub fn cheapest<'a>(
     known.min_by(|a, b| a.0.total_cmp(&b.0)).map(|r| r.1)
 }
 
-/// Runs that are worse than the same on a coarser grid, by more than 15 %, and worse than `least`, below which the reference says nothing:
-/// refinement leads away from the answer there.
+/// Return runs whose error exceeds that on the next coarser grid by more than 15 % and exceeds `least`, the accuracy of the reference:
+/// refinement increases their error.
 pub fn growing<'a>(runs: &[&'a Record], error: &str, least: f64) -> Vec<&'a Record> {
     let coarser = |r: &Record, o: &Record| {
         Key { cells: r.key.cells, ..o.key.clone() } == r.key && o.key.cells < r.key.cells
@@ -90,8 +90,8 @@ pub fn growing<'a>(runs: &[&'a Record], error: &str, least: f64) -> Vec<&'a Reco
     runs.iter().filter(grows).copied().collect()
 }
 
-/// Schemes that occur: ours before those of peers, by frame, kernel and transfer, variants in the order of their choices; methods of the
-/// gates in the order of theirs.
+/// List the schemes of the runs: those of this library before those of peers, by frame, kernel and transfer, variants in the order of
+/// their options; methods of the gates in their order.
 pub fn schemes(runs: &[&Record]) -> Vec<String> {
     let mut list: Vec<String> = runs.iter().map(|r| r.scheme().to_string()).collect();
     let all = Scheme::all();

@@ -1,10 +1,10 @@
-//! The gates that all methods are measured by: elements, particle contacts, smoothed particles and fragile points beside material points.
+//! Gates, the benchmarks of all methods: elements, particle contacts, smoothed particles, fragile points and material points.
 
 use verification::problems::gates::{Gate, Passage};
 
 use crate::job::Key;
 
-/// Cells along the length of a gate.
+/// Grids of a gate: cells along its length.
 pub fn grids(gate: Gate, quick: bool) -> &'static [usize] {
     match (gate, quick) {
         (Gate::Bar | Gate::Plate, true) => &[25, 50, 100, 200],
@@ -22,26 +22,26 @@ pub fn grids(gate: Gate, quick: bool) -> &'static [usize] {
     }
 }
 
-/// All of a gate, coarse ones first.
+/// List all runs of a gate, coarse first.
 pub fn all(gate: Gate, quick: bool) -> Vec<Passage> {
     let of = |&cells| gate.ways().into_iter().map(move |way| Passage { gate, way, cells });
     grids(gate, quick).iter().flat_map(of).collect()
 }
 
-/// The name of one.
+/// Key of a run.
 pub fn key(Passage { gate, way, cells }: Passage) -> Key {
     let (problem, scheme) = (gate.name().into(), way.name().into());
     Key { problem, scheme, per_axis: way.per_axis(), cells, courant: way.courant() }
 }
 
-/// The one of a name.
+/// Find the run of a key.
 pub fn of(key: &Key) -> Option<Passage> {
     let gate = Gate::ALL.into_iter().find(|gate| gate.name() == key.problem)?;
     let mut ways = gate.ways().into_iter().map(|way| Passage { gate, way, cells: key.cells });
     ways.find(|passage| self::key(*passage) == *key)
 }
 
-/// The coarsest grid.
+/// Scale the run down to the coarsest grid.
 pub fn scaled(passage: Passage) -> Passage {
     Passage { cells: grids(passage.gate, true)[0], ..passage }
 }

@@ -1,4 +1,4 @@
-//! Runs that charts are made of, named by what a file can hold.
+//! Jobs: runs of the charts, with keys for files.
 
 use serde::{Deserialize, Serialize};
 use verification::formulation::Formulation;
@@ -12,39 +12,39 @@ use crate::long::Long;
 use crate::soil::Footing;
 use crate::study::Study;
 
-/// A run.
+/// Run of a chart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Job {
-    /// A case of the package `verification`.
+    /// Case of the package `verification`.
     Case(Case),
-    /// One of them by smoothed particles.
+    /// Case of the package `verification` by smoothed particles.
     Smoothed(Case<Smoothed>),
-    /// Two bodies that meet.
+    /// Contact of two bodies.
     Touch(Touch),
-    /// Two bars of smoothed particles that meet.
+    /// Contact of two bars of smoothed particles.
     Strike(Strike),
-    /// A strip footing.
+    /// Strip footing.
     Footing(Footing),
-    /// A bar that swings for long.
+    /// Long run of a vibrating bar.
     Long(Long),
-    /// A method on a scene where methods fail.
+    /// Method in a scene with known failures of methods.
     Study(Study),
-    /// A gate that all methods are measured by.
+    /// Gate: benchmark of all methods.
     Passage(Passage),
 }
 
-/// What tells a run from all others.
+/// Unique key of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Key {
     /// Problem.
     pub problem: String,
-    /// Scheme, and where more than that is chosen, what, after a comma.
+    /// Scheme, followed by a comma and further options, if any.
     pub scheme: String,
-    /// Particles a cell and axis.
+    /// Particles per cell and axis.
     pub per_axis: usize,
-    /// Cells along the problem's length.
+    /// Number of cells along the problem's length.
     pub cells: usize,
-    /// Time step times wave speed over the cell, or the factor of the time control.
+    /// Courant number: time step times wave speed over cell size, or the factor of the time control.
     pub courant: f64,
 }
 
@@ -59,7 +59,7 @@ fn of_case<S: Formulation>(case: &Case<S>) -> Key {
 }
 
 impl Job {
-    /// Its name.
+    /// Key of the job.
     pub fn key(&self) -> Key {
         match self {
             Job::Case(case) => of_case(case),
@@ -73,7 +73,7 @@ impl Job {
         }
     }
 
-    /// The job of a name, if there still is such a one.
+    /// Find the job of a key, if it still exists.
     pub fn of(key: &Key) -> Option<Job> {
         if let Some(problem) = Problem::ALL.into_iter().find(|p| p.name() == key.problem) {
             let Key { per_axis, cells, courant, .. } = *key;
@@ -92,7 +92,7 @@ impl Job {
             .or_else(|| gates::of(key).map(Job::Passage))
     }
 
-    /// Run it: one outcome, or some of a run that is looked at on its way.
+    /// Run the job; return one outcome, or several for a sampled run.
     pub fn run(&self) -> Vec<Outcome> {
         match self {
             Job::Case(case) => vec![case.run()],
@@ -106,7 +106,7 @@ impl Job {
         }
     }
 
-    /// Run it for its instructions alone: particles times steps that were made.
+    /// Run the job for instruction counts; return particles times steps.
     pub fn particle_steps(&self) -> f64 {
         let work = match self {
             Job::Touch(touch) => touch.work(),
@@ -115,7 +115,7 @@ impl Job {
         (work.particles * work.steps) as f64
     }
 
-    /// The same scheme on the problem scaled down to some hundred particles, for counts of instructions.
+    /// Scale the problem down to some hundred particles with the same scheme, for instruction counts.
     pub fn scaled(&self) -> Job {
         match *self {
             Job::Case(case) => {

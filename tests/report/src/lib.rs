@@ -1,9 +1,9 @@
-//! Charts of error against work: runs the sweeps and writes a page.
+//! Error-work charts: runs the sweeps and writes a page.
 //!
-//! A [`job`] is a run by name; a [`sweep`] the jobs of a chart. [`record`]s are lines of a file, so that a sweep goes on where
-//! it was stopped. [`counts`] has instructions by callgrind, [`speed`] throughput, [`map`] the verdicts of the stability
-//! scenes, [`study`] the methods that README names on scenes where methods fail, [`price`] what an error of one per cent takes, [`peers`] runs of programs for Taichi and Warp. [`page`] puts it
-//! together.
+//! A [`job`] is a run with a key; a [`sweep`] is the jobs of a chart. [`record`]s are lines of a file, so that a stopped sweep can be
+//! resumed. [`counts`] has instructions by callgrind, [`speed`] throughput, [`map`] the verdicts of the stability scenes, [`study`] the
+//! methods recommended in README in scenes with known failures, [`price`] the cost of an error of one per cent, [`peers`] runs of programs
+//! for Taichi and Warp. [`page`] assembles the page.
 
 pub mod chart;
 pub mod contact;
@@ -80,7 +80,7 @@ struct Options {
 
 type Made<T> = Result<T, Box<dyn std::error::Error>>;
 
-/// The program.
+/// Run the program.
 pub fn start() -> ExitCode {
     let options = Options::parse();
     match run(&options) {
@@ -92,7 +92,7 @@ pub fn start() -> ExitCode {
     }
 }
 
-/// Charts that are made of no runs of their own, or of other ones.
+/// Charts without runs of their own, or with other runs.
 const OTHERS: [&str; 4] = ["C9", "C10", "C11", "C12"];
 
 fn run(options: &Options) -> Made<()> {
@@ -158,7 +158,7 @@ fn run(options: &Options) -> Made<()> {
     Ok(())
 }
 
-/// Speeds of before, of two of the same job the younger.
+/// Read stored speeds; the later one of the same job replaces the earlier one.
 fn read_speeds(path: &Path) -> std::io::Result<Vec<Speed>> {
     let mut list: Vec<Speed> = Vec::new();
     for speed in record::lines::<Speed>(path)? {
@@ -170,7 +170,7 @@ fn read_speeds(path: &Path) -> std::io::Result<Vec<Speed>> {
     Ok(list)
 }
 
-/// Where things are written down.
+/// Paths of the data files.
 struct Files {
     runs: PathBuf,
     counts: PathBuf,
@@ -188,7 +188,7 @@ impl Files {
         Files { runs, counts, speeds, peers, limits, making }
     }
 
-    /// What is known of how the runs were made.
+    /// Read the provenance of the runs, if known.
     fn making(&self) -> Made<Option<page::Making>> {
         Ok(if self.making.exists() {
             serde_json::from_str(&fs::read_to_string(&self.making)?)?
@@ -198,7 +198,7 @@ impl Files {
     }
 }
 
-/// Makes the runs that are not there yet.
+/// Runner of missing jobs.
 struct Sweeper<'a> {
     options: &'a Options,
     commit: &'a str,
@@ -216,12 +216,12 @@ impl Sweeper<'_> {
         self.options.threads.map_or_else(all, usize::from)
     }
 
-    /// The clock is judged by the smallest of some repeats; long runs (s) need it less.
+    /// Number of timing repeats, and run time above which fewer are needed, s; the minimum time counts.
     fn repeats(&self) -> (u32, f64) {
         if self.options.quick { (2, 0.1) } else { (5, 3.0) }
     }
 
-    /// The commit whose runs need not be made again; none where all are kept.
+    /// Commit whose runs are reused; none if all runs are kept.
     fn asked(&self) -> Option<&str> {
         (!self.options.keep).then_some(self.commit)
     }
@@ -230,9 +230,9 @@ impl Sweeper<'_> {
         self.options.charts.is_empty() || self.options.charts.iter().any(|c| c == number)
     }
 
-    /// All jobs of the charts that are asked for.
+    /// List all jobs of the requested charts.
     fn jobs(&self, charts: &[sweep::Chart]) -> Vec<Job> {
-        // The price of exactness is made of the runs of C1 and C2.
+        // C11, the price of exactness, uses the runs of C1 and C2.
         let priced = |number: &str| self.wants("C11") && ["C1", "C2"].contains(&number);
         let wanted = charts.iter().filter(|c| self.wants(c.number) || priced(c.number));
         let mut problems: Vec<&str> = wanted.map(|c| c.problem).collect();
@@ -279,7 +279,7 @@ impl Sweeper<'_> {
         }
         let there: Vec<Count> = record::lines(&self.files.counts)?;
         let mut missing: Vec<Job> = Vec::new();
-        // Those of the study, the bars of steel and Kalthoff's plate take minutes under callgrind, and say nothing that others do not.
+        // Exclude the study, the steel bars and Kalthoff's plate: they take minutes under callgrind and give no further information.
         let short = |job: &Job| match job {
             Job::Study(_) => false,
             Job::Passage(passage) => !matches!(passage.gate, Gate::Taylor | Gate::Kalthoff),
@@ -337,7 +337,7 @@ impl Sweeper<'_> {
         Ok(())
     }
 
-    /// One at a time, for threads are part of what is measured.
+    /// Measure throughput, one run at a time, since the number of threads is part of the measurement.
     fn speeds(&self) -> Made<()> {
         if !self.wants("C12") {
             return Ok(());
@@ -368,8 +368,8 @@ impl Sweeper<'_> {
         Ok(())
     }
 
-    /// V3 and throughput by the packages that are there, one run at a time. A program that fails is left out with a message: a
-    /// package of others must not cost the page.
+    /// Run V3 and throughput by the installed packages, one run at a time. A failing program is skipped with a message: it
+    /// must not prevent the page.
     fn peers(&self, packages: &[Package]) -> Made<()> {
         for peer in packages.iter().filter(|p| p.version.is_some()).map(|p| p.peer) {
             let made = self.runs_of(peer).and_then(|()| self.speeds_of(peer));
@@ -408,7 +408,7 @@ impl Sweeper<'_> {
         }
         let there = read_speeds(&self.files.speeds)?;
         let quick = self.options.quick;
-        // Starting Python and compiling take seconds for each.
+        // Fewer sizes: starting Python and compiling take seconds for each.
         let sizes = if quick { &[10_000, 100_000] } else { sweep::sizes(false) };
         let much = if quick { (2, 1_000_000) } else { (6, 4_000_000) };
         for asked in speed::Asked::of_peer(peer, sizes) {
@@ -423,8 +423,8 @@ impl Sweeper<'_> {
         Ok(())
     }
 
-    /// How much the time of one and the same run differs: two series of five, by turns, on as many threads as the
-    /// sweep had. And with that, what else the page says of its making.
+    /// Measure the timing noise of a run: two alternating series of five, on as many threads as the sweep. Store it
+    /// with the provenance of the page.
     fn band(&self, packages: Vec<Package>) -> Made<()> {
         let series = |_: &()| {
             let (case, mut best) = (sweep::control(), [f64::INFINITY; 2]);
@@ -439,10 +439,10 @@ impl Sweeper<'_> {
             Ok::<_, ()>(())
         })
         .map_err(|()| "the control failed")?;
-        // Of runs that are kept the noise was what it was.
+        // Kept runs keep their timing noise.
         let kept = self.files.making()?.filter(|_| self.options.keep);
         let band = kept.as_ref().map_or(band, |before| band.max(before.band));
-        // Times compare within a chart, whose runs are of one machine each.
+        // Times are comparable within a chart, whose runs are of one machine each.
         let machine = match kept.map(|before| before.machine) {
             Some(before) if before.contains(&machine::class()) => before,
             Some(before) => format!("{before}; runs that were added: {}", machine::class()),

@@ -1,5 +1,5 @@
-//! The map of stability limits: how long a step may be, by where a bar ends in its cell, against what eigenvalues and circles
-//! say.
+//! Map of the stable time step limit over the position of a bar's end in its cell, compared with eigenvalues and Gershgorin
+//! circles.
 
 use std::fmt::Write;
 use std::io;
@@ -12,40 +12,40 @@ use verification::{Kernel, Scheme, Velocity};
 use crate::chart::escape;
 use crate::record::lines;
 
-/// One arrangement of particles.
+/// Time step limits of one arrangement of particles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Found {
     /// Scheme.
     pub scheme: String,
-    /// Particles a cell.
+    /// Particles per cell.
     pub per_cell: usize,
-    /// The bar's end behind a node, in cells.
+    /// Offset of the bar's end behind a node, in cells.
     pub offset: f64,
-    /// Longest step dt c / h at which noise of a run does not grow.
+    /// Largest step dt c / h at which noise of a run does not grow.
     pub measured: f64,
-    /// Longest step whose matrix has no eigenvalue beyond one.
+    /// Largest step whose update matrix has no eigenvalue beyond one.
     pub predicted: f64,
-    /// That of the highest frequency of the nodes.
+    /// Eigenvalue estimate of the limit: from the highest nodal frequency.
     pub eigenvalue: f64,
-    /// That of its bound by the circles of Gershgorin.
+    /// Gershgorin estimate of the limit: from the frequency bound by Gershgorin circles.
     pub gershgorin: f64,
-    /// Commit.
+    /// Commit of the program.
     pub commit: String,
 }
 
-/// What is to be found.
+/// Requested arrangement of particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Asked {
     /// Scheme.
     pub scheme: Scheme,
-    /// Particles a cell.
+    /// Particles per cell.
     pub per_cell: usize,
-    /// The bar's end behind a node, in cells.
+    /// Offset of the bar's end behind a node, in cells.
     pub offset: f64,
 }
 
 impl Asked {
-    /// All schemes, at so many places of the bar in its cell, none of which puts a particle on a face.
+    /// List all schemes at evenly spaced offsets of the bar, none with a particle on a cell face.
     pub fn all(quick: bool) -> Vec<Asked> {
         let offsets = if quick { 16 } else { 64 };
         let mut list = Vec::new();
@@ -58,7 +58,7 @@ impl Asked {
         list
     }
 
-    /// Find it.
+    /// Compute the limits.
     ///
     /// # Errors
     /// As [`limit::limit`].
@@ -71,17 +71,17 @@ impl Asked {
 }
 
 impl Found {
-    /// Is it what was asked for?
+    /// Return true if the limits belong to the request.
     pub fn is_of(&self, asked: &Asked) -> bool {
         (self.scheme.as_str(), self.per_cell, self.offset)
             == (asked.scheme.name().as_str(), asked.per_cell, asked.offset)
     }
 }
 
-/// Those of before, of two of the same the younger.
+/// Read stored limits; the later ones of the same arrangement replace the earlier ones.
 ///
 /// # Errors
-/// A file that cannot be read.
+/// The file cannot be read.
 pub fn read(path: &Path) -> io::Result<Vec<Found>> {
     let mut list: Vec<Found> = Vec::new();
     let key = |f: &Found| (f.scheme.clone(), f.per_cell, f.offset);
@@ -97,10 +97,10 @@ pub fn read(path: &Path) -> io::Result<Vec<Found>> {
     Ok(list)
 }
 
-/// All of them as a table for others.
+/// Write all limits as a CSV table.
 ///
 /// # Errors
-/// A file that cannot be written.
+/// The file cannot be written.
 pub fn write_csv(path: &Path, list: &[Found]) -> io::Result<()> {
     let mut text =
         String::from("scheme,particles a cell,offset,measured,predicted,eigenvalue,Gershgorin,commit\n");
@@ -112,17 +112,17 @@ pub fn write_csv(path: &Path, list: &[Found]) -> io::Result<()> {
     std::fs::write(path, text)
 }
 
-/// Particles a cell of the drawings.
+/// Particles per cell of the drawings.
 const DRAWN: usize = 2;
-/// The highest limit of the drawings.
+/// Upper limit of the drawings.
 const HIGH: f64 = 3.0;
-/// The plot area of a drawing.
+/// Plot area of a drawing.
 const LEFT: f64 = 66.0;
 const RIGHT: f64 = 498.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 304.0;
 
-/// The transfers of the chart, by colour.
+/// Transfers of the chart, by colour.
 const VELOCITIES: [(Velocity, &str); 3] =
     [(Velocity::FlipUsl, "FLIP, USL"), (Velocity::FlipMusl, "FLIP, MUSL"), (Velocity::ApicUsl, "APIC, USL")];
 const KERNELS: [(Kernel, &str); 4] = [
@@ -132,7 +132,7 @@ const KERNELS: [(Kernel, &str); 4] = [
     (Kernel::Cubic, "cubic splines"),
 ];
 
-/// Those of a scheme and a number of particles a cell, by offset.
+/// Select the limits of a scheme and a number of particles per cell, by offset.
 fn of(list: &[Found], scheme: Scheme, per_cell: usize) -> Vec<&Found> {
     let name = scheme.name();
     let mut own: Vec<&Found> = list.iter().filter(|f| f.scheme == name && f.per_cell == per_cell).collect();
@@ -201,7 +201,7 @@ fn drawing(list: &[Found], kernel: Kernel, title: &str) -> Option<String> {
     any.then_some(out)
 }
 
-/// The section of the page.
+/// Write the section of the page.
 pub fn section(out: &mut String, list: &[Found]) {
     out.push_str(
         "<section><h2 id=\"c10-limits\">C10. How long a step may be</h2><p>A free elastic bar of eight cells; its end stands \
@@ -234,13 +234,13 @@ pub fn section(out: &mut String, list: &[Found]) {
     out.push_str("<p><small>Data: <a href=\"c10-limits.csv\">c10-limits.csv</a>.</small></p></section>");
 }
 
-/// The least of a limit.
+/// Minimum of a limit.
 fn least(own: &[&Found], of: impl Fn(&Found) -> f64) -> f64 {
     own.iter().map(|f| of(f)).fold(f64::INFINITY, f64::min)
 }
 
 fn reading(out: &mut String, list: &[Found]) {
-    // Where there is a limit at all: noise that grows by less than a thousand is not seen.
+    // Arrangements with a finite limit: noise that grows by less than a thousand is not detected.
     let told: Vec<&Found> = list.iter().filter(|f| f.measured > 0.0 && f.predicted > 0.0).collect();
     let apart = |f: &&Found| (f.predicted / f.measured - 1.0).abs();
     let near = told.iter().filter(|f| apart(f) < 0.05).count();

@@ -1,4 +1,4 @@
-//! Long time: how the energy of a swinging bar (T17 of the stability scenes) changes with the steps.
+//! Long runs: energy drift of a vibrating bar (T17 of the stability scenes) over the number of steps.
 
 use std::f64::consts::PI;
 
@@ -15,20 +15,20 @@ use verification::{Outcome, Scheme};
 
 use crate::job::Key;
 
-/// What the bar is made of.
+/// Discretisation of the bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bar {
-    /// Material points, two a cell of a metre and axis.
+    /// Material points, two per axis in a cell of one metre.
     Points(Scheme),
     /// Smoothed particles, half a metre apart.
     Smoothed(Smoothed),
 }
 
-/// Metres between smoothed particles.
+/// Spacing of smoothed particles, m.
 const SPACING: f64 = 0.5;
 
 impl Bar {
-    /// All.
+    /// List all discretisations.
     pub fn all() -> Vec<Bar> {
         let points = Scheme::all().into_iter().map(Bar::Points);
         points.chain(Smoothed::ALL.map(Bar::Smoothed)).collect()
@@ -41,7 +41,7 @@ impl Bar {
         }
     }
 
-    /// Nodes or neighbours of a particle.
+    /// Number of nodes or neighbours of a particle.
     fn nodes(self) -> u64 {
         match self {
             Bar::Points(scheme) => scheme.kernel.nodes(2),
@@ -58,7 +58,7 @@ impl Bar {
     }
 }
 
-/// The bar of smoothed particles: two rows between planes of symmetry.
+/// Build the bar of smoothed particles: two rows between symmetry planes.
 fn of_particles<M: Composition<2>>(method: M) -> Result<Box<dyn Solver>, String> {
     fn text(error: impl std::fmt::Display) -> String {
         error.to_string()
@@ -74,20 +74,20 @@ fn of_particles<M: Composition<2>>(method: M) -> Result<Box<dyn Solver>, String>
     Ok(Box::new(bar))
 }
 
-/// A bar that swings.
+/// Vibrating bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Long {
-    /// What it is made of.
+    /// Discretisation of the bar.
     pub bar: Bar,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
 }
 
 impl Long {
-    /// The name of its problem in files.
+    /// Problem name in files.
     pub const PROBLEM: &str = "T17 swing";
 
-    /// Its name. The number of steps is told by the records of a run, not by its name.
+    /// Key of the run, without its number of steps, which its records include.
     pub fn key(self) -> Key {
         let (per_axis, cell) = if self.is_smoothed() { (1, SPACING) } else { (2, 1.0) };
         Key {
@@ -99,30 +99,30 @@ impl Long {
         }
     }
 
-    /// The one of a name, of the length that is asked of a quick sweep.
+    /// Find the run of a key, with the length of a quick sweep.
     pub fn of(key: &Key) -> Option<Long> {
         let found = Bar::all().into_iter().map(|bar| Long { bar, steps: 100_000 });
         found.into_iter().find(|long| long.key() == *key)
     }
 
-    /// Is it one of smoothed particles?
+    /// Return true for smoothed particles.
     pub fn is_smoothed(self) -> bool {
         matches!(self.bar, Bar::Smoothed(_))
     }
 
-    /// Steps after which it is looked at: 1, 2 and 5 in a decade, and the last.
+    /// Sample steps: 1, 2 and 5 per decade, and the last.
     fn marks(self) -> Vec<u64> {
         let all = (2..9).flat_map(|decade| [1, 2, 5].map(|n| n * 10u64.pow(decade)));
         all.filter(|&n| n > 2 * Self::period() && n < self.steps).chain([self.steps]).collect()
     }
 
-    /// Steps of a period.
+    /// Number of steps of a period.
     fn period() -> u64 {
         (2.0 * LENGTH / STEP).round() as u64
     }
 
-    /// Run it: "energy" is the relative change of its mean over a period, from the first one to the last before
-    /// each mark.
+    /// Run the bar: "energy" is the relative change of its period mean, from the first period to the last before
+    /// each sample.
     pub fn run(self) -> Vec<Outcome> {
         let mut solver = match self.bar.solver() {
             Ok(solver) => solver,
@@ -136,7 +136,7 @@ impl Long {
         for mark in std::iter::once(period).chain(self.marks()) {
             let mut sum = 0.0;
             while work.steps < mark {
-                // Looked at are the steps of the last period alone.
+                // Sample only the steps of the last period.
                 let looked = work.steps >= mark - period;
                 let stretch = if looked { 1 } else { mark - period - work.steps };
                 let watch = Stopwatch::start();

@@ -1,4 +1,4 @@
-//! Charts of error against work: runs the sweeps and writes a page.
+//! Error-work charts: runs the sweeps and writes a page.
 
 use std::process::ExitCode;
 

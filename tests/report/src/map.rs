@@ -1,4 +1,4 @@
-//! Which scene breaks which scheme, from the data of the page of stability, in short.
+//! Summary of the stability page: failing schemes by scene.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use stability::verdict::{SIGNS, escape, rank, scheme_of};
 
-/// A row of that data.
+/// Row of the stability data.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Row {
     scene: String,
@@ -15,10 +15,10 @@ pub struct Row {
     verdict: String,
 }
 
-/// The data beside the page, or else that of the repository.
+/// Read the stability data beside the page, or else those of the repository.
 ///
 /// # Errors
-/// A file that is not what it should be.
+/// The file is invalid.
 pub fn read(out: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
     let own = out.join("stability.json");
     let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/report/stability.json");
@@ -29,7 +29,7 @@ pub fn read(out: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
     Ok(serde_json::from_str(&std::fs::read_to_string(file)?)?)
 }
 
-/// The map, its scenes along the top, and a reading of it.
+/// Write the map with its scenes along the top, and its interpretation.
 pub fn section(out: &mut String, rows: &[Row]) {
     out.push_str("<section><h2 id=\"c9-stability\">C9. Where schemes fail</h2>");
     if rows.is_empty() {
@@ -90,7 +90,7 @@ fn reading(out: &mut String, rows: &[Row], names: &[String]) {
         count("REGRESSION"),
         count("UNEXPECTED-PASS")
     );
-    // Scenes in which a scheme was run, and those in which no row of it failed.
+    // Numbers of scenes in which a scheme was run, and of those without a failed row.
     let mut shares: Vec<(f64, usize, usize, &String)> = Vec::new();
     for (n, name) in names.iter().enumerate() {
         let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(&r.scheme, names) == Some(n)).collect();

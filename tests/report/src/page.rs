@@ -1,4 +1,4 @@
-//! The page: charts, what they say in words, tables.
+//! Report page: charts, their interpretation, and tables.
 
 use std::fmt::Write;
 
@@ -14,7 +14,7 @@ use crate::speed::Speed;
 use crate::sweep::{Chart, Kind};
 use crate::{price, rates};
 
-/// What a page says of its making.
+/// Provenance of the page.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Making {
     /// Date.
@@ -23,40 +23,40 @@ pub struct Making {
     pub machine: String,
     /// Compiler.
     pub compiler: String,
-    /// Runs at a time.
+    /// Number of concurrent runs.
     pub threads: usize,
-    /// Relative difference of times of the same run, made twice.
+    /// Timing noise: relative difference of the times of a repeated run.
     pub band: f64,
-    /// The sweep.
+    /// Name of the sweep.
     pub sweep: String,
-    /// Packages of peers; empty if nobody looked.
+    /// Packages of peers; empty if not checked.
     #[serde(default)]
     pub packages: Vec<Package>,
 }
 
-/// What a page is made of.
+/// Data of the page.
 pub struct Data<'a> {
     /// Commits of the runs.
     pub commit: String,
-    /// How they were made, if that is known.
+    /// Provenance of the runs, if known.
     pub making: Option<Making>,
-    /// The charts.
+    /// Charts of the page.
     pub charts: &'a [Chart],
-    /// Runs.
+    /// Runs of this library.
     pub records: &'a [Record],
     /// Runs of peers.
     pub peers: &'a [Record],
     /// Throughput.
     pub speeds: Vec<Speed>,
-    /// Rows of the page of stability.
+    /// Rows of the stability page.
     pub stability: Vec<Row>,
-    /// How long steps may be.
+    /// Stable time step limits.
     pub limits: Vec<Found>,
 }
 
 const STYLE: &str = include_str!("page.css");
 
-/// The whole page.
+/// Write the whole page.
 pub fn page(data: &Data) -> String {
     let mut out = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">\
@@ -100,7 +100,7 @@ fn of<'a>(chart: &Chart, records: &'a [Record]) -> Vec<&'a Record> {
     records.iter().filter(|r| r.key.problem == chart.problem).collect()
 }
 
-/// The runs that choices and readings are made from: of histories only those at the end.
+/// Select the runs for recommendations and interpretation: of histories the last ones only.
 fn judged<'a>(chart: &Chart, runs: &[&'a Record]) -> Vec<&'a Record> {
     let end = runs.iter().map(|r| r.steps).max().unwrap_or_default();
     runs.iter()
@@ -156,7 +156,7 @@ fn section(out: &mut String, chart: &Chart, data: &Data) {
     let theirs = of(chart, data.peers);
     let band = data.making.as_ref().map(|m| m.band);
     let figure = |out: &mut String, cost: Cost| {
-        // Instructions of peers are not counted.
+        // Peers have no instruction counts.
         let beside = if cost == Cost::Instructions { &[] } else { &theirs[..] };
         let drawing = draw(chart, &runs, beside, cost, band);
         let drawing = drawing.unwrap_or_else(|| "<p>No run that could be drawn.</p>".into());
@@ -198,7 +198,7 @@ fn section(out: &mut String, chart: &Chart, data: &Data) {
     out.push_str("</section>");
 }
 
-/// Settings, commit and data of a chart, in one line.
+/// Write settings, commit and data of a chart in one line.
 fn foot(out: &mut String, chart: &Chart, runs: &[&Record], band: Option<f64>) {
     let list = |of: &dyn Fn(&Record) -> String| {
         let mut values: Vec<String> = Vec::new();
@@ -223,10 +223,10 @@ fn foot(out: &mut String, chart: &Chart, runs: &[&Record], band: Option<f64>) {
     );
 }
 
-/// The chart in words. Times that differ by less than twice the `band` are as good as equal.
+/// Write the interpretation of the chart. Times that differ by less than twice the `band` count as equal.
 fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
     out.push_str("<p><b>Reading.</b> ");
-    // Material points in the present configuration.
+    // Updated Lagrangian material points.
     let through_the_grid =
         |r: &&Record| !["TL", "SPH", "FPM", "FE", "PCMM"].iter().any(|beside| r.scheme().starts_with(beside));
     for &target in chart.targets {
@@ -291,7 +291,7 @@ fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
     out.push_str("</p>");
 }
 
-/// Runs without an answer, in words.
+/// Describe runs without a valid error.
 fn lost(out: &mut String, chart: &Chart, runs: &[&Record], what: &str) {
     let lost: Vec<&&Record> = runs.iter().filter(|r| r.answer(chart.error).is_none()).collect();
     if lost.is_empty() {
@@ -310,7 +310,7 @@ fn lost(out: &mut String, chart: &Chart, runs: &[&Record], what: &str) {
     );
 }
 
-/// A history in words.
+/// Write the interpretation of a history.
 fn reading_of_time(out: &mut String, chart: &Chart, runs: &[&Record]) {
     let ends = judged(chart, runs);
     let steps = ends.iter().map(|r| r.steps).max().unwrap_or_default();
@@ -334,7 +334,7 @@ fn reading_of_time(out: &mut String, chart: &Chart, runs: &[&Record]) {
     out.push_str("</p>");
 }
 
-/// A number with two figures.
+/// Format a number with two significant figures.
 fn round(x: f64) -> String {
     match x {
         x if x >= 10.0 => format!("{x:.0}"),
@@ -344,8 +344,8 @@ fn round(x: f64) -> String {
     }
 }
 
-/// Errors of all schemes over grids (two particles a cell and axis, or one element a cell, the smallest Courant number of the sweep) or
-/// steps, and orders of convergence where there is one to expect.
+/// Write errors of all schemes over grids (two particles per cell and axis, or one element per cell, the smallest Courant number of the
+/// sweep) or steps, and orders of convergence where theory predicts one.
 fn verdicts(out: &mut String, chart: &Chart, runs: &[&Record]) {
     let smallest = |scheme: &str| {
         let own = runs.iter().filter(|r| r.scheme() == scheme);
@@ -375,7 +375,7 @@ fn verdicts(out: &mut String, chart: &Chart, runs: &[&Record]) {
         let stopped = own.iter().find(|r| r.failure.is_some());
         for &value in &columns {
             let run = own.iter().find(|r| column(r) == value);
-            // A history that stopped has no later columns.
+            // Stopped histories have no later columns.
             let run = run.or(stopped.filter(|r| chart.kind == Kind::Time && r.steps < value));
             match run.map(|r| (r.error(chart.error), &r.failure)) {
                 Some((Some(e), _)) => {

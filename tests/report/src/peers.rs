@@ -1,5 +1,5 @@
-//! Peers in the charts: V3 in the plane by programs of ours for packages that anybody can install, which share no line with
-//! the library. Same scheme, same grid, same step: the same error, if both are right.
+//! Peers in the charts: V3 in two dimensions by independent programs for public packages, which share no code with the
+//! library. With the same scheme, grid and step, both must have the same error.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -17,43 +17,43 @@ use crate::job::{Job, Key};
 use crate::record::Record;
 use crate::sweep::{self, Chart};
 
-/// A package and its version, if the machine has it.
+/// Package of a peer and its version, if installed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Package {
-    /// Which.
+    /// Peer of the package.
     pub peer: Peer,
-    /// Version; none where it is absent.
+    /// Version; none if not installed.
     pub version: Option<String>,
 }
 
 impl Package {
-    /// All, as this Python has them. Says on standard error what is absent.
+    /// Query all packages of this Python. Reports missing ones on standard error.
     pub fn all(python: &Path) -> Vec<Package> {
         Peer::ALL.into_iter().map(|peer| Package { peer, version: peer.version(python) }).collect()
     }
 }
 
-/// Schemes that the programs have.
+/// Schemes of the peer programs.
 pub const SCHEMES: [Scheme; 2] = [
     Scheme::moving(Kernel::Linear, Velocity::FlipMusl),
     Scheme::moving(Kernel::Quadratic, Velocity::ApicUsl),
 ];
 
-/// Measures that the programs print, by their names in our runs.
+/// Measures printed by the programs, by their names in runs of this library.
 const MEASURES: [&str; 4] = ["u", "u largest", "v", "stress"];
 
-/// The name of a series: peer and scheme.
+/// Series name: peer and scheme.
 pub fn series(peer: Peer, scheme: &str) -> String {
     format!("{}: {scheme}", peer.name())
 }
 
-/// Peer and scheme of the name of a series; no peer of one of ours.
+/// Split a series name into peer and scheme; no peer for series of this library.
 pub fn split(name: &str) -> (Option<Peer>, &str) {
     let of = |peer: Peer| Some((Some(peer), name.strip_prefix(peer.name())?.strip_prefix(": ")?));
     Peer::ALL.into_iter().find_map(of).unwrap_or((None, name))
 }
 
-/// The cases of the sweep that the programs have.
+/// Cases of the sweep that the programs support.
 pub fn cases(quick: bool) -> Vec<Case> {
     let of_case = |job: Job| match job {
         Job::Case(case) if SCHEMES.contains(&case.scheme) => Some(case),
@@ -62,18 +62,18 @@ pub fn cases(quick: bool) -> Vec<Case> {
     sweep::jobs(Problem::Axes.name(), quick).into_iter().filter_map(of_case).collect()
 }
 
-/// What a peer's run of a case is called.
+/// Key of a peer's run of a case.
 pub fn key(peer: Peer, case: &Case) -> Key {
     Key { scheme: series(peer, &case.scheme.name()), ..Job::Case(*case).key() }
 }
 
-/// Is there still such a run?
+/// Return true if the run still exists.
 pub fn is_known(key: &Key) -> bool {
     let (peer, scheme) = split(&key.scheme);
     peer.is_some() && SCHEMES.iter().any(|s| s.name() == scheme)
 }
 
-/// A line of a program.
+/// Output line of a program.
 #[derive(Deserialize)]
 struct Line {
     scheme: String,
@@ -87,10 +87,10 @@ struct Line {
     errors: BTreeMap<String, Option<f64>>,
 }
 
-/// The run that a program's line tells of.
+/// Convert a program's output line to a run.
 ///
 /// # Errors
-/// A line of other contents, or of a scheme that no program was asked for.
+/// The line is invalid or of a scheme that was not requested.
 pub fn record(peer: Peer, line: Value, commit: &str) -> Result<Record, CaseError> {
     let Line { scheme, per_axis, cells, courant, particles, steps, core_seconds, failure, errors } =
         serde_json::from_value(line).map_err(|e| CaseError::Other(format!("{}: {e}", peer.name())))?;
@@ -108,11 +108,11 @@ pub fn record(peer: Peer, line: Value, commit: &str) -> Result<Record, CaseError
     Ok(Record::new(key(peer, &case), outcome, commit))
 }
 
-/// Run these cases and hand over every run when it is made. Each is repeated up to so many times while it is brief (s), and
-/// the least time is kept.
+/// Run these cases and pass every completed run to `each`. Runs shorter than `brief`, s, are repeated up to `repeats`
+/// times, and the minimum time is kept.
 ///
 /// # Errors
-/// A program that fails, and the first error of `each`.
+/// The program fails, or `each` returns an error.
 pub fn run(
     peer: Peer,
     python: &Path,
@@ -129,27 +129,27 @@ pub fn run(
     peer.run(python, "axes", &arguments, &mut |line| each(record(peer, line, commit)?))
 }
 
-/// Our run of the same scheme, grid and step.
+/// Find the run of this library with the same scheme, grid and step.
 fn twin<'a>(theirs: &Record, ours: &[&'a Record]) -> Option<&'a Record> {
     let (_, scheme) = split(theirs.scheme());
     let key = Key { scheme: scheme.into(), ..theirs.key.clone() };
     ours.iter().copied().find(|r| r.key == key)
 }
 
-/// How far a peer's series is from ours.
+/// Agreement of a peer's series with this library.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
-    /// Runs of both that have the error.
+    /// Number of runs of both with the error.
     pub runs: usize,
-    /// The largest difference of the errors, in parts of ours.
+    /// Largest relative difference of the errors.
     pub difference: f64,
-    /// Their core-seconds over ours, least and most.
+    /// Ratio of their core-seconds to ours, minimum and maximum.
     pub time: [f64; 2],
-    /// The same of the run with most particle-steps.
+    /// Ratio of core-seconds for the run with most particle-steps.
     pub longest: f64,
 }
 
-/// Of one series and error; none if no run of ours is the same.
+/// Compare one series and error; none if there is no common run.
 pub fn agreement(name: &str, theirs: &[&Record], ours: &[&Record], error: &str) -> Option<Agreement> {
     let own = theirs.iter().filter(|r| r.scheme() == name);
     let mut pairs: Vec<(u64, f64, f64)> = own
@@ -172,10 +172,10 @@ pub fn agreement(name: &str, theirs: &[&Record], ours: &[&Record], error: &str) 
     })
 }
 
-/// Below this, errors differ by the order of sums alone: round-off, grown over the steps of a run.
+/// Round-off threshold: below it, errors differ only by the order of summation, grown over the steps of a run.
 const ROUNDING: f64 = 1e-9;
 
-/// What the peers' runs in a chart say.
+/// Write the interpretation of the peers' runs in a chart.
 pub fn reading(out: &mut String, chart: &Chart, theirs: &[&Record], ours: &[&Record]) {
     if theirs.is_empty() {
         return;
@@ -213,7 +213,7 @@ pub fn reading(out: &mut String, chart: &Chart, theirs: &[&Record], ours: &[&Rec
     out.push_str("</table></div>");
 }
 
-/// What is absent, in a sentence; nothing if none is.
+/// List missing packages in a sentence; nothing if there are none.
 pub fn absent(packages: &[Package]) -> String {
     let gone = packages.iter().filter(|p| p.version.is_none());
     let list: Vec<String> =
@@ -228,7 +228,7 @@ pub fn absent(packages: &[Package]) -> String {
     }
 }
 
-/// What is there, with versions.
+/// List installed packages with versions.
 pub fn present(packages: &[Package]) -> String {
     let with = |p: &Package| Some(format!("{} {}", p.peer.name(), escape(p.version.as_deref()?)));
     packages.iter().filter_map(with).collect::<Vec<_>>().join(", ")

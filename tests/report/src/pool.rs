@@ -1,13 +1,13 @@
-//! Work shared out among threads.
+//! Parallel execution of independent work items on threads.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Do something for each item on so many threads, and hand each result to `done`, one at a time, with the number of those
-/// done. Stops at the first error of `done`.
+/// Process each item on `threads` threads, and pass each result to `done`, one at a time, with the number of completed
+/// items. Stops at the first error of `done`.
 ///
 /// # Errors
-/// That one.
+/// The first error of `done`.
 pub fn each<I: Sync, R: Send, E: Send>(
     threads: usize,
     items: &[I],

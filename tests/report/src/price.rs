@@ -1,4 +1,4 @@
-//! The price of exactness: what each scheme needs to get to one error, between the runs that bracket it.
+//! Price of exactness: cost of each scheme to reach a given error, interpolated between the runs that bracket it.
 
 use std::fmt::Write;
 
@@ -7,19 +7,19 @@ use crate::front::{Cost, schemes};
 use crate::record::Record;
 use crate::sweep::Chart;
 
-/// The error that is asked for.
+/// Target error.
 pub const TARGET: f64 = 0.01;
 
-/// What is needed of one kind.
+/// Required cost of one kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Need {
-    /// So much.
+    /// Interpolated cost.
     Is(f64),
-    /// At most so much: the coarsest run is within the error already.
+    /// Upper bound of the cost: the coarsest run is within the error already.
     AtMost(f64),
-    /// No run gets there.
+    /// Error not reached by any run.
     Unreachable,
-    /// Not counted.
+    /// Cost not counted.
     Unknown,
 }
 
@@ -32,8 +32,8 @@ impl Need {
     }
 }
 
-/// Of one series, coarse grid first: cost and error. Where the error falls below the target for good, its logarithm is taken
-/// as straight over that of the cost between the runs around it.
+/// Interpolate the cost of one series, coarse grid first: pairs of cost and error. The target is interpolated log-log
+/// between the runs at which the error permanently falls below it.
 pub fn needed(series: &[(Option<f64>, Option<f64>)], target: f64) -> Need {
     let within = |e: &Option<f64>| e.is_some_and(|e| e <= target);
     let at = series.iter().rposition(|(_, e)| !within(e)).map_or(0, |last| last + 1);
@@ -46,7 +46,7 @@ pub fn needed(series: &[(Option<f64>, Option<f64>)], target: f64) -> Need {
     Need::Is(before * (cost / before).powf(share))
 }
 
-/// Of a scheme: the least over its series of equal particles a cell and Courant number.
+/// Cost of a scheme: minimum over its series of equal particles per cell and Courant number.
 pub fn of_scheme(runs: &[&Record], error: &str, cost: impl Fn(&Record) -> Option<f64>) -> Need {
     let mut kinds: Vec<(usize, f64)> = runs.iter().map(|r| (r.key.per_axis, r.key.courant)).collect();
     kinds.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -84,7 +84,7 @@ const COLUMNS: [Column; 4] = [
     ("memory, bytes", |r| (r.bytes > 0).then_some(r.bytes as f64)),
 ];
 
-/// Bars of all schemes for one chart.
+/// Write bars of all schemes for one chart.
 pub fn table(out: &mut String, chart: &Chart, runs: &[&Record]) {
     let _ = write!(
         out,
@@ -104,7 +104,7 @@ pub fn table(out: &mut String, chart: &Chart, runs: &[&Record]) {
         .map(|name| {
             let own = own(name);
             let needs = COLUMNS.iter().map(|(_, cost)| of_scheme(&own, chart.error, cost)).collect();
-            // Of the finest run, where a grid's edges weigh least.
+            // Memory per particle of the finest run, on which the grid margins have least effect.
             let finest = own.iter().filter(|r| r.error(chart.error).is_some()).max_by_key(|r| r.particles);
             (name.clone(), needs, finest.and_then(|r| r.bytes_a_particle()))
         })
@@ -128,8 +128,8 @@ pub fn table(out: &mut String, chart: &Chart, runs: &[&Record]) {
     reading(out, &rows);
 }
 
-/// A cell with a bar, logarithmic from a tenth of the width at the least to nine tenths at the most; what is unreachable goes
-/// to the edge.
+/// Format a table cell with a bar, logarithmic from a tenth of the width for the minimum to nine tenths for the maximum; the
+/// bar of an unreachable target extends to the edge.
 fn bar(need: Need, (least, most): (f64, f64)) -> String {
     let wide = |x: f64| {
         let share = if most > least { (x / least).ln() / (most / least).ln() } else { 0.0 };

@@ -1,4 +1,4 @@
-//! The chart of throughput: particle-steps a second against particles.
+//! Throughput chart: particle-steps per second against particles.
 
 use std::fmt::Write;
 use std::io;
@@ -9,7 +9,7 @@ use examples::peers::Peer;
 use crate::chart::{Mark, Scale, axes, escape, open, percent};
 use crate::speed::{Asked, KERNELS, Speed};
 
-/// All speeds as a table for others.
+/// Write all speeds as a CSV table.
 pub fn write_csv(path: &Path, speeds: &[Speed]) -> io::Result<()> {
     let mut text = String::from(
         "program,kernel,bits,particles,threads,steps,particle-steps a second (best),of repeats,bytes a particle,commit\n",
@@ -33,7 +33,7 @@ pub fn write_csv(path: &Path, speeds: &[Speed]) -> io::Result<()> {
     std::fs::write(path, text)
 }
 
-/// A line of the chart: a program, a kernel and a precision on so many threads, over sizes.
+/// Line of the chart: program, kernel, precision and number of threads, over sizes.
 struct Line<'a> {
     name: String,
     colour: usize,
@@ -42,7 +42,7 @@ struct Line<'a> {
     own: Vec<&'a Speed>,
 }
 
-/// Lines of ours, then those of peers.
+/// List the lines of this library, then those of peers.
 fn lines(speeds: &[Speed], threads: usize) -> Vec<Line<'_>> {
     let mut list = Vec::new();
     for peer in [None].into_iter().chain(Peer::ALL.map(Some)) {
@@ -96,7 +96,7 @@ fn drawing(speeds: &[Speed], threads: usize) -> Option<String> {
     Some(out)
 }
 
-/// The section of the page.
+/// Write the section of the page.
 pub fn section(out: &mut String, speeds: &[Speed]) {
     out.push_str(
         "<section><h2 id=\"c12-throughput\">C12. Throughput</h2><p>Particle-steps a second, whole steps with all migration of particles, \
@@ -133,22 +133,22 @@ pub fn section(out: &mut String, speeds: &[Speed]) {
     );
 }
 
-/// The best rate of a line.
+/// Best rate of a line.
 fn peak<'a>(own: &[&'a Speed]) -> Option<&'a Speed> {
     own.iter().copied().max_by(|a, b| a.best().total_cmp(&b.best()))
 }
 
-/// Those of our own program.
+/// Speeds of this library.
 fn ours(speeds: &[Speed]) -> impl Iterator<Item = &Speed> {
     speeds.iter().filter(|s| s.asked.peer.is_none())
 }
 
-/// The speed with as many particles as `like` of what is asked.
+/// Find the speed of a request with as many particles as `like`.
 fn find<'a>(speeds: &'a [Speed], like: &Speed, asked: &Asked) -> Option<&'a Speed> {
     speeds.iter().find(|s| s.asked == *asked && s.count == like.count)
 }
 
-/// Ours over those of peers, in words.
+/// Describe the ratio of this library's speeds to those of peers.
 fn against(out: &mut String, speeds: &[Speed], threads: &[usize]) {
     if speeds.iter().all(|s| s.asked.peer.is_none()) {
         return;

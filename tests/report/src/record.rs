@@ -1,4 +1,4 @@
-//! Runs as they are written down, one a line, so that a sweep can go on where it was stopped.
+//! Stored runs, one per line, so that a stopped sweep can be resumed.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Write};
@@ -11,35 +11,36 @@ use verification::Outcome;
 use crate::job::{Job, Key};
 use crate::long::Long;
 
-/// One run.
+/// Stored run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// What it was.
+    /// Key of the run.
     #[serde(flatten)]
     pub key: Key,
     /// Particles.
     pub particles: u64,
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// Particle-steps times nodes a particle.
+    /// Particle-steps times nodes per particle.
     pub units: f64,
     /// Core-seconds of the steps.
     pub core_seconds: f64,
-    /// Memory of the solver at the end, grid and scratch included, bytes.
+    /// Memory of the solver at the end including grid and scratch, bytes.
     pub bytes: u64,
-    /// Errors by name; none of a run that failed.
+    /// Errors by name; none for a failed run.
     pub errors: Vec<(String, f64)>,
-    /// What stopped it.
+    /// Failure message.
     pub failure: Option<String>,
-    /// Commit of the program that made it.
+    /// Commit of the program.
     pub commit: String,
-    /// Instructions of the steps: those a particle and step of the problem scaled down, times particles and steps.
+    /// Instructions of the steps: those per particle and step of the scaled-down problem, times particles and
+    /// steps.
     #[serde(skip)]
     pub instructions: Option<f64>,
 }
 
 impl Record {
-    /// From what came of a run.
+    /// Create a record from the outcome of a run.
     pub fn new(key: Key, outcome: Outcome, commit: &str) -> Self {
         let broken = outcome.measures.iter().any(|m| !m.1.is_finite());
         let failure = outcome.failure.or_else(|| broken.then(|| "an error is not a number".to_string()));
@@ -58,7 +59,7 @@ impl Record {
         }
     }
 
-    /// Is it a run of this job, to its end, by the program of this commit, if one is asked for?
+    /// Return true for a complete run of this job, by the program of this commit, if given.
     pub fn is_of(&self, job: &Job, commit: Option<&str>) -> bool {
         let ended = match job {
             Job::Long(Long { steps, .. }) => self.steps >= *steps || self.failure.is_some(),
@@ -67,40 +68,40 @@ impl Record {
         ended && commit.is_none_or(|commit| self.commit == commit) && self.key == job.key()
     }
 
-    /// Does it stand in the place of an older one?
+    /// Return true if the record replaces an older one.
     fn replaces(&self, other: &Record) -> bool {
         self.key == other.key && (self.key.problem != Long::PROBLEM || self.steps == other.steps)
     }
 
-    /// The size of an error, if the run did not fail.
+    /// Absolute value of an error, if the run did not fail.
     pub fn error(&self, name: &str) -> Option<f64> {
         let found = self.errors.iter().find(|e| e.0 == name).map(|e| e.1.abs());
         found.filter(|_| self.failure.is_none())
     }
 
-    /// The size of an error that is an answer: errors above one, but for rounding, are none.
+    /// Absolute value of a valid error: at most one, within round-off.
     pub fn answer(&self, name: &str) -> Option<f64> {
         self.error(name).filter(|e| *e <= 1.0 + 1e-6)
     }
 
-    /// Its scheme.
+    /// Scheme of the run.
     pub fn scheme(&self) -> &str {
         &self.key.scheme
     }
 
-    /// What it was run with, in words.
+    /// Describe the settings of the run.
     pub fn settings(&self) -> String {
         let Key { per_axis, cells, courant, .. } = &self.key;
         format!("{cells} cells, {per_axis}² a cell, Courant {courant}")
     }
 
-    /// Bytes a particle; none of a run that did not say.
+    /// Bytes per particle; none for a run without memory data.
     pub fn bytes_a_particle(&self) -> Option<f64> {
         (self.bytes > 0 && self.particles > 0).then(|| self.bytes as f64 / self.particles as f64)
     }
 }
 
-/// Lines of before; a last line that was cut off is left out.
+/// Read stored lines, without a truncated last line.
 pub fn lines<T: DeserializeOwned>(path: &Path) -> io::Result<Vec<T>> {
     if !path.exists() {
         return Ok(Vec::new());
@@ -114,7 +115,7 @@ pub fn lines<T: DeserializeOwned>(path: &Path) -> io::Result<Vec<T>> {
     Ok(list)
 }
 
-/// Runs of before, of two of the same job the younger.
+/// Read stored runs; the later one of the same job replaces the earlier one.
 pub fn read(path: &Path) -> io::Result<Vec<Record>> {
     let mut list: Vec<Record> = Vec::new();
     for record in lines::<Record>(path)? {
@@ -136,7 +137,7 @@ pub fn append<T: Serialize>(path: &Path, list: &[T]) -> io::Result<()> {
     OpenOptions::new().create(true).append(true).open(path)?.write_all(text.as_bytes())
 }
 
-/// Runs as a table for others.
+/// Write runs as a CSV table.
 pub fn write_csv<'a>(path: &Path, records: impl Iterator<Item = &'a Record>) -> io::Result<()> {
     let mut text = String::from(
         "problem,scheme,particles a cell and axis,cells,Courant,particles,steps,particle-steps x nodes,\

@@ -1,4 +1,5 @@
-//! Locking: the limit load of a strip footing (V18), with every particle's own dilatation and with the mean of a cell.
+//! Volumetric locking: limit load of a strip footing (V18), with the dilatation of each particle and with the mean
+//! dilatation of a cell.
 
 use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain};
 use verification::problems::footing::{COURANT, EXACT, press};
@@ -6,23 +7,23 @@ use verification::{Kernel, Outcome, Scheme, Velocity};
 
 use crate::job::Key;
 
-/// A footing pressed into soil. Linear shape functions with FLIP and MUSL: other kernels hold the velocity of the footing over another
-/// width, which nobody knows to a per cent.
+/// Footing pressed into soil by linear shape functions with FLIP and MUSL: for other kernels the effective width of the footing is not
+/// known to a per cent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footing {
-    /// In the reference configuration?
+    /// True for the total Lagrangian method.
     pub total: bool,
-    /// The mean dilatation of a cell?
+    /// True for the mean dilatation of a cell.
     pub mean: bool,
-    /// Cells of half the width.
+    /// Number of cells of half the width.
     pub cells: usize,
 }
 
 impl Footing {
-    /// The name of its problem in files.
+    /// Problem name in files.
     pub const PROBLEM: &str = "V18 footing";
 
-    /// Its name.
+    /// Key of the run.
     pub fn key(self) -> Key {
         let scheme = Scheme { kernel: Kernel::Linear, velocity: Velocity::FlipMusl, total: self.total };
         let cure = if self.mean { "mean" } else { "own" };
@@ -35,18 +36,19 @@ impl Footing {
         }
     }
 
-    /// All of a grid.
+    /// List all runs of a grid.
     pub fn all(cells: usize) -> Vec<Footing> {
         let total = [true, false];
         total.into_iter().flat_map(|total| [false, true].map(|mean| Footing { total, mean, cells })).collect()
     }
 
-    /// The one of a name.
+    /// Find the run of a key.
     pub fn of(key: &Key) -> Option<Footing> {
         Footing::all(key.cells).into_iter().find(|f| f.key() == *key)
     }
 
-    /// Run it: "load" is the relative error of the last of four loads, "rising" what it gained over the third.
+    /// Run the footing: "load" is the relative error of the last of four loads, "rising" its increase over the
+    /// third.
     pub fn run(self) -> Outcome {
         let cells = self.cells as u32;
         let hats = || Method::new(Linear, Flip, Musl, PlaneStrain);

@@ -1,4 +1,4 @@
-//! Throughput: particle-steps a second, by the program `throughput` of the examples, which has the scenes.
+//! Throughput: particle-steps per second, by the program `throughput` of the examples, which provides the scenes.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -12,42 +12,42 @@ use serde_json::Value;
 /// Kernels of `throughput`.
 pub const KERNELS: [&str; 3] = ["linear-musl-elastic", "linear-musl-johnson-cook", "quadratic-apic-usl"];
 
-/// What is to be run.
+/// Requested throughput run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
-    /// Whose program; ours if none.
+    /// Peer whose program runs; none for this library.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub peer: Option<Peer>,
-    /// What a step computes.
+    /// Kernel: computation of a step.
     pub kernel: String,
-    /// About so many particles.
+    /// Approximate number of particles.
     pub particles: u64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// Bits of a number.
+    /// Floating-point precision, bits.
     pub bits: u32,
 }
 
-/// What came of it.
+/// Measured throughput.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Speed {
-    /// What was asked.
+    /// Requested run.
     #[serde(flatten)]
     pub asked: Asked,
-    /// Particles there were.
+    /// Actual number of particles.
     pub count: u64,
-    /// Steps that were timed.
+    /// Number of timed steps.
     pub steps: u64,
-    /// Particle-steps a second of every repeat, by the clock.
+    /// Particle-steps per second of every repeat, wall-clock time.
     pub rates: Vec<f64>,
-    /// Memory a particle, grid and scratch included, bytes.
+    /// Memory per particle including grid and scratch, bytes.
     pub bytes: f64,
-    /// Commit.
+    /// Commit of the program.
     pub commit: String,
 }
 
 impl Asked {
-    /// All kernels in both precisions on one thread and more, so many particles.
+    /// List all kernels in both precisions on one and more threads, with these particle numbers.
     pub fn all(sizes: &[u64]) -> Vec<Asked> {
         let mut list = Vec::new();
         for &particles in sizes {
@@ -62,28 +62,28 @@ impl Asked {
         list
     }
 
-    /// The kernels that a peer has programs for, in double precision on as many threads as it can and ours are run on.
+    /// List the kernels with a program of a peer, in double precision on the numbers of threads that both support.
     pub fn of_peer(peer: Peer, sizes: &[u64]) -> Vec<Asked> {
         let ours = Asked::all(sizes).into_iter().filter(|a| a.bits == 64 && a.threads <= peer.most_threads());
         let known = ours.filter(|a| a.kernel != Kernel::LinearMuslJohnsonCook.name());
         known.map(|asked| Asked { peer: Some(peer), ..asked }).collect()
     }
 
-    /// Its line's name.
+    /// Name of its line.
     pub fn name(&self) -> String {
         let name = format!("{}, f{}", self.kernel, self.bits);
         self.peer.map_or(name.clone(), |peer| format!("{}: {name}", peer.name()))
     }
 
-    /// Steps that come to about so many particle-steps.
+    /// Number of steps for about `particle_steps`.
     fn steps(&self, particle_steps: u64) -> u64 {
         (particle_steps / self.particles).clamp(4, 1000)
     }
 
-    /// Run it so many times.
+    /// Run the program `repeats` times.
     ///
     /// # Errors
-    /// A program that does not run.
+    /// The program does not run.
     pub fn make(
         &self,
         program: &Path,
@@ -115,10 +115,10 @@ impl Asked {
     }
 }
 
-/// Run a peer's program so many times, each for about so many particle-steps.
+/// Run a peer's program `repeats` times, each for about `particle_steps`.
 ///
 /// # Errors
-/// A program that fails, and a kernel that there is none for.
+/// The program fails, or the peer has none for the kernel.
 pub fn of_peer(
     (peer, asked): (Peer, &Asked),
     python: &Path,
@@ -145,25 +145,25 @@ pub fn of_peer(
 }
 
 impl Speed {
-    /// The best of the repeats.
+    /// Best rate of the repeats.
     pub fn best(&self) -> f64 {
         self.rates.iter().copied().fold(f64::NAN, f64::max)
     }
-    /// How far the best of the even repeats is from that of the odd ones.
+    /// Timing noise: relative difference of the best even and the best odd repeat.
     pub fn band(&self) -> Option<f64> {
         let best = |odd: usize| self.rates.iter().skip(odd).step_by(2).copied().reduce(f64::max);
         Some((best(0)? / best(1)? - 1.0).abs())
     }
 }
 
-/// The program `throughput` beside this one; it is built if it is not there.
+/// Path of the program `throughput` beside this one; builds it if necessary.
 ///
 /// # Errors
-/// If it cannot be built.
+/// The build fails.
 pub fn program() -> Result<PathBuf, Box<dyn std::error::Error>> {
     let own = std::env::current_exe()?;
     let there = own.with_file_name(format!("throughput{}", std::env::consts::EXE_SUFFIX));
-    // Built anew if files have changed, so that both are of one commit.
+    // Rebuild if files have changed, so that both programs are of one commit.
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let built = Command::new(cargo)
         .args(["build", "--quiet", "--release", "-p", "examples", "--bin", "throughput"])

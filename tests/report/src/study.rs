@@ -1,4 +1,5 @@
-//! Which method for what: those that README names and those beside them, on scenes where methods fail, by three grids.
+//! Method selection study: methods recommended in README and alternatives, in scenes with known failures of methods,
+//! on three grids.
 
 use std::f64::consts::TAU;
 
@@ -15,24 +16,24 @@ use verification::work::{Stopwatch, Work};
 
 use crate::job::Key;
 
-/// What is run.
+/// Scene of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scene {
-    /// A bar of copper, 227 m/s.
+    /// Copper bar, 227 m/s.
     Copper,
-    /// A bar of 4340 steel, 270 m/s.
+    /// 4340 steel bar, 270 m/s.
     Steel,
-    /// A disc that spins without load.
+    /// Spinning disc without load.
     Spin,
-    /// A block that slides on another with friction, oblique to the grid.
+    /// Block that slides on another with friction, oblique to the grid.
     Slide,
-    /// A bullet through a plate, axisymmetric.
+    /// Bullet through a plate, axisymmetric.
     Plate,
-    /// A ball on a plate at 5 km/s, in space.
+    /// Ball on a plate at 5 km/s, three-dimensional.
     Shot,
 }
 
-/// Methods of the study.
+/// Method of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
     /// Linear shape functions, FLIP, MUSL.
@@ -48,10 +49,10 @@ pub enum Way {
 }
 
 impl Scene {
-    /// All.
+    /// All scenes.
     pub const ALL: [Scene; 6] =
         [Scene::Copper, Scene::Steel, Scene::Spin, Scene::Slide, Scene::Plate, Scene::Shot];
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Scene::Copper => "copper bar 227",
@@ -62,7 +63,7 @@ impl Scene {
             Scene::Shot => "shot 5000",
         }
     }
-    /// Cells along its length: the radius of what moves; half the height of the block that slides.
+    /// Resolutions: cells of the radius of the moving body, or of half the height of the sliding block.
     pub const fn grids(self) -> [usize; 3] {
         match self {
             Scene::Copper | Scene::Steel => [8, 16, 32],
@@ -78,7 +79,7 @@ impl Scene {
 }
 
 impl Way {
-    /// All.
+    /// All methods.
     pub const ALL: [Way; 5] = [Way::Linear, Way::CpGimp, Way::Quadratic, Way::Impact, Way::AtRest];
     const fn name(self) -> &'static str {
         match self {
@@ -108,14 +109,14 @@ macro_rules! kernels {
     };
 }
 
-/// A scene, a method, a grid.
+/// Scene, method and grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Study {
-    /// What is run.
+    /// Scene to run.
     pub scene: Scene,
-    /// How.
+    /// Method to run it by.
     pub way: Way,
-    /// Cells along the length of the scene.
+    /// Number of cells along the length of the scene.
     pub cells: usize,
 }
 
@@ -126,13 +127,13 @@ fn text(error: impl std::fmt::Display) -> String {
 }
 
 impl Study {
-    /// All of a scene, coarse ones first.
+    /// List all runs of a scene, coarse first.
     pub fn all(scene: Scene) -> Vec<Study> {
         let of = |cells| Way::ALL.map(|way| Study { scene, way, cells });
         scene.grids().into_iter().flat_map(of).collect()
     }
 
-    /// Its name.
+    /// Key of the run.
     pub fn key(self) -> Key {
         let control = kernels!(self.way, PlaneStrain).facts().time_control();
         let TimeControl::Courant { factor, .. } = control else { unreachable!("the default of all methods") };
@@ -140,23 +141,23 @@ impl Study {
         Key { problem, scheme, per_axis: 2, cells: self.cells, courant: factor }
     }
 
-    /// The one of a name.
+    /// Find the run of a key.
     pub fn of(key: &Key) -> Option<Study> {
         let scene = Scene::ALL.into_iter().find(|s| s.name() == key.problem)?;
         let ways = Way::ALL.map(|way| Study { scene, way, cells: key.cells });
         ways.into_iter().find(|s| s.key() == *key)
     }
 
-    /// The smallest grid.
+    /// Scale the run down to the smallest grid.
     pub fn scaled(self) -> Study {
         Study { cells: self.scene.grids()[0], ..self }
     }
 
-    /// Run it with default time control and default contact, warned but not stopped by the watch.
+    /// Run the scene with default time control and default contact; the watch only warns.
     pub fn run(self) -> Outcome {
         let made = match self.scene {
             Scene::Copper => self.bar([3.2e-3, 32.4e-3], 227.0, 80e-6, [21.42e-3, 7.226e-3], copper()),
-            // Radii by its two sources differ by 1 %: 12.76 and 12.90 mm of diameter.
+            // Reference radii of two sources differ by 1 %: 12.76 and 12.90 mm of diameter.
             Scene::Steel => {
                 let law = Ok(library::steel_4340());
                 self.bar([3.7975e-3, 37.97e-3], 270.0, 70e-6, [31.185e-3, 6.415e-3], law)
@@ -195,7 +196,8 @@ impl Study {
         }
     }
 
-    /// A bar, `[radius, length]` m, on a frictionless wall, against `[length, radius of the foot]` at the end, m.
+    /// Run a bar, `[radius, length]` m, on a frictionless wall, against the final `[length, radius of the foot]`,
+    /// m.
     fn bar(
         self,
         [radius, length]: [f64; 2],
@@ -215,7 +217,8 @@ impl Study {
         }
         Ok(self.outcome(mpm, end, |mpm| {
             let (mut top, mut foot) = (0.0f64, 0.0f64);
-            // Half a particle beyond the outermost one, stretched as the bar is there: hardly at the rear, by the radius at the foot.
+            // Bar ends: half a particle beyond the outermost one, with the local stretch: none at the rear, that of the radius at the
+            // foot.
             mpm.bodies()[0].for_each(&mut |p| {
                 top = top.max(p.position[1] + 0.25 * h);
                 foot = foot.max(p.position[0] / (1.0 - 0.25 / self.cells as f64));
@@ -228,7 +231,7 @@ impl Study {
         }))
     }
 
-    /// A disc of steel of 0.1 m whose rim moves at 200 m/s, two turns.
+    /// Run a steel disc of 0.1 m with a rim speed of 200 m/s for two turns.
     fn spin(self) -> Made<Outcome> {
         let radius = 0.1;
         let lattice = Lattice::new([0.003, -0.002], radius / self.cells as f64).map_err(text)?;
@@ -244,8 +247,8 @@ impl Study {
         }))
     }
 
-    /// A block of 0.4 x 0.2 m on a rigid floor, both at 23 degrees to the grid, 2 m/s, friction 0.2 under 10 m/s^2: after 0.3 s it
-    /// has 1.4 m/s.
+    /// Run a block of 0.4 x 0.2 m on a rigid floor, both at 23 degrees to the grid, 2 m/s, friction 0.2 under 10 m/s^2: the exact
+    /// speed after 0.3 s is 1.4 m/s.
     fn slide(self) -> Made<Outcome> {
         let h = 0.1 / self.cells as f64;
         let lattice = Lattice::new([0.0; 2], h).map_err(text)?;
@@ -274,7 +277,7 @@ impl Study {
         }))
     }
 
-    /// A steel bullet, radius 5 mm and length 30 mm, at 400 m/s through 6 mm of aluminium.
+    /// Run a steel bullet, radius 5 mm and length 30 mm, at 400 m/s through 6 mm of aluminium.
     fn plate(self) -> Made<Outcome> {
         let radius = 5e-3;
         let h = radius / self.cells as f64;
@@ -299,7 +302,7 @@ impl Study {
         }))
     }
 
-    /// An aluminium ball of 2 mm radius, a quarter of it, on 2 mm of the same, at 5 km/s.
+    /// Run an aluminium ball of 2 mm radius (quarter model) on 2 mm of aluminium at 5 km/s.
     fn shot(self) -> Made<Outcome> {
         let r = 2e-3;
         let lattice = Lattice::new([0.0; 3], r / self.cells as f64).map_err(text)?;

@@ -1,4 +1,4 @@
-//! Which runs the charts are made of.
+//! Sweeps: runs of the charts.
 
 use examples::Detection;
 use verification::problems::gas::tube_schemes;
@@ -13,7 +13,7 @@ use crate::long::{Bar, Long};
 use crate::soil::Footing;
 use crate::study::{Scene, Study};
 
-/// What a chart shows.
+/// Chart kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Error against work.
@@ -22,40 +22,40 @@ pub enum Kind {
     Time,
 }
 
-/// A chart of errors and its sweep.
+/// Error chart and its sweep.
 pub struct Chart {
-    /// Number of the list.
+    /// Number in the list of charts.
     pub number: &'static str,
-    /// Anchor, and name of its data.
+    /// Anchor, and name of the data.
     pub id: &'static str,
-    /// Headline.
+    /// Headline of the chart.
     pub title: &'static str,
-    /// The problem, in words.
+    /// Description of the problem.
     pub about: &'static str,
-    /// Problem, by its name in files.
+    /// Problem name in files.
     pub problem: &'static str,
-    /// Which error.
+    /// Error measure of the chart.
     pub error: &'static str,
-    /// The same on the axis.
+    /// Axis label of the error.
     pub label: &'static str,
-    /// Errors that the table of choices is made for.
+    /// Error targets of the table of recommendations.
     pub targets: &'static [f64],
-    /// The order that the problem's theory has, in words, and what counts as converging; none where there is none.
+    /// Theoretical order in words, and minimum order that counts as convergence; none without theory.
     pub wanted: Option<(&'static str, f64)>,
-    /// What it shows.
+    /// Chart kind.
     pub kind: Kind,
-    /// Is a run that is worse than the same on a coarser grid marked? Where there is one run a grid and scheme.
+    /// True if runs that are worse than on a coarser grid are marked, for charts with one run per grid and scheme.
     pub marks_growth: bool,
 }
 
 impl Chart {
-    /// The smallest error that it is read for.
+    /// Smallest error target.
     pub fn finest_target(&self) -> f64 {
         self.targets.iter().copied().fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The charts of the page.
+/// List the charts of the page.
 pub fn charts() -> Vec<Chart> {
     vec![
         Chart {
@@ -488,7 +488,7 @@ pub fn charts() -> Vec<Chart> {
     ]
 }
 
-/// All runs of a problem, cheap ones first.
+/// List all runs of a problem, cheap first.
 pub fn jobs(problem: &str, quick: bool) -> Vec<Job> {
     if let Some(found) = Problem::ALL.into_iter().find(|p| p.name() == problem) {
         let smoothed = smoothed(found, quick).into_iter().map(Job::Smoothed);
@@ -506,7 +506,7 @@ pub fn jobs(problem: &str, quick: bool) -> Vec<Job> {
             (Meeting::Balls, true) => grid(&[10, 20, 40]),
             (Meeting::Balls, false) => grid(&[10, 20, 40, 80]),
         };
-        // Where bars meet flat, tests of contact differ little.
+        // Flat contact of bars: contact detections differ little.
         let bars = matches!(meeting, Meeting::Bars | Meeting::BareBars);
         let tests = if bars { vec![Detection::Distance, Detection::Approach] } else { DETECTIONS.to_vec() };
         let of = |cells: usize| {
@@ -515,7 +515,7 @@ pub fn jobs(problem: &str, quick: bool) -> Vec<Job> {
             })
         };
         let touches: Vec<Job> = cells.iter().copied().flat_map(of).collect();
-        // Of smoothed particles only bars are charted: tests of contact are those of grids.
+        // Smoothed particles run bars only: contact detections are those of grids.
         let finer: Vec<usize> = cells.iter().map(|cells| 2 * cells).collect();
         let strikes = if bars { Strike::all(meeting == Meeting::Bars, &finer) } else { Vec::new() };
         return touches.into_iter().chain(strikes.into_iter().map(Job::Strike)).collect();
@@ -579,7 +579,7 @@ fn cases(problem: Problem, quick: bool) -> Vec<Case> {
         }
     }
     if problem == Problem::Vortex && quick {
-        // With two an axis domains sheared by 7 are longer than their stencils.
+        // With two particles per axis, domains sheared by 7 exceed their stencils.
         let convects = |s: &Scheme| matches!(s.kernel, Kernel::Cpdi | Kernel::Cpdi2);
         for scheme in schemes.into_iter().filter(convects) {
             for cells in [32, 64] {
@@ -590,7 +590,7 @@ fn cases(problem: Problem, quick: bool) -> Vec<Case> {
     list
 }
 
-/// The problems by smoothed particles, of which one stands where material points have about one; their steps may be longer.
+/// List the cases by smoothed particles, with one particle where material points have about one; their steps may be larger.
 fn smoothed(problem: Problem, quick: bool) -> Vec<Case<Smoothed>> {
     let (cells, courants): (&[usize], &[f64]) = match (problem, quick) {
         (Problem::Axes, true) => (&[16, 32, 64, 128], &[0.4, 0.8]),
@@ -616,7 +616,7 @@ fn without_musl() -> Vec<Scheme> {
     Scheme::all().into_iter().filter(|s| s.velocity != Velocity::FlipMusl).collect()
 }
 
-/// Numbers of particles that throughput is measured with.
+/// Particle numbers of the throughput measurement.
 pub fn sizes(quick: bool) -> &'static [u64] {
     if quick {
         &[1_000, 10_000, 100_000, 1_000_000]
@@ -625,7 +625,7 @@ pub fn sizes(quick: bool) -> &'static [u64] {
     }
 }
 
-/// The case that the clock is judged by.
+/// Case that measures the timing noise.
 pub fn control() -> Case {
     let scheme = Scheme::moving(Kernel::Quadratic, Velocity::ApicUsl);
     Case { problem: Problem::Axes, scheme, per_axis: 2, cells: 32, courant: 0.2 }

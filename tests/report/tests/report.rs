@@ -1,4 +1,4 @@
-//! What the page is put together by.
+//! Tests of the parts of the report page.
 
 use std::path::Path;
 
@@ -39,20 +39,20 @@ fn every_item_is_done_once_and_an_error_stops() {
 
 #[test]
 fn a_power_law_is_met_exactly() {
-    // Error 1 / cost.
+    // Series with error 1 / cost.
     let series: Vec<_> = [10.0, 40.0, 160.0].map(|c: f64| (Some(c), Some(1.0 / c))).into();
     let Need::Is(found) = needed(&series, 0.01) else { panic!("{:?}", needed(&series, 0.01)) };
     assert!((found - 100.0).abs() < 1e-9, "{found}");
     assert_eq!(needed(&series, 0.5), Need::AtMost(10.0));
     assert_eq!(needed(&series, 1e-3), Need::Unreachable);
-    // Small by luck on the coarse grid.
+    // Small error by chance on the coarse grid.
     assert_eq!(needed(&[(Some(1.0), Some(0.001)), (Some(4.0), Some(0.1))], 0.01), Need::Unreachable);
-    // A run that stopped brackets nothing.
+    // Stopped runs do not bracket the target.
     assert_eq!(needed(&[(Some(1.0), None), (Some(4.0), Some(0.001))], 0.01), Need::AtMost(4.0));
     assert_eq!(needed(&[(None, Some(0.1)), (None, Some(0.001))], 0.01), Need::Unknown);
 }
 
-/// What is written down of a run leads back to it: else a sweep would never be done.
+/// Round trip of keys: every stored key leads back to its job, otherwise a sweep would never complete.
 #[test]
 fn names_lead_back_to_jobs() {
     for chart in charts() {
@@ -71,7 +71,7 @@ fn names_lead_back_to_jobs() {
     }
 }
 
-/// Every limit of the chart is found again by what was asked; the least steps are those that theory has.
+/// Round trip of limits: every limit of the chart is found by its request; measured limits equal theory.
 #[test]
 fn limits_are_found_and_drawn() {
     let asked = Asked::all(true);
@@ -92,12 +92,12 @@ fn limits_are_found_and_drawn() {
     let mut page = String::new();
     limits::section(&mut page, &list);
     assert_eq!(page.matches("<figure>").count(), 1);
-    // Two lines each of two transfers, in the drawing; markers there and in the legend.
+    // Two lines each of two transfers in the drawing; markers there and in the legend.
     assert_eq!(page.matches("class=\"disc").count(), 4 + 3);
     assert!(page.contains("Of 4 arrangements"), "{page}");
 }
 
-/// The method that is recommended for impact keeps its promises on the coarse grids of the study, by default settings.
+/// The method recommended for impact is accurate on the coarse grids of the study with default settings.
 #[test]
 fn the_method_for_impact_holds_on_scenes_where_methods_fail() {
     let run = |scene, way, cells| {
@@ -105,7 +105,8 @@ fn the_method_for_impact_holds_on_scenes_where_methods_fail() {
         assert_eq!(outcome.failure, None, "{scene:?}, {way:?}");
         move |name: &str| outcome.measures.iter().find(|m| m.0 == name).expect("measure").1
     };
-    // Lengths within 0.5 %, feet nearer with every grid; two codes differ by 1 % in the foot of steel.
+    // Length errors below 0.5 %, foot errors decreasing with refinement; two codes differ by 1 % in the foot of
+    // steel.
     for (scene, feet) in [(Scene::Copper, 0.01), (Scene::Steel, 0.02)] {
         let [coarse, fine] = [8, 16].map(|cells| run(scene, Way::Impact, cells));
         for bar in [&coarse, &fine] {
@@ -118,7 +119,7 @@ fn the_method_for_impact_holds_on_scenes_where_methods_fail() {
         let foot = [coarse("foot"), fine("foot")].map(f64::abs);
         assert!(foot[1] < feet && foot[1] < foot[0], "{scene:?}: {foot:?}");
     }
-    // Linear FLIP leaves the answer, which is why it is not recommended.
+    // Linear FLIP diverges from the answer under refinement and is therefore not recommended.
     let [coarse, fine] = [8, 16].map(|cells| run(Scene::Copper, Way::Linear, cells)("length").abs());
     assert!(fine > 0.01 && fine > 3.0 * coarse, "{coarse}, {fine}");
 
@@ -136,7 +137,8 @@ fn the_method_for_impact_holds_on_scenes_where_methods_fail() {
     assert!(bullet("energy") < 0.002 && bullet("energy") > -0.03, "{}", bullet("energy"));
 }
 
-/// A line of a peer's program: linear shape functions, 2 particles a cell and axis, 16 cells, with this error of displacement.
+/// Format an output line of a peer's program: linear shape functions, 2 particles per cell and axis, 16 cells, with this
+/// displacement error.
 fn line(u: &str) -> String {
     format!(
         "{{\"program\": \"Taichi 1.7.4\", \"scheme\": \"linear FLIP-MUSL\", \"per_axis\": 2, \"cells\": 16, \"courant\": 0.3, \
@@ -157,14 +159,14 @@ fn lines_of_peers_become_runs() {
     assert_eq!(run.key, peers::key(Peer::Taichi, &case));
     assert_eq!((run.particles, run.steps, run.units), (1024, 54, 1024.0 * 54.0 * 4.0));
     assert_eq!((run.error("u"), run.error("stress")), (Some(0.24), Some(0.8)));
-    // As it is written down, it is read again, and it is none of ours.
+    // Serialisation round trip; the run belongs to a peer.
     let again: Record = serde_json::from_str(&serde_json::to_string(&run).unwrap()).unwrap();
     assert_eq!(again, run);
     assert!(peers::is_known(&run.key) && Job::of(&run.key).is_none());
     assert_eq!(peers::split(run.scheme()), (Some(Peer::Taichi), "linear FLIP-MUSL"));
     assert!(!peers::is_known(&Job::Case(case).key()));
 
-    // What is not a number is a run that failed; what is no object is nobody's.
+    // A NaN is a failed run; lines that are not JSON objects are skipped.
     assert!(of_line(Peer::Warp, &line("null")).failure.is_some());
     let stopped = line("0.1").replace("0.004", "0.004, \"failure\": \"a particle left the nodes\"");
     let stopped = of_line(Peer::Warp, &stopped);
@@ -192,7 +194,7 @@ fn peers_are_drawn_beside_ours_and_compared() {
     assert_eq!(plain.matches("class=\"peer c1\"").count(), 0);
     assert_eq!(both.matches("class=\"peer c1\"").count(), 2);
     assert_eq!(both.matches("class=\"disc c1\"").count(), 1);
-    // A peer beats no run of ours: the broad line has ours alone, one point.
+    // The broad line excludes peers: one point of this library.
     let broad = both.split("class=\"front\" d=\"").nth(1).and_then(|d| d.split('"').next()).unwrap();
     assert_eq!((broad.matches('M').count(), broad.matches('L').count()), (1, 0), "{broad}");
     let all: Vec<&Record> = theirs.iter().chain(&ours).copied().collect();
@@ -228,19 +230,19 @@ fn speeds_of_peers_are_told_from_ours() {
     let theirs = speed(&asked[0], 1e7);
     let again: Speed = serde_json::from_str(&serde_json::to_string(&theirs).unwrap()).unwrap();
     assert_eq!(again, theirs);
-    // Lines from before there were peers are ours.
+    // Lines without a peer field belong to this library.
     let before = r#"{"kernel":"linear-musl-elastic","particles":1000,"threads":1,"bits":64,"count":1000,"steps":1000,"rates":[2.5e7],"bytes":200.0,"commit":"none"}"#;
     let ours: Speed = serde_json::from_str(before).unwrap();
     assert_eq!(ours, speed(&speed::Asked { peer: None, ..asked[0].clone() }, 2.5e7));
     let mut page = String::new();
     report::rates::section(&mut page, &[ours, theirs]);
-    // In the drawing and in the legend.
+    // Marks in the drawing and in the legend.
     assert_eq!(page.matches("class=\"peer c1\"").count(), 2);
     assert!(page.contains("Warp: linear-musl-elastic, f64: ours is 2.5 to 2.5 times as fast"), "{page}");
 }
 
-/// Programs that share no line with the library make the same errors: the same sums in another order, over 80 steps in which
-/// round-off grows by some powers of ten. Skipped where a package is absent.
+/// Independent programs have the same errors as the library up to the order of summation, over 80 steps in which round-off
+/// grows by some powers of ten. Skipped if a package is missing.
 #[test]
 fn peers_make_the_errors_that_we_make() {
     let python = std::env::var_os("IMPACTITE_PYTHON").unwrap_or_else(|| "python3".into());

@@ -1,4 +1,4 @@
-//! What boundaries do to a node.
+//! Boundary conditions of nodes.
 
 use mpm_core::geometry::Lattice;
 use mpm_core::{Boundary, Side};
@@ -10,7 +10,7 @@ pub(super) fn sign(side: Side) -> f64 {
     }
 }
 
-/// Make a nodal velocity obey the boundaries at `time`, in their order, walls aside.
+/// Apply the boundary conditions at `time` to a nodal velocity in their order, except walls.
 pub(super) fn constrain<const D: usize>(
     boundaries: &[Boundary<D>],
     lattice: &Lattice<D>,
@@ -21,7 +21,7 @@ pub(super) fn constrain<const D: usize>(
     let tolerance = 1e-6 * lattice.spacing();
     for boundary in boundaries {
         match *boundary {
-            // Elsewhere the images see to it.
+            // Off the plane, images enforce symmetry.
             Boundary::Symmetry { axis, at, .. } => {
                 if (x[axis] - at).abs() <= tolerance {
                     v[axis] = 0.0;
@@ -45,7 +45,8 @@ pub(super) fn constrain<const D: usize>(
     }
 }
 
-/// Does a boundary that is no wall hold component `c` of the velocity of the node at `x`?
+/// Return true if a boundary condition other than a wall prescribes component `c` of the velocity of the node at
+/// `x`.
 pub(super) fn held<const D: usize>(
     boundaries: &[Boundary<D>],
     lattice: &Lattice<D>,

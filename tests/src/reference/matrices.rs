@@ -1,4 +1,4 @@
-//! Matrices of three rows.
+//! 3x3 matrices.
 
 pub(super) fn times(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let mut r = [[0.0; 3]; 3];
@@ -20,7 +20,7 @@ pub(super) fn transpose(a: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     r
 }
 
-/// By Gauss and Jordan, on the identity beside it; the matrices here need no exchange of rows.
+/// Invert a matrix by Gauss-Jordan elimination without pivoting; the matrices here need no row exchange.
 pub(super) fn inverse(a: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
     let (mut left, mut right) = (*a, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
     for i in 0..3 {

@@ -1,12 +1,12 @@
-//! The material point method as the paper's flow chart has it: plain, slow and scalar.
+//! Reference implementation of the material point method after the flow chart of \[Ma2010\]: plain, slow and
+//! scalar.
 //!
-//! One loop a stage, particles in a list, nodes in a map from their indices, global coordinates, every sum in
-//! the order of the particles. It shares with the fast step the weights along one axis
-//! ([`ShapeFunction::weights`]) and the constitutive laws, and nothing else; numbers in brackets are those of
-//! the equations of \[Ma2010\].
+//! One loop per stage, particles in a list, nodes in a map by their indices, global coordinates, every sum in
+//! particle order. It shares only the one-dimensional weights ([`ShapeFunction::weights`]) and the constitutive
+//! laws with the fast step. Numbers in brackets are equation numbers of \[Ma2010\].
 //!
-//! A symmetry plane is made by images: every particle has a mirror image behind each plane, with its
-//! velocity, affine matrix and stress mirrored, so that half a model is the whole one by construction.
+//! Mirror images model symmetry planes: every particle has an image behind each plane, with mirrored velocity,
+//! affine matrix and stress, so that half a model equals the whole one by construction.
 
 mod boundaries;
 mod matrices;
@@ -24,37 +24,37 @@ use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, Kinematics, Mat3};
 use weights::side;
 
-/// When the stress is updated.
+/// Order of the stress update in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Order {
-    /// First.
+    /// Update stress first.
     Usf,
-    /// Last.
+    /// Update stress last.
     Usl,
-    /// Last, from momentum mapped again.
+    /// Update modified stress last: from momentum mapped again.
     Musl,
 }
 
-/// The rule for the particle velocity.
+/// Velocity update of particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Rule {
     /// v + dt sum N a.
     Flip,
     /// sum N v.
     Pic,
-    /// FLIP relaxed towards PIC with a time constant.
+    /// FLIP relaxed towards PIC with a time constant, s.
     Blend(f64),
-    /// FLIP with a share of PIC a step, and the affine matrix.
+    /// FLIP with a PIC fraction per step, and the affine matrix.
     Aflip(f64),
     /// PIC with the affine matrix.
     Apic,
-    /// The same, with the affine fit for the gradient of the weights.
+    /// APIC with the affine (moving least squares) fit as the gradient of the weights.
     Mls,
-    /// PIC with the velocity sharpened by so many terms.
+    /// FMPM: PIC of this order (number of terms).
     Fmpm(usize),
 }
 
-/// How the coordinates lie in space.
+/// Coordinate system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
     /// Cartesian: three dimensions, or plane strain in two.
@@ -63,19 +63,19 @@ pub enum Space {
     Axisymmetric,
 }
 
-/// A law with its state as a list of numbers.
+/// Constitutive law with its state variables as a list of numbers.
 pub trait Law {
-    /// Reference density.
+    /// Reference density, kg/m^3.
     fn density(&self) -> f64;
-    /// State at rest.
+    /// Initial state.
     fn virgin(&self) -> Vec<f64>;
-    /// New state and stress.
+    /// Update the state by a strain increment; return the new state and stress.
     fn update(&self, increment: [[f64; 3]; 3], dt: f64, length: f64, state: &[f64]) -> (Vec<f64>, [f64; 6]);
-    /// Stress of a state.
+    /// Stress of a state, Pa.
     fn stress(&self, state: &[f64]) -> [f64; 6];
-    /// Volume over reference volume.
+    /// Volume ratio: current over reference volume.
     fn volume_ratio(&self, state: &[f64]) -> f64;
-    /// Speed of the fastest wave, m/s.
+    /// Wave speed, m/s: of the fastest wave.
     fn wave_speed(&self, state: &[f64]) -> f64;
 }
 
@@ -103,12 +103,12 @@ impl<C: Constitutive<f64>> Law for C {
     }
 }
 
-/// A particle.
+/// Material point.
 #[derive(Clone, Debug)]
 pub struct Point<const D: usize> {
-    /// Index of its body.
+    /// Body index.
     pub body: usize,
-    /// Number in its body.
+    /// Particle number in its body.
     pub number: usize,
     /// Position, m.
     pub x: [f64; D],
@@ -116,23 +116,24 @@ pub struct Point<const D: usize> {
     pub v: [f64; D],
     /// Mass, kg.
     pub mass: f64,
-    /// State of its law.
+    /// State variables of its law.
     pub state: Vec<f64>,
-    /// Half sizes of its domain in cells.
+    /// Half sizes of its domain, in cells.
     pub half: [f64; D],
-    /// Corners of a domain that convects, from its position, in cells; along axis d on the side of bit d.
+    /// Corners of a convected domain relative to its position, in cells; bit d of the index selects the side along
+    /// axis d.
     pub corners: Vec<[f64; D]>,
-    /// The affine matrix of APIC, 1/s.
+    /// Affine matrix of APIC, 1/s.
     pub affine: [[f64; D]; D],
-    /// Displacement since the start, m, where the grid lies in the reference configuration (else `x` moves).
+    /// Displacement since the start, m, if the grid is in the reference configuration (else `x` moves).
     pub displacement: [f64; D],
-    /// Deformation gradient, likewise.
+    /// Deformation gradient, if the grid is in the reference configuration.
     pub deformation: [[f64; 3]; 3],
-    /// Where it started, m.
+    /// Initial position, m.
     pub start: [f64; D],
 }
 
-/// A node.
+/// Grid node.
 #[derive(Clone, Debug)]
 struct Node<const D: usize> {
     mass: f64,
@@ -152,10 +153,10 @@ impl<const D: usize> Default for Node<D> {
 
 type Index<const D: usize> = [i64; D];
 
-/// An acceleration by place and time.
+/// Acceleration field, m/s^2: function of position and time.
 pub type Field<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D]>;
 
-/// Weight and gradient of a particle on a node.
+/// Shape function value and gradient of a particle at a node.
 #[derive(Clone, Copy, Debug)]
 struct Weight<const D: usize> {
     node: Index<D>,
@@ -163,59 +164,59 @@ struct Weight<const D: usize> {
     gradient: [f64; D],
 }
 
-/// A mirror image (or the particle itself): the signs of its components, and its weights.
+/// Mirror image of a particle (or the particle itself): signs of its components, and its weights.
 struct Image<const D: usize> {
-    /// Where it is at the start of the step, m.
+    /// Position at the start of the step, m.
     x: [f64; D],
     sign: [f64; D],
     weights: Vec<Weight<D>>,
 }
 
-/// The method and its scene.
+/// Reference method with its scene.
 pub struct Reference<const D: usize, S> {
-    /// Shape function.
+    /// Shape function of the particles.
     pub shape: S,
-    /// Velocity rule.
+    /// Velocity update of the particles.
     pub rule: Rule,
-    /// Order.
+    /// Order of the stress update.
     pub order: Order,
-    /// Space.
+    /// Coordinate system.
     pub space: Space,
-    /// Nodes.
+    /// Background grid.
     pub lattice: Lattice<D>,
-    /// Laws of the bodies.
+    /// Constitutive laws of the bodies.
     pub laws: Vec<Box<dyn Law>>,
-    /// All particles.
+    /// Particles of all bodies.
     pub points: Vec<Point<D>>,
-    /// Boundaries.
+    /// Boundary conditions.
     pub boundaries: Vec<Boundary<D>>,
-    /// Acceleration of all material.
+    /// Gravitational acceleration of all material.
     pub gravity: [f64; D],
-    /// Acceleration by where a particle started and time.
+    /// Acceleration field: function of initial particle position and time.
     pub field: Option<Field<D>>,
-    /// Does the grid lie in the reference configuration? Then `x` of a point does not change.
+    /// Total Lagrangian grid: it is in the reference configuration, and `x` of a point does not change.
     pub total: bool,
-    /// Do laws see the mean dilatation of the particles of a body in a cell?
+    /// Mean dilatation: laws use that of the particles of a body in a cell.
     pub mean_dilatation: bool,
     /// Time, s.
     pub time: f64,
     nodes: BTreeMap<Index<D>, Node<D>>,
-    /// Walls and particles whose surfaces press on them, by number.
+    /// Pairs of wall number and particle number whose surfaces were in contact in the step before.
     pressed: BTreeSet<(usize, usize)>,
-    /// Surfaces at every wall in this step.
+    /// Particle surfaces at every wall in this step.
     touches: Vec<walls::AtWall<D>>,
-    /// Heat of friction on walls so far, J.
+    /// Frictional heat at walls so far, J.
     pub heat: f64,
-    /// Impulse of walls so far, N s.
+    /// Wall impulse so far, N s.
     pub wall_impulse: [f64; D],
-    /// Images of every particle; the first is itself.
+    /// Images of every particle; the first is the particle itself.
     images: Vec<Vec<Image<D>>>,
-    /// The cell that every particle is in while its weights hold.
+    /// Cell of every particle at the positions of its weights.
     cells: Vec<Index<D>>,
 }
 
 impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
-    /// An empty scene.
+    /// Create an empty scene.
     pub fn new(shape: S, rule: Rule, order: Order, space: Space, lattice: Lattice<D>) -> Self {
         Reference {
             shape,
@@ -241,7 +242,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Add a body.
+    /// Add a body to the scene.
     pub fn add(
         &mut self,
         law: impl Law + 'static,
@@ -272,7 +273,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         self.laws.push(Box::new(law));
     }
 
-    /// One step of size `dt`.
+    /// Advance by one step of size `dt`.
     pub fn step(&mut self, dt: f64) {
         self.weights();
         self.mass_and_momentum(); // (2), (3)
@@ -324,7 +325,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             for image in images {
                 for w in &image.weights {
                     let xi = self.lattice.node(w.node);
-                    // The node as the particle sees it through the mirror.
+                    // Node position mirrored into the frame of the particle.
                     let mut from = [0.0; D];
                     for d in 0..D {
                         let plane = self.mirrored(xi[d], d, image.sign[d]);
@@ -344,7 +345,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Coordinate `x` along axis `d`, mirrored at the symmetry plane if `sign` is negative.
+    /// Return coordinate `x` along axis `d`, mirrored at the symmetry plane if `sign` is negative.
     fn mirrored(&self, x: f64, d: usize, sign: f64) -> f64 {
         if sign > 0.0 {
             return x;
@@ -359,7 +360,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         x
     }
 
-    /// Internal force (9), and the hoop stress around an axis.
+    /// Compute internal forces (9), with the hoop stress in axisymmetry.
     fn forces(&mut self) {
         for (point, images) in self.points.iter().zip(&self.images) {
             let law = &self.laws[point.body];
@@ -395,7 +396,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         (64.0 * f64::EPSILON).powi(2) * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min)
     }
 
-    /// v = p / m. For USF with the boundaries, since the strain is taken from it.
+    /// Compute nodal velocities v = p / m. USF applies the boundary conditions here, since its strain uses this
+    /// velocity.
     fn nodal_velocity(&mut self) {
         let (light, at_start) = (self.lightest(), self.order == Order::Usf);
         let (boundaries, lattice, time) = (&self.boundaries, &self.lattice, self.time);
@@ -410,7 +412,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// (8) with loads and boundaries.
+    /// Update nodal velocities (8) with loads and boundary conditions.
     fn integrate_momentum(&mut self, dt: f64) {
         let light = self.lightest();
         let (boundaries, lattice, end) = (&self.boundaries, &self.lattice, self.time + dt);
@@ -428,7 +430,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// FMPM: v <- sum of (I - S~)^j v for j below the order, where S~ maps to the particles and back.
+    /// Apply FMPM: v <- sum of (I - S~)^j v for j below the order, where S~ maps to the particles and back.
     fn sharpen_velocity(&mut self, dt: f64) {
         let Rule::Fmpm(order) = self.rule else { return };
         let light = self.lightest();
@@ -465,7 +467,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// (17), and its filtered kin; the affine matrix.
+    /// Update particle velocities (17) with FLIP, PIC or a blend, and the affine matrix.
     fn particle_velocities(&mut self, dt: f64) {
         for (point, images) in self.points.iter_mut().zip(&self.images) {
             let weights = &images[0].weights;
@@ -490,7 +492,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         matches!(self.rule, Rule::Aflip(_) | Rule::Apic | Rule::Mls)
     }
 
-    /// The affine matrix of APIC, from the velocities of the nodes.
+    /// Fit the affine matrix of APIC to the nodal velocities.
     fn fit_affine(&mut self) {
         for (point, images) in self.points.iter_mut().zip(&self.images) {
             for d in 0..D {
@@ -510,7 +512,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// At the start particles have no affine matrix: they take it from the nodes, eight times.
+    /// Initialise the affine matrices of particles from nodal velocities in eight iterations.
     fn first_affine_fields(&mut self) {
         let light = self.lightest();
         for _ in 0..8 {
@@ -523,7 +525,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// (16): the particle moves with the updated nodal velocity.
+    /// Update particle positions (16) with the updated nodal velocity.
     fn move_particles(&mut self, dt: f64) {
         for (point, images) in self.points.iter_mut().zip(&self.images) {
             let v = interpolate(&images[0].weights, |index| self.nodes[index].velocity);
@@ -537,7 +539,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// (3) once more with the new particle velocities.
+    /// Map momentum again (3) with the new particle velocities.
     fn map_momentum_again(&mut self, dt: f64) {
         let light = self.lightest();
         let mut momentum: BTreeMap<Index<D>, [f64; D]> = BTreeMap::new();
@@ -562,7 +564,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         self.hold_again(|node| &mut node.remapped, false, dt);
     }
 
-    /// (18), (19), and the constitutive law.
+    /// Update strain (18), (19) and stress by the constitutive law.
     fn update_stress(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
         let h = self.lattice.spacing();
         let mut increments = Vec::new();
@@ -579,7 +581,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 hoop += dt * v[0] * w.value;
             }
             if self.space == Space::Axisymmetric {
-                // The radius at the start of the step, like the weights.
+                // Radius at the start of the step, like the weights.
                 increment[2][2] = hoop / images[0].x[0];
             }
             if self.total {
@@ -601,8 +603,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// The cell of a place. Particles of a cell share a stencil: cells lie around nodes where it has an odd number of
-    /// them along an axis, between nodes otherwise.
+    /// Cell of a position. Particles of a cell share a stencil: cells are centred on nodes for stencils with an odd
+    /// number of nodes along an axis, between nodes otherwise.
     fn cell(&self, x: &[f64; D]) -> Index<D> {
         let (origin, h) = (self.lattice.origin(), self.lattice.spacing());
         std::array::from_fn(|d| {
@@ -611,8 +613,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         })
     }
 
-    /// Give the increments of a body's particles in a cell one trace, their mean by mass, and a part of the way back to the
-    /// mean volume ratio.
+    /// Replace the traces of the increments of a body's particles in a cell by their mass-weighted mean, plus a relaxation
+    /// towards the mean volume ratio.
     fn share_dilatation(&self, increments: &mut [[[f64; 3]; 3]]) {
         let mut sums: BTreeMap<(usize, Index<D>), [f64; 3]> = BTreeMap::new();
         for ((point, cell), dl) in self.points.iter().zip(&self.cells).zip(&*increments) {
@@ -634,7 +636,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 }
 
-/// sum N v.
+/// Interpolate nodal values: sum N v.
 fn interpolate<const D: usize>(weights: &[Weight<D>], of: impl Fn(&Index<D>) -> [f64; D]) -> [f64; D] {
     let mut sum = [0.0; D];
     for w in weights {

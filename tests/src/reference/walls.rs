@@ -1,5 +1,5 @@
-//! Walls that only push, as the surfaces of particles meet them: half a domain from their positions. Surfaces that press move as the
-//! wall does, and the force of the wall balances the acceleration of the nodes there.
+//! Unilateral walls in contact with particle surfaces: half a domain from their positions. Surfaces in contact move with the wall,
+//! and the wall force balances the acceleration of their nodes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,15 +9,15 @@ use super::boundaries::{constrain, held};
 use super::weights::side;
 use super::{Index, Node, Order, Point, Reference, Rule};
 
-/// A wall at the start of a step.
+/// Wall at the start of a step.
 struct Wall<const D: usize> {
-    /// Among the walls.
+    /// Index among the walls.
     number: usize,
     axis: usize,
-    /// +1 if it pushes up the axis, else -1.
+    /// Sign of the wall normal along the axis: +1 or -1.
     sign: f64,
     at: f64,
-    /// Of which a smooth one has no part along itself.
+    /// Velocity of the wall; a smooth wall has no tangential component.
     velocity: [f64; D],
     friction: f64,
 }
@@ -36,35 +36,35 @@ fn wall<const D: usize>(boundary: &Boundary<D>, number: usize, time: f64) -> Opt
     Some(Wall { number, axis, sign, at: at + velocity[axis] * time, velocity, friction })
 }
 
-/// Sweeps at most, and the change of the impulses, over the largest, at which they count as found.
+/// Maximum number of sweeps, and convergence tolerance: change of the impulses over the largest impulse.
 const SWEEPS: usize = 20;
 const FOUND: f64 = 1e-6;
 
-/// By node of a surface: its weight, that with those of images by direction, its mass, and the inverse of the mass that it shows across the wall.
+/// Nodes of a surface: weight, weight including images per direction, mass, and inverse of the effective mass normal to the wall.
 type Row<const D: usize> = BTreeMap<Index<D>, (f64, [f64; D], f64, f64)>;
 
-/// The surface of a particle at a wall.
+/// Particle surface at a wall.
 pub(super) struct Touch<const D: usize> {
     point: usize,
     gap: f64,
     pressed: bool,
     presses: bool,
     row: Row<D>,
-    /// Impulses of the force of the wall and of the constraint on velocities, N s.
+    /// Impulses of the wall force and of the velocity constraint, N s.
     force: f64,
     stop: f64,
 }
 
 impl<const D: usize> Touch<D> {
-    /// Inverse of the mass of the nodes along an axis.
+    /// Inverse effective mass of the surface along an axis, from the nodal masses.
     fn give(&self, axis: usize) -> f64 {
         self.row.values().map(|(own, all, mass, _)| own * all[axis] / mass).sum()
     }
-    /// Inverse of the mass that they show across the wall.
+    /// Inverse effective mass of the surface normal to the wall, from the effective nodal masses.
     fn shown(&self, axis: usize) -> f64 {
         self.row.values().map(|(own, all, _, shown)| own * all[axis] * shown).sum()
     }
-    /// The impulse that moving nodes get, N s, of which particles take the second part so much.
+    /// Impulse on moving nodes, N s; the part of the velocity constraint counts with the PIC fraction `takes`.
     fn given(&self, takes: f64) -> f64 {
         let of = |(own, _, mass, shown): &(f64, [f64; D], f64, f64)| {
             let passes = if *shown > 0.0 { self.force } else { 0.0 };
@@ -72,16 +72,17 @@ impl<const D: usize> Touch<D> {
         };
         self.row.values().map(of).sum()
     }
-    /// At the surface, what is said of nodes.
+    /// Interpolate nodal values at the surface.
     fn of(&self, value: impl Fn(&Index<D>) -> f64) -> f64 {
         self.row.iter().map(|(index, (own, ..))| own * value(index)).sum()
     }
 }
 
-/// Surfaces at a wall, nodes of next to no mass there, and nodes behind it with those in front that they move with.
+/// Particle surfaces at a wall, nodes of negligible mass there, and pairs of a node behind the wall and the node in
+/// front that it moves with.
 pub(super) type AtWall<const D: usize> = (Vec<Touch<D>>, BTreeSet<Index<D>>, Vec<[Index<D>; 2]>);
 
-/// A record of the nodes.
+/// Accessor of a nodal velocity.
 pub(super) type Record<const D: usize> = fn(&mut Node<D>) -> &mut [f64; D];
 
 impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
@@ -90,7 +91,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         walls.filter_map(|(number, b)| wall(b, number, self.time)).collect()
     }
 
-    /// Have surfaces meet walls at the end of the momentum update.
+    /// Apply wall contact at the end of the momentum update.
     pub(super) fn meet_walls(&mut self, dt: f64) {
         let knows_force = self.knows_force();
         let takes = self.takes(dt);
@@ -131,7 +132,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Hold mapped velocities at surfaces that pressed in the step before (USF).
+    /// Apply wall contact to mapped velocities at surfaces in contact in the step before (USF).
     pub(super) fn hold_mapped(&mut self, dt: f64) {
         let takes = self.takes(dt);
         for plane in self.planes() {
@@ -144,7 +145,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Hold a record of velocities at surfaces as [`Self::meet_walls`] found them; are they the particles'?
+    /// Apply wall contact again to a nodal velocity at the surfaces found by [`Self::meet_walls`]; `given` if
+    /// particles use this velocity.
     pub(super) fn hold_again(&mut self, record: Record<D>, given: bool, dt: f64) {
         let mut all = std::mem::take(&mut self.touches);
         for (plane, (touches, light, ties)) in self.planes().into_iter().zip(&mut all) {
@@ -175,12 +177,12 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         self.touches = all;
     }
 
-    /// Are forces known apart from momentum?
+    /// Return true if forces are known separately from momentum.
     fn knows_force(&self) -> bool {
         self.order != Order::Usl || matches!(self.rule, Rule::Flip | Rule::Aflip(_) | Rule::Blend(_))
     }
 
-    /// How much of the nodes' velocity particles take.
+    /// PIC fraction of the transfer in a step of size `dt`.
     fn takes(&self, dt: f64) -> f64 {
         match self.rule {
             Rule::Flip => 0.0,
@@ -190,16 +192,15 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// The surfaces that may touch a wall in a step.
-    /// And nodes of next to no mass that they are near.
+    /// Return the particle surfaces that may touch a wall in a step, and nearby nodes of negligible mass.
     fn touching(&self, wall: &Wall<D>, dt: f64, ties: bool) -> AtWall<D> {
-        // Velocities of nodes of next to no mass are rounding.
+        // Nodes of negligible mass have velocities of rounding error only.
         let light = 1e-12 * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min);
         let (mut list, mut lights) = (Vec::new(), BTreeSet::new());
         for (n, point) in self.points.iter().enumerate() {
             let radius = self.reach(point, wall.axis);
             let (gap, h) = (wall.sign * (point.x[wall.axis] - wall.at) - radius, self.lattice.spacing());
-            // Those that may come to touch it in this step; to rounding they do.
+            // Surfaces that may touch the wall in this step, within rounding.
             let pressed = self.has_pressed(wall, n, gap, radius);
             if gap >= 0.1 * h + dt * (-wall.sign * point.v[wall.axis]).max(0.0) && !pressed {
                 continue;
@@ -223,9 +224,10 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             list.push(Touch { point: n, gap, pressed, presses: false, row, force: 0.0, stop: 0.0 });
         }
         let ties = if ties { self.ties(wall, &mut list) } else { Vec::new() };
-        // Nodes that a condition holds do not move, and none shows next to no mass but where the force of the wall is in what changes.
+        // Nodes with a prescribed velocity do not move. The effective mass has a lower limit only if forces are known separately from
+        // momentum.
         let least = if self.knows_force() { 0.1 } else { 0.0 };
-        // A cell full of the densest matter.
+        // Mass of a cell full of the densest material.
         let full = |touch: &Touch<D>| {
             let point = &self.points[touch.point];
             point.mass
@@ -240,7 +242,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             for (index, at) in &mut touch.row {
                 let x = self.lattice.node(*index);
                 let free = !held(&self.boundaries, &self.lattice, &x, wall.axis, self.time + dt);
-                // On a plane of symmetry it has the mass of images, too.
+                // On a symmetry plane, the node includes the mass of images.
                 let on = |b: &&Boundary<D>| {
                     let h = self.lattice.spacing();
                     matches!(**b, Boundary::Symmetry { axis, at, .. } if (x[axis] - at).abs() <= 1e-6 * h)
@@ -254,8 +256,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         (list, lights, ties)
     }
 
-    /// Nodes behind a wall on which surfaces of more than ten times their mass act, and those in front of them, where all surfaces know the same one:
-    /// rows have the weights and masses of both there.
+    /// Pair nodes behind a wall, on which surfaces of more than ten times their mass act, with the nodes in front, if all surfaces agree on
+    /// the same front node. The rows of front nodes then include weights and masses of both.
     fn ties(&self, wall: &Wall<D>, list: &mut [Touch<D>]) -> Vec<[Index<D>; 2]> {
         let (axis, h) = (wall.axis, self.lattice.spacing());
         let mut acting: BTreeMap<Index<D>, f64> = BTreeMap::new();
@@ -301,8 +303,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         ties
     }
 
-    /// Give nodes in front the mean velocities and accelerations of both, by their masses. Returns the velocities at the start of the step of
-    /// both nodes of each tie, and that mean.
+    /// Set front nodes to the mass-weighted mean velocities and accelerations of both nodes. Returns the velocities of both nodes of each
+    /// tie at the start of the step, and their mean.
     fn tie(&mut self, ties: &[[Index<D>; 2]], dt: f64) -> BTreeMap<Index<D>, [[f64; D]; 2]> {
         let mut starts: BTreeMap<Index<D>, [[f64; D]; 2]> = BTreeMap::new();
         let mut masses: BTreeMap<Index<D>, f64> = BTreeMap::new();
@@ -329,7 +331,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         starts
     }
 
-    /// Have both nodes of each tie move alike, with accelerations from what each had at the start of the step.
+    /// Set the velocity of the node behind the wall to that of the front node, with accelerations from the start
+    /// velocity of each.
     fn part(&mut self, ties: &[[Index<D>; 2]], starts: &BTreeMap<Index<D>, [[f64; D]; 2]>, dt: f64) {
         let fronts: BTreeSet<Index<D>> = ties.iter().map(|tie| tie[1]).collect();
         for front in &fronts {
@@ -351,12 +354,12 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Did the surface of a particle press in the step before, and is it not too far away?
+    /// Return true if the particle surface was in contact in the step before and is still near.
     fn has_pressed(&self, wall: &Wall<D>, point: usize, gap: f64, radius: f64) -> bool {
         gap <= 0.25 * radius && self.pressed.contains(&(wall.number, point))
     }
 
-    /// Half the edges of a particle's domain, in cells.
+    /// Half edge vectors of a particle's domain, in cells.
     fn edges(&self, point: &Point<D>) -> [[f64; D]; D] {
         std::array::from_fn(|d| {
             std::array::from_fn(|axis| {
@@ -369,17 +372,18 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         })
     }
 
-    /// Their lengths, m.
+    /// Half edge lengths of a particle's domain, m.
     fn half_edges(&self, point: &Point<D>) -> [f64; D] {
         self.edges(point).map(|edge| self.lattice.spacing() * edge.iter().map(|x| x * x).sum::<f64>().sqrt())
     }
 
-    /// Half the size of a particle's domain along an axis, m.
+    /// Half extent of a particle's domain along an axis, m.
     fn reach(&self, point: &Point<D>, axis: usize) -> f64 {
         self.lattice.spacing() * self.edges(point).iter().map(|edge| edge[axis].abs()).sum::<f64>()
     }
 
-    /// Balance accelerations of nodes where surfaces press: those that did before, and those that go into the wall.
+    /// Balance nodal accelerations at surfaces in contact: those in contact in the step before, and those that
+    /// penetrate.
     fn bear(&mut self, wall: &Wall<D>, touches: &mut [Touch<D>], dt: f64) {
         let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         let before: BTreeMap<Index<D>, f64> =
@@ -418,8 +422,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Change velocities of nodes until surfaces that press move as the wall does, and others do not go into it within the step.
-    /// Nodes of next to no mass there move so, too.
+    /// Correct nodal velocities until surfaces in contact move with the wall and the others do not penetrate within the step.
+    /// Nodes of negligible mass there move with the wall, too.
     fn hold(
         &mut self,
         wall: &Wall<D>,
@@ -460,7 +464,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// Coulomb friction of surfaces, one after the other by the numbers of their particles, as often as the fast step.
+    /// Apply Coulomb friction to the surfaces in particle order, with as many sweeps as the fast step.
     fn rub(&mut self, wall: &Wall<D>, touches: &[Touch<D>], takes: f64, dt: f64) {
         let slip_of = |this: &Self, touch: &Touch<D>, d: usize| {
             touch.of(|index| this.nodes[index].velocity[d]) - wall.velocity[d]

@@ -1,4 +1,4 @@
-//! Weights of particles on nodes, and the domains they are of.
+//! Shape function values and gradients of particles at nodes, and update of particle domains.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::boundaries::sign;
 use super::{Image, Index, Node, Reference, Rule, Weight};
 
 impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
-    /// The weights of the step: those of the positions and domains at its start.
+    /// Compute the weights of the step from the positions and domains at its start.
     pub(super) fn weights(&mut self) {
         self.images.clear();
         self.cells.clear();
@@ -44,19 +44,19 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// A position in cells.
+    /// Return a position in cells.
     fn cells(&self, x: &[f64; D]) -> [f64; D] {
         std::array::from_fn(|d| (x[d] - self.lattice.origin()[d]) / self.lattice.spacing())
     }
 
-    /// Products of the weights along the axes (20).
+    /// Tensor products of the one-dimensional weights (20).
     fn stencil(&self, x: &[f64; D], half: &[f64; D]) -> Vec<Weight<D>> {
         let h = self.lattice.spacing();
         let mut list = vec![Weight { node: [0; D], value: 1.0, gradient: [1.0; D] }];
         for d in 0..D {
             let u = (x[d] - self.lattice.origin()[d]) / h;
             let offset = |a: usize| node_offset::<S::Extent>(a);
-            // The bin: its centre is on a node for odd stencils, between two for even ones.
+            // Bin centre: on a node for odd stencils, between two nodes for even ones.
             let first = offset(0);
             let lowest = (u + first + 0.5).floor();
             let xi = u - (lowest - first);
@@ -90,7 +90,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         list
     }
 
-    /// The basis that ends at walls: the node behind one is 2 (node on it) - (node in front).
+    /// Apply the boundary-modified basis at walls: the node behind the wall is 2 (node on it) - (node in front).
     fn without_outer_nodes(&self, d: usize, nodes: Vec<(i64, f64, f64)>) -> Vec<(i64, f64, f64)> {
         let mut list = nodes;
         for boundary in &self.boundaries {
@@ -118,7 +118,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         list
     }
 
-    /// Domains follow the motion, for shape functions that carry them.
+    /// Update particle domains of convected shape functions by nodal velocities.
     pub(super) fn stretch_domains(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
         let h = self.lattice.spacing();
         let moved: Vec<_> = (0..self.points.len()).map(|n| self.moved_corners(n, dt, &velocity)).collect();
@@ -134,7 +134,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// How the corners of a domain move against the particle in a step, m: with the strain, or with the nodes there.
+    /// Displacements of the domain corners relative to the particle in a step, m: by the strain increment, or by
+    /// nodal velocities interpolated at the corners.
     fn moved_corners(&self, n: usize, dt: f64, velocity: &impl Fn(&Node<D>) -> [f64; D]) -> Vec<[f64; D]> {
         let (point, weights) = (&self.points[n], &self.images[n][0].weights);
         let h = self.lattice.spacing();
@@ -160,17 +161,17 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 }
 
-/// On which side a corner lies along an axis.
+/// Sign of a corner along an axis: -1 or 1.
 pub(super) fn side(corner: usize, axis: usize) -> f64 {
     if corner >> axis & 1 == 0 { -1.0 } else { 1.0 }
 }
 
-/// What corners are multiplied with so that none is more than a cell away along an axis.
+/// Scale factor of the corners that limits their distance to one cell along each axis.
 fn drawn_in<const D: usize>(corners: &[[f64; D]]) -> f64 {
     1.0 / corners.iter().flatten().fold(1.0, |far: f64, x| far.max(x.abs()))
 }
 
-/// Nodes of the cell at a place, in cells, with their linear shape functions.
+/// Nodes of the cell that contains a position, in cells, with their linear shape functions.
 fn hats<const D: usize>(place: &[f64; D]) -> Vec<(Index<D>, f64)> {
     let lowest = place.map(|x| x.floor() as i64);
     let node = |c: usize| {
@@ -180,8 +181,8 @@ fn hats<const D: usize>(place: &[f64; D]) -> Vec<(Index<D>, f64)> {
     (0..1 << D).map(node).collect()
 }
 
-/// Weights of a domain with these corners: the mean of what linear shape functions make of its corners, and of the gradient of that, by Gauss
-/// points and the inverse of the Jacobian there.
+/// Weights of a domain with these corners (CPDI): mean of the linear shape functions interpolated from the corners, and mean of its
+/// gradient, by Gauss quadrature with the inverse Jacobian.
 fn corner_weights<const D: usize>(x: &[f64; D], corners: &[[f64; D]], h: f64) -> Vec<Weight<D>> {
     let scale = drawn_in(corners);
     let (mut volume, mut values, mut gradients) = (0.0, vec![0.0; 1 << D], vec![[0.0; D]; 1 << D]);

@@ -1,20 +1,20 @@
-//! Scenes in which methods are known to fail, and the verdict on every scheme in each.
+//! Scenes with known failures of methods, and the verdict on every scheme in each.
 //!
-//! A [`Scene`](verdict::Scene) says what goes wrong and why, what is measured, when its criterion holds, and which schemes are
-//! expected to meet it. All of them are run, those that must fail too: a scheme that passes where it should fail
-//! is reported like one that fails where it should pass, for then the scene may be too weak.
+//! A [`Scene`](verdict::Scene) defines the failure and its cause, the measure, the limit of its criterion, and the expectation
+//! for every scheme. All schemes are run, including those expected to fail: a scheme that passes where it should fail is
+//! reported like one that fails where it should pass, since the scene may be too weak.
 //!
-//! | verdict | means |
+//! | verdict | meaning |
 //! |---|---|
-//! | `PASS` | the criterion holds, as expected |
-//! | `FAIL-EXPECTED` | it does not, and that is known |
-//! | `REGRESSION` | it does not, and should |
-//! | `UNEXPECTED-PASS` | it does, and should not |
+//! | `PASS` | the criterion is met, as expected |
+//! | `FAIL-EXPECTED` | the criterion is not met, as expected |
+//! | `REGRESSION` | the criterion is not met, but should be |
+//! | `UNEXPECTED-PASS` | the criterion is met, but should not be |
 //!
-//! A row that is not as expected may be noted with its cause; then it must stay so until the note is taken back. Tests run
-//! the fast set; the binary `verdicts` runs all and writes table and page.
+//! An unexpected row may be noted with its cause; it must then stay so until the note is removed. Tests run the fast set;
+//! the binary `verdicts` runs all scenes and writes table and page.
 //!
-//! Compositions are those of the package `verification`, compiled once, there; a few more are here.
+//! Compositions are those of the package `verification`, compiled once there, and a few more here.
 
 pub mod scenes;
 pub mod stage;

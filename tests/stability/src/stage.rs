@@ -1,4 +1,4 @@
-//! What scenes are put together from: h = 1 m, density 1 kg/m^3, E = 1 Pa and c = 1 m/s unless a scene says otherwise.
+//! Common parts of scenes: h = 1 m, density 1 kg/m^3, E = 1 Pa and c = 1 m/s unless stated otherwise.
 
 use mpm_core::Mpm;
 use mpm_core::geometry::{Lattice, Seeds};
@@ -13,34 +13,34 @@ use crate::verdict::Stop;
 pub use Kernel::{CpGimp, Cpdi, Cpdi2, Cubic, Gimp, Linear, Quadratic};
 pub use Velocity::{ApicUsl, FlipMusl, FlipUsl, Fmpm4Usl};
 
-/// A scheme that moves through the grid.
+/// Updated Lagrangian scheme.
 pub const fn ul(kernel: Kernel, velocity: Velocity) -> Scheme {
     Scheme::moving(kernel, velocity)
 }
 
-/// A scheme in the reference configuration.
+/// Total Lagrangian scheme.
 pub const fn tl(kernel: Kernel, velocity: Velocity) -> Scheme {
     Scheme::total(kernel, velocity)
 }
 
-/// An error as text.
+/// Convert an error to text.
 pub fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// The lattice of unit cells at the origin.
+/// Lattice of unit cells at the origin.
 pub fn cells() -> Result<Lattice<2>, String> {
     lattice([0.0; 2], 1.0)
 }
 
-/// A solver of a scheme on unit cells, with fixed steps.
+/// Create a solver of a scheme on unit cells, with fixed time steps.
 pub fn solver(scheme: Scheme, dt: f64) -> Result<Mpm<2>, String> {
     let mut mpm = empty_scene(scheme, cells()?).ok_or("no such composition")?;
     mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
     Ok(mpm)
 }
 
-/// A row of cells from node 0 on, `per_axis` particles a cell and axis, moved by `shift` along x.
+/// Row of cells from node 0 on, `per_axis` particles per cell and axis, displaced by `shift` along x.
 pub fn row_of_cells(count: usize, per_axis: usize, shift: f64) -> Result<Seeds<2>, String> {
     let mut seeds = block(&cells()?, [0; 2], [count, 1], per_axis);
     for x in &mut seeds.positions {
@@ -49,7 +49,7 @@ pub fn row_of_cells(count: usize, per_axis: usize, shift: f64) -> Result<Seeds<2
     Ok(seeds)
 }
 
-/// A bar one cell wide between planes of symmetry, so that all is along x; nu = 0.
+/// Build a bar one cell wide between symmetry planes: one-dimensional motion, nu = 0.
 pub fn bar(
     scheme: Scheme,
     dt: f64,
@@ -62,12 +62,12 @@ pub fn bar(
     Ok(mpm)
 }
 
-/// Add boundaries.
+/// Add boundary conditions.
 pub fn bound(mpm: &mut Mpm<2>, list: Vec<Boundary<2>>) -> Result<(), String> {
     list.into_iter().try_for_each(|b| mpm.bound(b)).map_err(text)
 }
 
-/// Make steps, and look after each with its number; what stopped them, if something did.
+/// Advance by steps and call `look` after each with its number; return the error that stopped them, if any.
 pub fn steps(mpm: &mut Mpm<2>, count: u64, mut look: impl FnMut(&Mpm<2>, u64)) -> Option<Stop> {
     for step in 1..=count {
         if let Err(error) = mpm.step() {
@@ -78,12 +78,12 @@ pub fn steps(mpm: &mut Mpm<2>, count: u64, mut look: impl FnMut(&Mpm<2>, u64)) -
     None
 }
 
-/// Make steps until one stops.
+/// Advance until a step stops with an error.
 pub fn until_stopped(mpm: &mut Mpm<2>, count: u64) -> Option<StepError> {
     (0..count).find_map(|_| mpm.step().err())
 }
 
-/// Body, particle and position that a message names.
+/// Body, particle and position named in an error.
 pub fn named(error: &StepError) -> Option<(&str, usize, [f64; 3])> {
     match &error.what {
         Stopped::Point { body, number, position, .. } => Some((body, *number, *position)),
@@ -91,26 +91,26 @@ pub fn named(error: &StepError) -> Option<(&str, usize, [f64; 3])> {
     }
 }
 
-/// All particles.
+/// Return all particles.
 pub fn particles(mpm: &Mpm<2>) -> Vec<PointView> {
     mpm.bodies().iter().flat_map(|body| body.points()).collect()
 }
 
-/// Kinetic energy of the particles as seen by their centre of mass, and internal energy, J.
+/// Kinetic energy of the particles in the centre-of-mass frame, plus internal energy, J.
 pub fn energy(t: &Totals) -> f64 {
     let square: f64 = t.momentum.iter().map(|p| p * p).sum();
     t.kinetic - 0.5 * square / t.mass + t.internal
 }
 
-/// Numbers between -1 and 1 from a seed, the same on every machine (splitmix64).
+/// Pseudo-random number generator (SplitMix64) for -1 .. 1; equal sequences on every machine.
 pub struct Random(u64);
 
 impl Random {
-    /// From a seed.
+    /// Create a generator from a seed.
     pub fn new(seed: u64) -> Self {
         Random(seed)
     }
-    /// The next.
+    /// Return the next number.
     pub fn number(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -120,7 +120,7 @@ impl Random {
     }
 }
 
-/// Means of the energy over the first and the last of `parts` parts of a run.
+/// Means of a value over the first and the last of `parts` parts of a run.
 #[derive(Clone, Debug)]
 pub struct Means {
     length: u64,
@@ -130,7 +130,7 @@ pub struct Means {
 }
 
 impl Means {
-    /// Of a run of so many steps.
+    /// Create means of a run of `count` steps.
     pub fn new(count: u64, parts: u64) -> Self {
         Means { length: (count / parts).max(1), parts, first: 0.0, last: 0.0 }
     }
@@ -143,7 +143,7 @@ impl Means {
             self.last += value;
         }
     }
-    /// The relative change from the first to the last.
+    /// Relative change from the first mean to the last.
     pub fn change(&self) -> f64 {
         self.last / self.first - 1.0
     }

@@ -1,41 +1,41 @@
-//! Scenes, schemes in them, and what comes of each.
+//! Scenes, schemes in scenes, and their verdicts.
 
 use std::time::Instant;
 
-/// What is expected of a scheme in a scene.
+/// Expected result of a scheme in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Expect {
-    /// The criterion holds.
+    /// Criterion met.
     Holds,
-    /// It does not: the failure is known.
+    /// Criterion not met: a known failure.
     Fails,
 }
 
-/// When the criterion holds. What is not a number never does.
+/// Limit of a criterion; NaN never meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Limit {
-    /// Up to this.
+    /// Upper limit.
     AtMost(f64),
-    /// From this on.
+    /// Lower limit.
     AtLeast(f64),
 }
 
 impl Limit {
-    /// Does it hold?
+    /// Return true if the value meets the criterion.
     pub fn holds(self, value: f64) -> bool {
         match self {
             Limit::AtMost(most) => value <= most,
             Limit::AtLeast(least) => value >= least,
         }
     }
-    /// In words.
+    /// Describe the limit.
     pub fn text(self) -> String {
         match self {
             Limit::AtMost(most) => format!("<= {}", short(most)),
             Limit::AtLeast(least) => format!(">= {}", short(least)),
         }
     }
-    /// How far a value is from the limit on the side where it fails: 1 at the limit, above it beyond.
+    /// Ratio of a value to its limit: 1 at the limit, above 1 for failure.
     pub fn share(self, value: f64) -> f64 {
         match self {
             Limit::AtMost(most) => value / most,
@@ -44,7 +44,7 @@ impl Limit {
     }
 }
 
-/// A number with three figures.
+/// Format a number with three significant figures.
 pub fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),
@@ -56,34 +56,34 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// What stopped a run, and where.
+/// Stop of a run: step and message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stop {
-    /// The step.
+    /// Step number.
     pub step: u64,
-    /// The message.
+    /// Error message.
     pub what: String,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// The scene's measure; not a number where the run stopped and that is not what was asked for.
+    /// Measured value; NaN for a run that stopped, unless stopping is the measure.
     pub value: f64,
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// What stopped it.
+    /// Stop of the run, if any.
     pub stopped: Option<Stop>,
-    /// When the criterion was first not met, where the scene follows it: in words.
+    /// Description of the first failure of the criterion, in scenes that monitor it, or a remark.
     pub since: Option<String>,
 }
 
 impl Measured {
-    /// A value after some steps.
+    /// Create a result with a value after some steps.
     pub fn new(value: f64, steps: u64) -> Self {
         Measured { value, steps, ..Measured::default() }
     }
-    /// With what stopped the run, which leaves no value.
+    /// Add a stop of the run; it sets the value to NaN.
     pub fn stopped(mut self, stop: Option<Stop>) -> Self {
         if stop.is_some() {
             self.value = f64::NAN;
@@ -91,86 +91,86 @@ impl Measured {
         }
         self
     }
-    /// With when the criterion was first not met.
+    /// Add the first failure of the criterion, or a remark.
     pub fn since(mut self, text: Option<String>) -> Self {
         self.since = text;
         self
     }
 }
 
-/// How much of a scene is run.
+/// Size of the set of runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Size {
-    /// Within a second or two a scene, for tests.
+    /// Fast set for tests: a second or two per scene.
     Fast,
-    /// As long as the scene asks for.
+    /// Full set: complete duration of every scene.
     Full,
 }
 
-/// Runs a scheme in a scene.
+/// Run of a scheme in a scene.
 pub type Trial = Box<dyn Fn(Size) -> Result<Measured, String>>;
 
-/// A scheme in a scene.
+/// Scheme in a scene.
 pub struct Row {
-    /// Scheme, kernel, particles a cell: what is tried.
+    /// Scheme, kernel, particles per cell.
     pub scheme: String,
-    /// What is expected of it.
+    /// Expected result.
     pub expect: Expect,
-    /// Where the expectation is from.
+    /// Source of the expectation.
     pub source: &'static str,
-    /// Why it is not as expected, if that is known; then it must not be.
+    /// Known cause of an unexpected result; the result must then be unexpected.
     pub noted: Option<&'static str>,
-    /// Does the note hold for the full set alone, whose runs are longer?
+    /// True if the note applies to the full set only, whose runs are longer.
     pub long: bool,
-    /// A limit of its own.
+    /// Limit of the row, instead of that of the scene.
     pub limit: Option<Limit>,
-    /// Left out of the fast set: takes more than a few seconds.
+    /// True if excluded from the fast set: takes more than a few seconds.
     pub slow: bool,
-    /// Runs it.
+    /// Function that runs it.
     pub trial: Trial,
 }
 
 impl Row {
-    /// Left out of the fast set.
+    /// Exclude the row from the fast set.
     pub fn slow(mut self) -> Self {
         self.slow = true;
         self
     }
-    /// What was found is not as expected, and known: why. A test then fails when it becomes as expected.
+    /// Note a known cause of an unexpected result. A test then fails if the result becomes as expected.
     pub fn noted(mut self, why: &'static str) -> Self {
         self.noted = Some(why);
         self
     }
-    /// The same of the full set alone: shorter runs are as expected.
+    /// Note a known cause for the full set only: shorter runs are as expected.
     pub fn noted_when_long(mut self, why: &'static str) -> Self {
         self.long = true;
         self.noted(why)
     }
-    /// With a limit of its own.
+    /// Set a limit of the row.
     pub fn limit(mut self, limit: Limit) -> Self {
         self.limit = Some(limit);
         self
     }
 }
 
-/// A scene in which methods are known to fail.
+/// Scene with known failures of methods.
 pub struct Scene {
-    /// Its number in the list of scenes.
+    /// Number in the list of scenes.
     pub id: &'static str,
-    /// Its name.
+    /// Name of the scene.
     pub name: &'static str,
-    /// What goes wrong, and why.
+    /// Description of the failure and its cause.
     pub fails: &'static str,
-    /// What is measured.
+    /// Measured quantity.
     pub metric: &'static str,
-    /// When the criterion holds.
+    /// Limit of the criterion.
     pub limit: Limit,
-    /// The schemes.
+    /// Schemes with their expectations.
     pub rows: Vec<Row>,
 }
 
 impl Scene {
-    /// With a scheme that is expected to hold.
+    /// Add a scheme that is expected to meet the criterion.
     pub fn holds(
         self,
         scheme: impl Into<String>,
@@ -179,7 +179,7 @@ impl Scene {
     ) -> Self {
         self.row(scheme.into(), Expect::Holds, source, Box::new(trial))
     }
-    /// With a scheme that is expected to fail.
+    /// Add a scheme that is expected to fail.
     pub fn fails(
         self,
         scheme: impl Into<String>,
@@ -201,7 +201,7 @@ impl Scene {
         });
         self
     }
-    /// Change the last row.
+    /// Modify the last row.
     pub fn but(mut self, change: impl Fn(Row) -> Row) -> Self {
         if let Some(row) = self.rows.pop() {
             self.rows.push(change(row));
@@ -215,21 +215,21 @@ impl Scene {
     }
 }
 
-/// What is said of a scheme in a scene.
+/// Verdict on a scheme in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Holds, as expected.
+    /// Criterion met, as expected.
     Pass,
-    /// Fails, as expected.
+    /// Criterion not met, as expected.
     FailExpected,
-    /// Fails where it should hold.
+    /// Criterion not met, but should be.
     Regression,
-    /// Holds where it should fail: the scene may be too weak.
+    /// Criterion met, but should not be: the scene may be too weak.
     UnexpectedPass,
 }
 
 impl Verdict {
-    /// Its name in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Pass => "PASS",
@@ -240,7 +240,7 @@ impl Verdict {
     }
 }
 
-/// How a verdict is shown: its name, class of style, sign and meaning, gravest last.
+/// Display of verdicts: name, style class, sign and meaning, worst last.
 pub const SIGNS: [(&str, &str, &str, &str); 4] = [
     ("PASS", "good", "●", "holds, as expected"),
     ("FAIL-EXPECTED", "fair", "×", "fails, and that is known"),
@@ -248,38 +248,38 @@ pub const SIGNS: [(&str, &str, &str, &str); 4] = [
     ("REGRESSION", "bad", "■", "fails, and should hold: see its note"),
 ];
 
-/// The place of the verdict of this name among [`SIGNS`].
+/// Index of the verdict of this name in [`SIGNS`].
 pub fn rank(verdict: &str) -> usize {
     SIGNS.iter().position(|s| s.0 == verdict).unwrap_or(SIGNS.len() - 1)
 }
 
-/// Which of these schemes a row's name begins with; the rest of it, behind a comma, is what else was tried.
+/// Index of the scheme at the beginning of a row's name; the rest, after a comma, is further settings.
 pub fn scheme_of(row: &str, names: &[String]) -> Option<usize> {
     names.iter().position(|n| {
         row.strip_prefix(n.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(','))
     })
 }
 
-/// Text that may stand in markup.
+/// Escape text for markup.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// A row, run and judged.
+/// Row with its result and verdict.
 pub struct Judged<'a> {
-    /// The scene.
+    /// Scene of the row.
     pub scene: &'a Scene,
-    /// The row.
+    /// Row that was run.
     pub row: &'a Row,
-    /// What came of it.
+    /// Result of the run.
     pub measured: Measured,
-    /// The limit that was asked.
+    /// Limit of the criterion.
     pub limit: Limit,
-    /// What is said of it.
+    /// Verdict on the row.
     pub verdict: Verdict,
-    /// Why it is not as expected, if it is known that it is not.
+    /// Known cause of an unexpected result, if noted.
     pub noted: Option<&'static str>,
-    /// Seconds it took.
+    /// Run time, s.
     pub seconds: f64,
 }
 
@@ -300,18 +300,18 @@ impl<'a> Judged<'a> {
         Judged { scene, row, measured, limit, verdict, noted, seconds: start.elapsed().as_secs_f64() }
     }
 
-    /// Is it as expected?
+    /// Return true if the result is as expected.
     pub fn expected(&self) -> bool {
         matches!(self.verdict, Verdict::Pass | Verdict::FailExpected)
     }
 
-    /// Is it as known: as expected, or not and noted? A scene that could not be set up is never known.
+    /// Return true if the result is as expected, or unexpected and noted. A failed setup never counts.
     pub fn known(&self) -> bool {
         let set_up = self.measured.stopped.as_ref().is_none_or(|s| s.step > 0);
         set_up && self.expected() != self.noted.is_some()
     }
 
-    /// A line about it.
+    /// Format a line about the row.
     pub fn line(&self) -> String {
         let stop = self.measured.stopped.as_ref();
         let stop = stop.map_or(String::new(), |s| format!("; stopped: {}", s.what));

@@ -1,4 +1,4 @@
-//! Every scene of the fast set is as expected, or as noted.
+//! Fast set of the stability scenes: every scene is as expected, or as noted.
 
 use stability::scenes;
 use stability::verdict::{Expect, Size, Verdict};
@@ -22,7 +22,7 @@ macro_rules! scenes {
     ($($(#[$doc:meta])* $name:ident: $($id:literal)*;)*) => {
         $($(#[$doc])* #[test] fn $name() { judged(&[$($id),*]); })*
 
-        /// Every scene is in one of the tests.
+        /// Completeness: every scene is in one of the tests.
         #[test]
         fn none_is_left_out() {
             let mut tested = vec![$($($id),*),*];
@@ -35,37 +35,37 @@ macro_rules! scenes {
 }
 
 scenes! {
-    /// Crossing of cells.
+    /// Cell crossing.
     particles_cross_cells: "T1" "T2" "H1" "J1" "B1";
-    /// Limits of the step.
+    /// Time step limits.
     steps_are_as_long_as_they_may_be: "T3" "T4" "F1";
-    /// Bodies pulled apart.
+    /// Large tension.
     bodies_are_pulled_apart: "T5" "T28" "T12";
-    /// Velocities that the grid does not see.
+    /// Null-space noise.
     the_grid_does_not_see_all: "T9" "T9g" "T10";
-    /// Locking.
+    /// Volumetric locking.
     volume_locks: "T11" "T11p";
-    /// Crushing.
+    /// Large compression.
     bodies_are_crushed: "T13" "T13g";
-    /// Stops.
+    /// Breakdowns and their messages.
     what_breaks_is_named: "T14" "T21" "T16" "T16d";
-    /// Masses and stiffnesses.
+    /// Mass and stiffness ratios.
     masses_and_stiffnesses_differ: "T15" "T20" "M1";
     /// Long runs.
     runs_are_long: "T17";
-    /// Rotation.
+    /// Large rotation.
     bodies_turn: "T19" "O1" "O2";
-    /// Shocks.
+    /// Strong shocks.
     shocks_are_strong: "T26n" "T26" "T26h";
-    /// Ties and threads.
+    /// Particles on nodes, and threads.
     ties_and_threads: "T29" "T30";
     /// Finite elements.
     elements_fold_and_lock_and_turn: "E1" "T11e" "T14e";
-    /// Finite elements that touch.
+    /// Contact of finite elements.
     elements_touch: "E2";
-    /// Finite elements among particles.
+    /// Finite elements in contact with particles.
     facets_are_coarse: "T23";
-    /// Elements that become particles.
+    /// Conversion of elements to particles.
     elements_become_particles: "T22" "C1" "C2" "C3";
     /// Smoothed particles.
     particles_are_smoothed: "S1" "S2" "S3" "S4" "S5" "S6" "S7" "S8" "S9";
@@ -73,7 +73,7 @@ scenes! {
     cells_are_fragile: "P1" "P2" "P3" "P3c" "T11f" "T11w" "P5" "P5f" "P6";
 }
 
-/// A scene that nothing fails proves nothing.
+/// Every scene has an expected failure, otherwise it proves nothing.
 #[test]
 fn every_scene_has_what_fails() {
     for scene in scenes::all() {
@@ -83,7 +83,7 @@ fn every_scene_has_what_fails() {
     }
 }
 
-/// Verdicts by expectation and value; what is not a number never holds.
+/// Verdicts by expectation and value; NaN never meets the criterion.
 #[test]
 fn verdicts() {
     use stability::verdict::{Limit, Measured, Scene, Stop};

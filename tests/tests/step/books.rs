@@ -1,5 +1,5 @@
-//! The books of momentum close where planes of symmetry meet, in corners and in slices a cell or two thick, and where
-//! they meet planes that hold the material.
+//! Momentum balance at intersecting symmetry planes, in corners and in slices one or two cells thick, and at
+//! intersections with planes that fix the material.
 
 use impactite_tests::laws::Prestressed;
 use impactite_tests::scene::{YOUNG, block, rubber, wave_speed};
@@ -16,8 +16,9 @@ use mpm_materials::{Constitutive, IntoMaterial};
 
 const H: f64 = 0.1;
 
-/// Error of momentum of a body between planes of symmetry, `thick` cells apart (or only one), along every axis,
-/// and a wall that moves towards the first if that is alone; or, `held`, with the first axis' planes holding it.
+/// Return the momentum balance error of a body between symmetry planes `thick` cells apart (or one plane only)
+/// along every axis. A single plane of the first axis faces a moving wall; with `held`, fixed boundaries replace
+/// the planes of the first axis.
 fn error<const D: usize, M: IntoKernels<f64, D>, C>(
     method: M,
     law: C,
@@ -30,7 +31,7 @@ where
     let lattice = Lattice::new([0.0; D], H).expect("lattice");
     let seeds: Seeds<D> = block(&lattice, [0; D], thick.map(|t| t.unwrap_or(3)), 2, 0.0);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-    // Towards the planes, and turning, so that they have something to hold.
+    // Velocities towards the planes and rotation, so that the planes exert impulses.
     let speed = 0.02 * wave_speed();
     let velocity = |x: [f64; D]| std::array::from_fn(|d| speed * (8.0 * x[(d + 1) % D] * x[d] - 1.0));
     mpm.add("body", law, &seeds, velocity).expect("body");

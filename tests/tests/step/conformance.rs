@@ -1,4 +1,4 @@
-//! Every member of the families passes the suites that are exported for others.
+//! Conformance suites for user extensions, applied to the built-in shape functions, grids, transfers and methods.
 
 use mpm_core::{
     Aflip, Apic, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, DenseGrid, Flip,

@@ -1,5 +1,5 @@
-//! Elastic bars whose frequencies are known: the error of the period falls with the square of the cell size,
-//! and the energy behaves as theory says.
+//! Elastic bars of known frequency: the period error is of second order in the cell size, and the energy loss
+//! agrees with theory.
 
 use impactite_tests::compare::particles;
 use impactite_tests::scene::block;
@@ -10,7 +10,7 @@ use mpm_core::{
 };
 use mpm_materials::{LinearElastic, Moduli};
 
-/// A bar of `cells` cells along x, one high, between planes of symmetry: one-dimensional, since Poisson's
+/// Build a bar of `cells` cells along x, one cell high, between symmetry planes: one-dimensional, since Poisson's
 /// ratio is zero. Length 1, density 1, Young's modulus 1: c = 1.
 fn bar<M: IntoKernels<f64, 2>>(method: M, cells: usize, held: bool, velocity: impl Fn(f64) -> f64) -> Mpm<2> {
     let h = 1.0 / cells as f64;
@@ -28,7 +28,7 @@ fn bar<M: IntoKernels<f64, 2>>(method: M, cells: usize, held: bool, velocity: im
     mpm
 }
 
-/// Period of the momentum of a bar held at one end, from the first and the last time it changes sign.
+/// Measure the period of the momentum of a bar held at one end, from the first and the last sign change.
 fn period<M: IntoKernels<f64, 2>>(method: M, cells: usize) -> f64 {
     let mut mpm = bar(method, cells, true, |x| 1e-5 * (std::f64::consts::FRAC_PI_2 * x).sin());
     let mut last = mpm.totals().momentum[0];
@@ -51,7 +51,7 @@ fn period_error_falls_as_the_square<M: Composition<f64, 2> + IntoKernels<f64, 2>
     let errors = [10, 20, 40].map(|cells| period(method, cells) / 4.0 - 1.0);
     let name = method.describe();
     println!("{name}: {errors:?}");
-    // 10 cells a quarter wave are 20 a half wave; finding 9 of the accuracy notes.
+    // 10 cells per quarter wave are 20 per half wave; finding 9 of the accuracy notes.
     assert!((errors[0].abs() / predicted - 1.0).abs() < 0.25, "{name}: {} not {predicted}", errors[0]);
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
@@ -69,8 +69,8 @@ fn period_of_the_quadratic_spline() {
     period_error_falls_as_the_square(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), 6.4e-3);
 }
 
-/// Part of its energy that a free bar of 20 cells loses in 10 periods of its first mode at a Courant number of
-/// 0.3. Energies are averaged over a period, since kinetic and stored energy belong to times half a step apart.
+/// Relative energy loss of a free bar of 20 cells in 10 periods of its first mode at a Courant number of 0.3.
+/// Energies are period means, since kinetic and stored energy are half a step apart in time.
 fn lost<M: IntoKernels<f64, 2>>(method: M) -> f64 {
     let cells = 20;
     let mut mpm = bar(method, cells, false, |x| 1e-5 * (std::f64::consts::PI * x).cos());
@@ -91,7 +91,7 @@ fn lost<M: IntoKernels<f64, 2>>(method: M) -> f64 {
     1.0 - mean() / first
 }
 
-/// Finding 3: USL loses (omega dt)^2 (p + 1) theta^2 / 12 of the energy a step, MUSL nothing.
+/// Finding 3: USL loses (omega dt)^2 (p + 1) theta^2 / 12 of the energy per step, MUSL none.
 #[test]
 fn energy_of_a_free_bar() {
     let theta = std::f64::consts::PI / 20.0;
@@ -116,7 +116,7 @@ fn energy_of_a_free_bar() {
     }
 }
 
-/// A bar held by a plane of symmetry moves as half of a free one.
+/// A bar held by a symmetry plane moves like half of a free bar.
 #[test]
 fn the_bar_is_one_dimensional() {
     let mut mpm = bar(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), 10, true, |x| 1e-3 * x);

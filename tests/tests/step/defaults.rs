@@ -1,4 +1,5 @@
-//! What the methods that are recommended do where methods fail: a solid that spins without load, a shot at several km/s.
+//! Recommended methods in scenes in which methods fail: a solid spinning without load, and hypervelocity impact at
+//! several km/s.
 //!
 //! `cargo test --release -p impactite-tests --all-features --test step -- --ignored --nocapture of_methods` prints the tables of book, "Methods compared".
 
@@ -19,9 +20,9 @@ fn shares_out_of_range_are_refused() {
     }
 }
 
-/// What a disc has come to.
+/// Result of a spinning disc.
 struct Spun {
-    /// Changes of energy and of angular momentum, over those at the start.
+    /// Relative changes of energy and angular momentum.
     energy: f64,
     angular: f64,
     /// Largest plastic strain.
@@ -30,7 +31,7 @@ struct Spun {
     stress: f64,
 }
 
-/// A disc of 0.1 m that spins, without load, for some turns.
+/// Run a disc of 0.1 m that spins without load for some turns.
 fn spin(
     method: Kernels<f64, 2>,
     law: impl IntoMaterial<f64>,
@@ -44,7 +45,7 @@ fn spin(
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let spin = rim / radius;
     mpm.add("disc", law, &seeds, |x| [-spin * x[1], spin * x[0]]).expect("disc");
-    // What fails is shown to its end.
+    // Warnings only, so that failing runs reach the end.
     mpm.set_watch(Watch::default().only_warn());
     let start = mpm.totals();
     mpm.run_until(turns * TAU / spin).map_err(|e| e.to_string())?;
@@ -63,7 +64,7 @@ fn spin(
     Ok(spun)
 }
 
-/// Nothing yields: the true stress is (3 + nu)/8 rho v^2, 8 MPa at 50 m/s and 130 MPa at 200 m/s.
+/// The disc stays elastic: the exact stress is (3 + nu)/8 rho v^2, 8 MPa at 50 m/s and 130 MPa at 200 m/s.
 #[test]
 fn a_disc_that_spins_stays_whole() {
     let impact = || Method::impact(PlaneStrain).into_kernels();
@@ -81,7 +82,8 @@ fn a_disc_that_spins_stays_whole() {
     }
 }
 
-/// An aluminium ball of 2 mm radius, a quarter of it, on a plate of 2 mm, until it would have flown 12 mm.
+/// Run the impact of an aluminium ball of 2 mm radius (quarter model) on a plate of 2 mm, for the time of 12 mm of
+/// free flight.
 fn shoot(method: Kernels<f64, 3>, speed: f64) -> Result<[Totals; 2], String> {
     let h = 0.25e-3;
     let lattice = Lattice::new([0.0; 3], h).expect("lattice");

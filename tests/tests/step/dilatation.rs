@@ -1,5 +1,5 @@
-//! Steps in which laws see the mean dilatation of a cell equal the plain reference within round-off, and do what it
-//! promises: a uniform dilatation is not changed, volume is kept in the mean, and what keeps its volume does not lock.
+//! Mean dilatation of cells (B-bar): steps equal the plain reference within round-off. A uniform dilatation is
+//! unchanged, the mean volume is conserved, and nearly incompressible material does not lock.
 
 use impactite_tests::compare::{compare, fast, particles};
 use impactite_tests::reference::{Order, Rule};
@@ -12,10 +12,10 @@ use mpm_core::{
 };
 use mpm_materials::{Moduli, NeoHookean};
 
-/// As for steps with every particle's own (`reference_2d.rs`).
+/// Allowed difference: as for steps with the dilatation of each particle (`reference_2d.rs`).
 const TOLERANCE: f64 = 1e-11;
 
-/// The scene with fixed planes for walls: what is mapped in the reference configuration has no walls.
+/// Return the scene with fixed planes instead of walls: the total Lagrangian grid has no walls.
 fn clamped<const D: usize>(mut scene: scene::Scene<D>) -> scene::Scene<D> {
     for boundary in &mut scene.boundaries {
         if let Boundary::Wall { axis, at, side, .. } = *boundary {
@@ -52,7 +52,8 @@ table! {
 const H: f64 = 0.1;
 const RHO: f64 = 1000.0;
 
-/// A cantilever of `cells` across, eight times as long, that begins to fall at its free end, and the deepest it gets, m.
+/// Run a cantilever of `cells` cells across, eight times as long, under suddenly applied gravity; return its largest
+/// deflection, m.
 fn deflection<M: IntoKernels<f64, 2>>(method: M, law: NeoHookean<f64>, cells: usize) -> f64 {
     let lattice = Lattice::new([0.0; 2], H / cells as f64).expect("lattice");
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -66,7 +67,7 @@ fn deflection<M: IntoKernels<f64, 2>>(method: M, law: NeoHookean<f64>, cells: us
         * length.powi(2)
         * (12.0 * RHO * (1.0 - 0.25) / YOUNG).sqrt()
         / H;
-    // Half a period, and what locking makes of it.
+    // Half of the exact period, longer than that of a locking beam.
     for n in 1..=20 {
         mpm.run_until(0.03 * f64::from(n) * period).expect("run");
         let all = particles(&mpm);
@@ -78,9 +79,9 @@ fn deflection<M: IntoKernels<f64, 2>>(method: M, law: NeoHookean<f64>, cells: us
 }
 const YOUNG: f64 = 1.0e5;
 
-/// A clamped beam of rubber under its weight swings to twice its static deflection, w = rho g A L^4 / (8 E' I) with
-/// E' = E / (1 - nu^2) in plane strain (Timoshenko and Goodier): with linear shape functions and every particle's own dilatation it locks
-/// as nu goes to 1/2, with the mean of a cell it does not.
+/// A clamped rubber beam under its weight oscillates to twice its static deflection, w = rho g A L^4 / (8 E' I) with E' = E / (1 - nu^2)
+/// in plane strain (Timoshenko and Goodier). With linear shape functions and the dilatation of each particle it locks as nu approaches
+/// 1/2; with the mean dilatation of a cell it does not.
 #[test]
 fn what_keeps_its_volume_does_not_lock() {
     let swing = |method: bool, nu: f64| {
@@ -100,7 +101,7 @@ fn what_keeps_its_volume_does_not_lock() {
     assert!((mean - 1.0).abs() < 0.1, "{mean}");
 }
 
-/// A body that only swells does not see the difference.
+/// Mean dilatation does not change a uniform dilatation.
 #[test]
 fn a_uniform_dilatation_is_not_changed() {
     fn swell<M: IntoKernels<f64, 3>>(method: M) -> Vec<[f64; 6]> {
@@ -110,7 +111,7 @@ fn a_uniform_dilatation_is_not_changed() {
         mpm.add("cube", rubber(), &seeds, |x| x.map(|x| x - 0.4)).expect("body");
         mpm.set_time_control(TimeControl::Fixed(1e-4)).expect("time control");
         mpm.step().expect("step");
-        // At the rims nodes do not hold the field.
+        // Inner particles only: at the rim, nodes do not reproduce the field.
         let inside = |p: &&PointView| p.position.iter().all(|x| (x - 0.4).abs() < 0.15);
         particles(&mpm)[0].iter().filter(inside).map(|p| p.stress).collect()
     }
@@ -123,7 +124,7 @@ fn a_uniform_dilatation_is_not_changed() {
     }
 }
 
-/// Cells are means of one block: no number of threads changes a bit.
+/// Bitwise equality for any number of threads: cells are averaged within a block.
 #[test]
 fn threads_do_not_matter() {
     let run = |threads: usize| {

@@ -1,4 +1,5 @@
-//! What cannot go on stops in the same step and says where; what cannot be is refused; no column is forgotten.
+//! Error handling: a breakdown stops the run in the same step and names its location, invalid input is refused, and
+//! every state variable is transferred.
 
 use std::sync::Arc;
 
@@ -15,7 +16,7 @@ use mpm_core::{
 };
 use mpm_materials::{Breakdown, Constitutive};
 
-/// Columns of a particle stay together when it changes its bin and its block.
+/// State variables of a particle stay together when it changes its bin and its block.
 #[test]
 fn every_column_is_carried() {
     let scene = scene::flow::<2>();
@@ -46,14 +47,14 @@ fn every_column_is_carried() {
     assert!(crossed_bins > 200 && crossed_blocks > 20, "{crossed_bins} and {crossed_blocks}: no test");
 }
 
-/// The particle that breaks first is named, also while others leave its bin.
+/// The error names the first failing particle, also while others leave its bin.
 #[test]
 fn the_broken_particle_is_named() {
     let scene = scene::flow::<2>();
     let (seeds, velocity) = &scene.bodies[0];
     let mut tested = 0;
     for wanted in 3..25 {
-        // The reference tells who stretches most.
+        // The reference determines the particle of largest stretch.
         let mut reference = plain(QuadraticBSpline, Rule::Apic, Order::Usl, &scene);
         reference.add(Watched::new(1e9), seeds, velocity);
         let stretch = |r: &impactite_tests::reference::Reference<2, QuadraticBSpline>| {
@@ -98,7 +99,7 @@ fn the_broken_particle_is_named() {
     assert!(tested >= 8, "{tested} limits tested");
 }
 
-/// A particle that would jump over a cell is named, not one that leaves its bin properly beside it.
+/// The error names the particle that would cross more than a cell, not one that regularly leaves its bin beside it.
 #[test]
 fn the_runaway_is_named() {
     let lattice = Lattice::new([0.0; 2], 1.0).expect("lattice");
@@ -121,7 +122,7 @@ fn the_runaway_is_named() {
     }
 }
 
-/// Too large a time step ends in a named breakdown, not in numbers.
+/// A time step above the stability limit ends in a named breakdown, not in invalid results.
 #[test]
 fn too_large_a_time_step_is_found_out() {
     let scene = scene::bar::<2>();
@@ -147,7 +148,7 @@ fn named(e: &mpm_core::StepError) -> usize {
     }
 }
 
-/// A load that becomes not-a-number stops the step it acts in.
+/// A load that becomes NaN or infinite stops the step in which it acts.
 #[test]
 fn not_a_number_stops_in_the_same_step() {
     let lattice = lattice::<2>();
@@ -167,7 +168,7 @@ fn not_a_number_stops_in_the_same_step() {
         for part in ["body force", "must be finite", "step 5"] {
             assert!(text.contains(part), "`{part}` is missing in: {text}");
         }
-        // By a force on particles, which is looked at where it acts.
+        // Force field on particles, checked where it acts.
         let mut mpm =
             Mpm::new(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain), BlockGrid::new(lattice));
         let force =
@@ -181,7 +182,7 @@ fn not_a_number_stops_in_the_same_step() {
             assert!(text.contains(part), "`{part}` is missing in: {text}");
         }
         assert!((5..=6).contains(&stopped.step), "{text}");
-        // Where it was, not where a NaN would have it; and a volume that is not a number is not an inverted one.
+        // The reported position is the last finite one; a volume of NaN is not reported as inverted.
         let Stopped::Point { position, cause, .. } = stopped.what else { panic!("{text}") };
         assert!(position.iter().all(|x| x.is_finite()), "{text}");
         assert_ne!(cause, Cause::Law(Breakdown::InvertedVolume), "{text}");
@@ -262,7 +263,7 @@ fn bad_surroundings_are_refused() {
     );
 }
 
-/// A particle that leaves a dense grid is named, with its body, place and law.
+/// The error names the particle that leaves a dense grid, with body, position and law.
 #[test]
 fn leaving_the_grid_is_reported() {
     let at_zero = Lattice::new([0.0; 2], 0.1).expect("lattice");
@@ -281,7 +282,7 @@ fn leaving_the_grid_is_reported() {
             there = p.position;
         }
     });
-    // Of those in front, one asks for the next nodes; they move together.
+    // One of the foremost particles requests the next nodes; they move together.
     assert_eq!(*position, there, "{stopped}");
     assert!(there[0] > front - 1e-9, "{stopped}");
     let text = stopped.to_string();

@@ -1,6 +1,6 @@
-//! Surface loads and prescribed velocities: the impulse they give is booked to round-off, and their work closes
-//! the ledger. Ways to rest: what they take is booked, and the state they find is the static one. The null-space filter
-//! takes what nodes do not see and nothing else; bounds of the frequency are those of the step control.
+//! Surface loads and prescribed velocities: impulse accounting to round-off, and energy balance with their work.
+//! Damping and relaxation: accounting of dissipated energy, and convergence to the static state. Null-space filter:
+//! removal of only those velocities that the nodes do not see. Frequency bounds: agreement with the step control.
 
 use std::sync::Arc;
 
@@ -13,14 +13,14 @@ use mpm_core::{
 };
 use mpm_materials::{Constitutive, LinearElastic, Moduli, Stretching};
 
-/// A free block pulled at its top face by a traction that is ramped up, then by one that is there at once.
+/// Pull a free block at its top face by a ramped traction, then by a step load.
 fn pull<M: IntoKernels<f64, 3> + Copy>(method: M, allowed: f64) {
-    // The impulse of 4 m^2 times the traction over time; one step off at the ends of the ramp.
+    // Impulse of 4 m^2 times the traction over time; error of one step at the ends of the ramp.
     pull_by(method, |t| [0.02 * t, 0.0, 0.1 * t.min(1.0)], [4.0 * 0.02 * 2.0, 0.0, 4.0 * 0.1 * 1.5], allowed);
     pull_by(method, |_| [0.0, 0.0, 0.1], [0.0, 0.0, 4.0 * 0.1 * 2.0], allowed);
 }
 
-/// Momentum and energy against the ledger.
+/// Compare the momentum and energy with the ledger.
 fn pull_by<M: IntoKernels<f64, 3>>(
     method: M,
     history: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static,
@@ -68,14 +68,14 @@ fn a_pulled_block_with_usf() {
 
 #[test]
 fn a_pulled_block_with_momentum_and_impulse_together() {
-    // What the transfer smooths away is not work.
+    // Dissipation of the transfer is not work.
     pull(Method::new(QuadraticBSpline, Mls, Usl, FullSpace), 1e-2);
 }
 
-/// What remembers its stretch.
+/// Law that stores its stretch.
 type Soft = mpm_materials::CompiledHere<Stretching<LinearElastic<f64>>>;
 
-/// A block that gets longer and is pulled at its top face at once, with what else is to be said of it.
+/// Build an elongating block under a step traction at its top face, with further options `more`.
 fn drawn<M: IntoKernels<f64, 3>>(
     method: M,
     more: impl Fn(Deformable<'_, 3, Soft>) -> Deformable<'_, 3, Soft>,
@@ -97,7 +97,7 @@ fn soft() -> Stretching<LinearElastic<f64>> {
     Stretching::new(LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3).unwrap()).unwrap())
 }
 
-/// The impulse of a traction is booked whoever carries it: particles that are split, that start stressed, or both.
+/// The impulse of a traction is complete for split particles, for initially stressed particles, and for both.
 #[test]
 fn what_is_pulled_may_be_split_and_start_stressed() {
     fn check<M: IntoKernels<f64, 3> + Copy>(method: M) {
@@ -117,7 +117,7 @@ fn what_is_pulled_may_be_split_and_start_stressed() {
             let what = format!("{what}, {}", mpm.facts().description);
             let (before, seeds) = (mpm.totals(), mpm.particles());
             let start = particles(&mpm).remove(0);
-            // The remainder by the number of seeds is the seed that a particle comes from.
+            // Seed of a particle: remainder of its number by the number of seeds.
             let loaded = |mpm: &Mpm<3>| {
                 mpm.bodies()[0].points().iter().filter(|p| start[p.number % seeds].position[2] > 3.75).count()
             };
@@ -129,7 +129,7 @@ fn what_is_pulled_may_be_split_and_start_stressed() {
                 let error = after.momentum[d] - before.momentum[d] - ledger.load[d];
                 assert!(error.abs() < 1e-12 * after.momentum_scale, "{what}, component {d}: {error:e}");
             }
-            // 4 m^2 for 2 s, however many particles share the area.
+            // Traction on 4 m^2 for 2 s, independent of the number of particles that share the area.
             for (d, exact) in [4.0 * 0.02 * 2.0, 0.0, 4.0 * 0.1 * 2.0].into_iter().enumerate() {
                 assert!((ledger.load[d] - exact).abs() < 1e-12, "{what}, component {d}: {:?}", ledger.load);
             }
@@ -144,7 +144,7 @@ fn what_is_pulled_may_be_split_and_start_stressed() {
     check(Method::new(QuadraticBSpline, Mls, Usl, FullSpace));
 }
 
-/// A stretch that no particle reaches changes no bit of what is pulled.
+/// A splitting stretch that no particle reaches changes no bit of the results.
 #[test]
 fn splitting_that_is_not_reached_changes_nothing() {
     fn check<M: IntoKernels<f64, 3> + Copy>(method: M) {
@@ -175,7 +175,7 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
     let method = Method::new(Linear, Flip, Musl, FullSpace);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("block", law, &seeds, |_| [0.0, 0.02, 0.0]).unwrap();
-    // The lower half is dragged along x; y is left free there.
+    // Lower half: prescribed velocity along x and z, free along y.
     let region = Arc::new(Cuboid::new([-1.0, -1.0, -1.0], [9.0, 3.0, 2.0]).unwrap());
     let velocity = Arc::new(|_: f64| [Some(0.05), None, Some(0.0)]);
     mpm.bound(Boundary::Prescribed { region, velocity }).unwrap();
@@ -184,7 +184,7 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
     mpm.bodies()[0].for_each(&mut |p| {
         if p.position[2] < 1.5 {
             dragged += 1;
-            // Places follow the nodes exactly; velocities (FLIP) keep what waves leave between the nodes.
+            // Positions follow the nodes exactly; FLIP velocities keep the part of waves that nodes do not see.
             let moved = p.position[0] - seeds.positions[p.number][0];
             assert!((moved - 0.05 * 0.5).abs() < 1e-12, "{p:?}");
             assert!((p.velocity[0] - 0.05).abs() < 5e-3, "{p:?}");
@@ -197,7 +197,8 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
     assert!(ledger.work > 0.0);
 }
 
-/// Local damping: what it takes is booked, and a column under its weight comes to rest under the static stress.
+/// Local damping: its dissipation is accounted for, and a column under its weight comes to rest under the static
+/// stress.
 #[test]
 fn a_damped_column_comes_to_rest() {
     fn column<M: IntoKernels<f64, 2>>(method: M, filters: bool) {
@@ -228,14 +229,14 @@ fn a_damped_column_comes_to_rest() {
         assert!(ledger.damping > 0.0, "{}", ledger.damping);
         let gained = (energy + ledger.damping - ledger.work) / energy;
         assert!(gained < 0.02, "energy {energy}, work {}", ledger.work);
-        // The blend takes some that is not booked.
+        // The dissipation of the FLIP/PIC blend is not accounted for.
         assert!(filters || gained > -0.02, "energy {energy}, work {}", ledger.work);
-        // What nodes do not see of the particles' velocities, no force of theirs can damp; the blend forgets it.
+        // Nodal forces cannot damp particle velocities in the null space of the map; the blend damps them.
         let still = if filters { 5e-3 } else { 1e-6 };
         assert!(totals.kinetic < still * largest, "{} of {largest} is left", totals.kinetic);
         mpm.bodies()[0].for_each(&mut |p| {
             let start = seeds.positions[p.number];
-            // Linear shape functions hold the mean of a cell, a quarter of a cell away, and the strain is 1 %.
+            // Linear shape functions give the cell mean of the stress, a quarter of a cell away; the strain is 1 %.
             let exact = -gravity * (length - start[1]);
             assert!(
                 (p.stress[1] - exact).abs() < (0.25 * h + 0.02 * length) * gravity,
@@ -245,7 +246,7 @@ fn a_damped_column_comes_to_rest() {
         });
     }
     column(Method::new(Linear, Flip, Musl, PlaneStrain), false);
-    // The blend takes some energy of its own. With FLIP alone particles would go on trembling, unseen by the nodes.
+    // The blend dissipates energy itself. With FLIP alone, null-space noise of the particles would persist.
     let blend = Blend::new(1.0).unwrap();
     column(Method::new(QuadraticBSpline, blend, Usf, PlaneStrain).compiled(), true);
     column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled(), false);
@@ -265,8 +266,8 @@ fn damping_that_cannot_be_is_refused() {
     assert!(error.contains("forces of the nodes"), "{error}");
 }
 
-/// Kinetic damping: a column under its weight comes to rest under the static stress whatever the stress update, and what it
-/// took is booked.
+/// Kinetic damping: a column under its weight comes to rest under the static stress for every stress update order, and the
+/// dissipation is accounted for.
 #[test]
 fn a_column_comes_to_rest_by_kinetic_damping() {
     fn column<M: IntoKernels<f64, 2>>(method: M) {
@@ -283,7 +284,7 @@ fn a_column_comes_to_rest_by_kinetic_damping() {
         mpm.set_body_force(move |_| [0.0, -gravity]);
         mpm.set_time_control(TimeControl::Fixed(0.3 * h)).unwrap();
         mpm.set_kinetic_damping(true).unwrap();
-        // The column swings once in 4 s.
+        // The oscillation period of the column is 4 s.
         let rested = mpm.run_to_rest(&Rest::new(1e-4, 1e-6, 4.0).unwrap(), 200.0).unwrap();
         println!("{name}: {rested:?} after {} s, {} stops", mpm.time(), mpm.stops());
         assert!(rested.reached && mpm.stops() > 0, "{name}: {rested:?}");
@@ -293,12 +294,12 @@ fn a_column_comes_to_rest_by_kinetic_damping() {
             assert!(error.abs() < 1e-12 * gravity * 45.0, "{name}: {error:e}");
         }
         let energy = totals.kinetic + totals.internal;
-        // Every stop leaves what is of first order in the step: 4.3 %, and 2.0 % with half of it.
+        // Every stop leaves an error of first order in the step: 4.3 %, and 2.0 % at half the step.
         let closes = (energy + ledger.damping - ledger.work).abs() < 0.05 * energy;
         assert!(closes, "{name}: energy {energy}, work {}", ledger.work);
         mpm.bodies()[0].for_each(&mut |p| {
             let exact = -gravity * (length - seeds.positions[p.number][1]);
-            // Linear shape functions hold the mean of a cell, a quarter of a cell away; the strain is 1 %.
+            // Linear shape functions give the cell mean of the stress, a quarter of a cell away; the strain is 1 %.
             let allowed = (0.25 * h + 0.02 * length) * gravity;
             assert!((p.stress[1] - exact).abs() < allowed, "{name}: {} for {exact}", p.stress[1]);
         });
@@ -308,15 +309,15 @@ fn a_column_comes_to_rest_by_kinetic_damping() {
     column(Method::new(Linear, Flip, Usf, PlaneStrain).compiled());
 }
 
-/// A traction stretches a block as statics has it, and the momentum that the stops took is booked.
+/// A traction stretches a block to the static solution, and the momentum removed by stops is accounted for.
 #[test]
 fn a_pulled_block_comes_to_rest() {
-    // The books of stops close to first order of the step.
+    // The energy balance of stops is of first order in the step.
     let books = [0.02, 0.01].map(pulled_to_rest);
     assert!(books[0] < 0.08 && books[1] < 0.55 * books[0], "{books:?}");
 }
 
-/// What the books lack of the energy, relative.
+/// Relative error of the energy balance of a block pulled to rest.
 fn pulled_to_rest(dt: f64) -> f64 {
     let lattice = Lattice::new([0.0; 2], 0.5).unwrap();
     let seeds = block(&lattice, [0; 2], [4, 8], 2, 0.0);
@@ -333,22 +334,22 @@ fn pulled_to_rest(dt: f64) -> f64 {
     mpm.set_kinetic_damping(true).unwrap();
     let rested = mpm.run_to_rest(&Rest::new(1e-6, 1e-9, 2.0).unwrap(), 100.0).unwrap();
     assert!(rested.reached, "{rested:?}");
-    // The loaded layer is a quarter of a cell below the top, so that the last row of cells carries three quarters of
-    // 0.1 Pa; the area is 2 m^2 a metre of depth and the modulus in plane strain E / (1 - nu^2).
+    // Loaded layer: a quarter of a cell below the top, so that the last row of cells carries three quarters of 0.1
+    // Pa. The area is 2 m^2 per metre of depth, and the plane strain modulus is E / (1 - nu^2).
     let exact = 0.5 * 0.1f64.powi(2) / (100.0 / 0.91) * 2.0 * (3.5 + 0.5 * 0.75f64.powi(2));
     let energy = rested.balance.internal;
-    // The strain of 1e-3 changes lengths, and the corners of the loaded row are not stretched evenly.
+    // The strain of 1e-3 changes lengths, and the corners of the loaded row are stretched unevenly.
     assert!((energy / exact - 1.0).abs() < 2e-3, "energy {energy:e} for {exact:e}");
     let (totals, ledger) = (mpm.totals(), mpm.exchange());
     for d in 0..2 {
         let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
-        // Of the impulse of the load over the time of the run.
+        // Scale: impulse of the load over the run time.
         assert!(error.abs() < 1e-12 * 0.2 * mpm.time(), "{error:e}");
     }
     ((energy + ledger.damping - ledger.work) / energy).abs()
 }
 
-/// Neither stops nor filters depend on threads.
+/// Kinetic damping and filters do not depend on the number of threads.
 #[test]
 fn ways_to_rest_do_not_depend_on_threads() {
     let run = |threads: usize| {
@@ -371,7 +372,7 @@ fn ways_to_rest_do_not_depend_on_threads() {
     }
 }
 
-/// A block with noise in its velocities, `per_axis` particles a cell and axis.
+/// Build a block with velocity noise, `per_axis` particles per cell and axis.
 fn noisy<M: IntoKernels<f64, 2>>(method: M, per_axis: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
     let seeds = block(&lattice, [0; 2], [5, 3], per_axis, 0.3);
@@ -385,8 +386,8 @@ fn noisy<M: IntoKernels<f64, 2>>(method: M, per_axis: usize) -> Mpm<2> {
     mpm
 }
 
-/// The filter leaves velocities that nodes see, and nodes do not notice: in the reference configuration, where weights
-/// never change, stresses and places are the same with it.
+/// The null-space filter keeps the velocities that nodes see, and nodes do not see its action: in the reference
+/// configuration, where weights are constant, stresses and positions are the same with and without it.
 #[test]
 fn the_null_space_filter_takes_what_nodes_do_not_see() {
     let method = || Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
@@ -405,10 +406,10 @@ fn the_null_space_filter_takes_what_nodes_do_not_see() {
     };
     let (with, kinetic, books, filtered) = run(true, 3);
     let (without, noise, as_ever, _) = run(false, 3);
-    // Five of nine directions of a cell are hidden, and hold half of the noise or more.
+    // Null space of a cell: five of nine directions, with half of the noise or more.
     println!("kinetic {kinetic:e} with, {noise:e} without; books {books:e}, {as_ever:e}");
     assert!(kinetic < 0.6 * noise, "{kinetic:e} of {noise:e} is left");
-    // Singular vectors of cells whose particles nearly lie in a row are good to some 1e-12.
+    // Round-off of singular vectors is some 1e-12 for cells whose particles are nearly collinear.
     assert!((books - as_ever).abs() < 1e-10 * noise, "books {books:e}, {as_ever:e}");
     for (a, b) in with.iter().zip(&without) {
         for d in 0..2 {
@@ -418,7 +419,8 @@ fn the_null_space_filter_takes_what_nodes_do_not_see() {
             assert!((a.stress[i] - b.stress[i]).abs() < 1e-11, "{a:?} for {b:?}");
         }
     }
-    // What is left in a cell is bilinear in place: a fit by least squares, by mass, leaves nothing.
+    // The filtered velocity of a cell is bilinear in position: a mass-weighted least-squares fit leaves no
+    // residual.
     let mut cells = std::collections::BTreeMap::<[i64; 2], Vec<[f64; 4]>>::new();
     filtered.for_each_footprint(&mut |p| {
         let low = p.nodes.iter().map(|w| w.node).min().unwrap();
@@ -432,13 +434,13 @@ fn the_null_space_filter_takes_what_nodes_do_not_see() {
         let left = misfit(rows);
         assert!(left < 1e-12, "cell {cell:?}: {left:e} m/s is not bilinear");
     }
-    // With two an axis cells hide nothing, and nothing changes but rounding.
+    // Two particles per axis: cells have no null space, and the filter changes only round-off.
     let (with, kinetic, ..) = run(true, 2);
     let (without, noise, ..) = run(false, 2);
     assert!((kinetic / noise - 1.0).abs() < 1e-12 && with.len() == without.len());
 }
 
-/// The largest residual of [mass, x, y, v] from the bilinear fit, by normal equations.
+/// Return the largest residual of [mass, x, y, v] from the bilinear fit by normal equations.
 fn misfit(rows: &[[f64; 4]]) -> f64 {
     let basis = |r: &[f64; 4]| [1.0, r[1], r[2], r[1] * r[2]];
     let mut a = [[0.0; 5]; 4];
@@ -465,7 +467,7 @@ fn misfit(rows: &[[f64; 4]]) -> f64 {
     rows.iter().map(|r| (r[3] - fit(r)).abs()).fold(0.0, f64::max)
 }
 
-/// Half a body at a plane of symmetry has the bound of the frequency and the balance of the whole one.
+/// Half a body at a symmetry plane has the frequency bound and the balance of the whole body.
 #[test]
 fn diagnostics_know_planes_of_symmetry() {
     let model = |low: i64, cells: usize| {
@@ -489,7 +491,7 @@ fn diagnostics_know_planes_of_symmetry() {
     assert!((part.unbalanced.powi(2) / all.unbalanced.powi(2) - 0.5).abs() < 1e-9, "{part:?} for {all:?}");
 }
 
-/// The step by the circles of Gershgorin is what it says, and shrinks where USL meets an almost empty cell.
+/// The time step limit by Gershgorin circles equals the bound, and decreases with USL in an almost empty cell.
 #[test]
 fn the_sharp_step_follows_the_bound() {
     fn first<M: IntoKernels<f64, 2>>(method: M, behind: f64) -> (f64, f64) {
@@ -510,7 +512,7 @@ fn the_sharp_step_follows_the_bound() {
     }
     let usl = || Method::new(Linear, Flip, Usl, PlaneStrain).compiled();
     let shrinks = first(usl(), 1e-4).0 / first(usl(), 1e-2).0;
-    // As the root of what is left of a cell.
+    // The limit scales with the square root of the filled part of the cell.
     assert!((shrinks / 0.1 - 1.0).abs() < 0.05, "{shrinks}");
     let splines = || Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled();
     let keeps = first(splines(), 1e-4).0 / first(splines(), 1e-2).0;

@@ -1,4 +1,5 @@
-//! The step and what it is made of, but for what needs a program of its own: allocations, and the plain method. One program, so that what all of them use is compiled once.
+//! Tests of the step and its parts in one program, so that their common code is compiled once. Tests of allocations and of the plain
+//! reference have programs of their own.
 
 #![allow(missing_docs)]
 

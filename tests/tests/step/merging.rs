@@ -1,4 +1,4 @@
-//! Merged particles keep the books, and what was cut when it was stretched is whole again when it closes.
+//! Particle merging: conservation laws hold, and particles split in stretching are merged again in compression.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use proptest::prelude::*;
 
 const H: f64 = 0.1;
 
-/// An elastic solid of 1000 kg/m^3 with this sound speed, m/s, and little strength.
+/// Return an elastic solid of 1000 kg/m^3 with this sound speed, m/s, and low shear stiffness.
 fn soft(speed: f64) -> Solid<Elastic<f64>, LinearDensity<f64>> {
     let shear = 0.1 * 1000.0 * speed * speed;
     Solid::new(
@@ -32,7 +32,7 @@ fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<PointView> {
     mpm.bodies()[0].points()
 }
 
-/// Seeds beside their places, of unequal mass: four an axis and cell.
+/// Return randomly displaced seeds of unequal mass, four per axis and cell.
 fn scattered<const D: usize>(lattice: &Lattice<D>, start: u64) -> Seeds<D> {
     let mut seeds: Seeds<D> = block(lattice, [2; D], [2; D], 4, 0.0);
     let mut numbers = Numbers::new(start);
@@ -43,7 +43,7 @@ fn scattered<const D: usize>(lattice: &Lattice<D>, start: u64) -> Seeds<D> {
     seeds
 }
 
-/// One step of scattered particles in the velocity field `mean + gradient x` and in motion against each other.
+/// Advance scattered particles by one step in the velocity field `mean + gradient x` with relative velocities.
 fn one_step<const D: usize, M: IntoKernels<f64, D>>(
     method: M,
     (mean, gradient, start): ([f64; 3], [[f64; 3]; 3], u64),
@@ -63,7 +63,7 @@ fn one_step<const D: usize, M: IntoKernels<f64, D>>(
         v
     };
     let law = Stretching::new(soft(0.02 * H)).compiled();
-    // What is never cut, so that only merging changes it.
+    // Splitting stretch out of reach, so that only merging changes the body.
     let mut splitting = Splitting::at(4.0).expect("stretch");
     if merging {
         splitting = splitting.with_merging(Merging::above(4).expect("count").every(1).expect("steps"));
@@ -75,7 +75,7 @@ fn one_step<const D: usize, M: IntoKernels<f64, D>>(
     mpm
 }
 
-/// The difference of two totals over the scale of each number, the largest.
+/// Return the largest difference of two totals, each relative to its scale.
 fn difference(a: &Totals, b: &Totals, reach: f64) -> f64 {
     let mut worst = ((a.mass - b.mass) / b.mass).abs();
     for d in 0..3 {
@@ -110,7 +110,7 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     prop_assert_eq!(apart.bodies()[0].division().expect("particles").merges(), None);
     prop_assert!(book.merges > 5, "{book:?}");
     prop_assert_eq!(merged.particles() + book.removed as usize, apart.particles());
-    // Sums of a few hundred numbers, each rounded a few times.
+    // Tolerance: sums of a few hundred numbers, each rounded a few times.
     let error = difference(&merged.totals(), &apart.totals(), 10.0 * H);
     prop_assert!(error < 2e-14, "{error:e}, {book:?}");
     let (before, after) = (particles(&apart), particles(&merged));
@@ -126,13 +126,13 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     let mut numbers: Vec<usize> = after.iter().map(|p| p.number).collect();
     numbers.dedup();
     prop_assert_eq!(numbers.len(), after.len());
-    // Nothing lighter than what splitting may make, and heavier particles only.
+    // Particle masses: none below the limit of splitting, and only heavier particles.
     let lightest = |all: &[PointView]| all.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min);
     prop_assert!(lightest(&after) >= lightest(&before));
     Ok(())
 }
 
-/// Velocities of some tenths of a cell in a step of 1 s, and gradients that stretch.
+/// Velocities of some tenths of a cell per step of 1 s, and stretching gradients.
 fn motion() -> impl Strategy<Value = ([f64; 3], [[f64; 3]; 3], u64)> {
     let gradient = prop::array::uniform3(prop::array::uniform3(-0.1f64..0.1));
     (prop::array::uniform3(-0.03f64..0.03), gradient, 1..1_000_000u64)
@@ -164,12 +164,12 @@ proptest! {
 
 const CELLS: usize = 6;
 const LENGTH: f64 = CELLS as f64 * H;
-/// Rate of the stretch, 1/s: eight times as long after a second.
+/// Stretch rate, 1/s: length ratio eight after a second.
 const RATE: f64 = 2.0794415416798357;
 const DRAWN: f64 = 8.0;
 
-/// A strip that nodes of prescribed velocity draw out in each odd second, and push together in each even one. The law is
-/// soft, so that stress is a record of the strain.
+/// Build a strip stretched by prescribed nodal velocities in each odd second, and compressed in each even one. The law
+/// is soft, so that stress is a record of the strain.
 fn strip<M: IntoKernels<f64, 2>>(method: M, merging: Option<Merging>, threads: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let seeds: Seeds<2> = block(&lattice, [0, 0], [CELLS, 2], 2, 0.0);
@@ -197,7 +197,7 @@ fn strip<M: IntoKernels<f64, 2>>(method: M, merging: Option<Merging>, threads: u
     mpm
 }
 
-/// Columns of cells along the strip without a particle, and most particles in a cell.
+/// Return the number of empty cell columns along the strip and the largest number of particles per cell.
 fn cells(all: &[PointView]) -> (usize, usize) {
     let mut cells: Vec<[i64; 2]> =
         all.iter().map(|p| [0, 1].map(|d| (p.position[d] / H).floor() as i64)).collect();
@@ -209,8 +209,8 @@ fn cells(all: &[PointView]) -> (usize, usize) {
     (empty as usize, most)
 }
 
-/// Drawn out to eight times its length and pushed together three times: the strip is always whole, and every time it closes
-/// the particles are few again, where without merging there are four times as many as at the start.
+/// A strip stretched to eight times its length and compressed three times has no gaps. After every compression it has few
+/// particles, whereas without merging it has four times the initial number.
 fn closes_again<M: IntoKernels<f64, 2> + Copy>(method: M, above: usize) {
     let mut apart = strip(method, None, 1);
     apart.run_until(2.0).expect("run");
@@ -241,12 +241,12 @@ fn closes_again<M: IntoKernels<f64, 2> + Copy>(method: M, above: usize) {
 #[test]
 fn strips_drawn_out_and_pushed_together_stay_whole() {
     closes_again(Method::new(Linear, Flip, Musl, PlaneStrain), 8);
-    // Stencils of three nodes: their cells lie around nodes, and hold half as many at the edges.
+    // Stencils of three nodes: cells are centred on nodes and have half as many particles at the edges.
     closes_again(Method::new(CpGimp, Flip, Musl, PlaneStrain), 4);
     closes_again(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled(), 4);
 }
 
-/// A block that flies, gets longer at unit rate and thinner: a piece of a jet.
+/// Build a block in translation that elongates at unit rate and thins: part of a jet.
 fn jet<M: IntoKernels<f64, 2>>(method: M, merging: Option<Merging>, threads: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let seeds: Seeds<2> = block(&lattice, [-3, -3], [6, 6], 2, 0.0);
@@ -276,7 +276,7 @@ fn what_flies_apart_keeps_momentum_and_energy() {
             most = most.max(mpm.particles());
         }
         let (end, split) = (mpm.totals(), mpm.exchange().conversion);
-        // Round-off of some thousand steps.
+        // Tolerance: round-off of some thousand steps.
         let scale = start.momentum_scale;
         for d in 0..2 {
             assert!((end.momentum[d] - start.momentum[d]).abs() < 1e-13 * scale, "{d}");
@@ -294,7 +294,7 @@ fn what_flies_apart_keeps_momentum_and_energy() {
     let apart = run(None);
     let merged = run(Some(Merging::above(6).expect("count")));
     assert!(merged.0 < apart.0 && 6 * merged.1 < 5 * apart.1, "{} of {} particles", merged.1, apart.1);
-    // What the grid does to energy and angular momentum is far below this, and merging does not add to it.
+    // The grid's errors of energy and angular momentum are far below this limit, and merging adds none.
     assert!((apart.2 - 1.0).abs() < 2e-6 && (merged.2 - apart.2).abs() < 2e-8, "{} {}", apart.2, merged.2);
     assert!(merged.3.abs() < 2e-8, "{:e}", merged.3);
 }
@@ -314,14 +314,14 @@ fn merged_particles_do_not_depend_on_threads() {
     }
 }
 
-/// A run that was broken off after merges goes on bit for bit.
+/// A run resumed from a checkpoint after merges continues bit for bit.
 #[test]
 fn resumed_runs_merge_alike() {
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
     let scene = || strip(method, Some(Merging::above(4).expect("count")), 1);
     let path = std::env::temp_dir().join(format!("impactite-merging-{}", std::process::id()));
     let mut whole = scene();
-    // 0.002 s a step: after a tenth one, when tiles are to be mapped again.
+    // At 0.002 s per step: after a tenth step, when tiles are due for remapping.
     whole.run_until(1.7).expect("run");
     assert!(whole.bodies()[0].division().expect("particles").merges().is_some_and(|book| book.merges > 0));
     whole.save(&path).expect("checkpoint");
@@ -340,7 +340,7 @@ fn resumed_runs_merge_alike() {
 
 type StateOf<C> = <C as Constitutive<f64>>::State<f64>;
 
-/// Points of a law that were strained by so much along an axis each, as one.
+/// Merge material points of a law, each strained by one of `strains` along x.
 fn merged<C: Constitutive<f64>>(law: &C, strains: &[f64]) -> Option<(Vec<StateOf<C>>, StateOf<C>)> {
     let strained = |&strain: &f64| {
         let mut kinematics = Kinematics { increment: Mat3::zero(), dt: 1e-6, length: 1e-3 };
@@ -364,22 +364,22 @@ fn laws_keep_volume_and_energy() {
             energy += m * law.energy(state);
             mass += m;
         }
-        // Ten roundings.
+        // Tolerance: ten roundings.
         assert!((law.volume_ratio(&one) * mass / volume - 1.0).abs() < 1e-15);
         assert!((law.energy(&one) * mass / energy - 1.0).abs() < 1e-14);
-        // Volumes too far apart; and nothing may be infinite.
+        // Refuse volumes too far apart, and non-finite values.
         assert!(merged(law, &[0.1, -0.1]).is_none());
         assert!(merged(law, &[f64::NAN, 0.0]).is_none());
     }
     check(&soft(1000.0), &strains);
     check(&library::lead(), &strains);
     check(&Fluid::new(KeepEnergy(Tait::new(1000.0, 1500.0).expect("water"))), &strains);
-    // Two of these were strained enough to fail.
+    // Two of the points have strains beyond failure.
     let limit = PlasticStrainLimit::new(5e-3).expect("limit");
     let failing = library::lead().with_failure(limit);
     assert!(merged(&failing, &strains).is_none());
     assert!(merged(&failing, &[1e-4, 2e-4]).is_some() && merged(&failing, &[2e-2, 2.1e-2]).is_some());
-    // No mean has all they store; points that are gone.
+    // Refuse laws whose state variables have no conservative mean, and deleted points.
     assert!(merged(&Fluid::new(Tait::new(1000.0, 1500.0).expect("water")), &[0.0, 0.0]).is_none());
     assert!(merged(&library::lead().with_failure(Removed(limit)), &[0.0, 0.0]).is_none());
     let moduli = Moduli::young_poisson(1e6, 0.3).expect("moduli");

@@ -1,4 +1,4 @@
-//! Observers change nothing, see what is there, and refuse what is not.
+//! Observers: they change no results, record correct values, and refuse invalid names.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,7 +12,7 @@ use mpm_core::{
     PlaneStrain, PointView, Run, RunError, Side, Solver, TimeControl,
 };
 
-/// An elastic square of 8 x 8 cells of 1 mm, 2 mm off its left wall and falling on it.
+/// Build an elastic square of 8 x 8 cells of 1 mm, 2 mm from the left wall and moving towards it.
 fn square<E>(embedding: E) -> Mpm<2>
 where
     Method<Linear, Flip, Musl, E>: mpm_core::IntoKernels<f64, 2>,
@@ -31,7 +31,7 @@ fn states(mpm: &Mpm<2>) -> Vec<PointView> {
     mpm.bodies()[0].points()
 }
 
-/// Counts how often it looks and how often it is told the end.
+/// Counter of calls to `observe` and of calls at the end.
 struct Count(Pace, u64, Arc<AtomicU64>);
 impl Observer for Count {
     fn pace(&mut self) -> &mut Pace {
@@ -71,7 +71,7 @@ fn a_watched_run_makes_the_same_steps() {
     for pair in ledger.entries().windows(2) {
         assert!(pair[0].time < pair[1].time);
     }
-    // Continued with the same observers, no step is seen twice.
+    // A run continued with the same observers observes no step twice.
     Run::new(&mut watched).observe(&mut count).until(1e-3).unwrap();
     assert_eq!(count.1, run.steps + 1);
 }
@@ -80,11 +80,11 @@ fn a_watched_run_makes_the_same_steps() {
 fn the_ledger_closes() {
     let mut mpm = square(PlaneStrain);
     let mut ledger = Ledger::new(Pace::every_step());
-    // Until it leaves the wall: later, linear shape functions make noise.
+    // Until separation from the wall: later, linear shape functions cause noise.
     Run::new(&mut mpm).observe(&mut ledger).until(1.3e-4).unwrap();
     assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());
-    // Kinetic and internal energy belong to times half a step apart: a swing while the eight cells are stopped, half of it with half the
-    // step.
+    // Kinetic and internal energy are half a step apart in time: their sum oscillates while the eight cells decelerate, half as much at
+    // half the step.
     let worst = ledger.worst_energy_error();
     let (mut shorter, mut halved) = (square(PlaneStrain), Ledger::new(Pace::every_step()));
     shorter.set_time_control(TimeControl::Courant { factor: 0.25, growth: 1.1 }).unwrap();
@@ -93,11 +93,11 @@ fn the_ledger_closes() {
     assert!(worst.abs() < 0.045 && half.abs() < 0.6 * worst.abs(), "{worst:e}, with half the step {half:e}");
     let (first, last) = (ledger.entries()[0], *ledger.entries().last().unwrap());
     assert_eq!(last.total, last.kinetic + last.internal - last.work);
-    // The scale is the largest energy so far, a little above the first.
+    // Scale: largest energy so far, slightly above the initial energy.
     assert!((last.energy_error - (last.total / first.total - 1.0)).abs() < 1e-3);
     let pushed = mpm.exchange().impulse[1];
     assert!(pushed > 0.0, "the wall pushes upwards: {pushed}");
-    // Gravity is accounted for as well, in a scene that starts at rest.
+    // Work of gravity, in a scene that starts at rest.
     let mut mpm = square(PlaneStrain);
     mpm.set_body_force(|_| [0.0, -1e4]);
     let mut ledger = Ledger::new(Pace::every_step());
@@ -105,7 +105,7 @@ fn the_ledger_closes() {
     assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());
 }
 
-/// A plane of symmetry gives a blend what FLIP adds and what PIC forgets.
+/// Energy and momentum balance of a FLIP/PIC blend at a symmetry plane: the plane includes the FLIP and PIC parts.
 #[test]
 fn the_ledger_closes_for_a_blend_on_a_plane() {
     let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
@@ -161,12 +161,12 @@ fn a_snapshot_holds_all_particles_and_state() {
     assert_eq!(names[..5], ["velocity", "stress", "pressure", "von_mises", "particle"]);
     let kept = mpm.bodies()[0].state_names().len();
     assert_eq!(names.len(), 5 + kept - 6, "{names:?}: all the law keeps but its stress");
-    // A quarter of a cell, nearly undeformed.
+    // Particle size: a quarter of a cell, nearly undeformed.
     assert!((snapshot.size_of(0) / 0.5e-3 - 1.0).abs() < 0.1, "{}", snapshot.size_of(0));
     let mut round = square(Axisymmetric);
     round.run_until(1e-5).unwrap();
     let size = round.snapshot().unwrap().size_of(0);
-    // Seeds in the plane metric carry an area, not an area times radius: only the scale is looked at.
+    // Seeds in the plane metric have an area, not an area times radius: only the magnitude is checked.
     assert!(size.is_finite() && size > 0.0);
 }
 
@@ -232,7 +232,7 @@ fn files_hold_a_row_or_frame_a_look() {
     assert!(Pictures::create(".", "a/b", pace, |_| unreachable!()).is_err());
 }
 
-/// A square that spins as it flies stays at small strain, whatever the angle; one between a wall and its own speed does not.
+/// A square that flies and spins is of small strain at any angle; a square in fast impact on a wall is not.
 #[test]
 fn bodies_of_small_strain_are_told_from_others() {
     let scene = || {
@@ -263,7 +263,7 @@ fn bodies_of_small_strain_are_told_from_others() {
     assert!(!strikes.elements_would_do() && strikes.small < 0.7, "{strikes}");
     assert!(!strikes.to_string().contains("elements would"), "{strikes}");
 
-    // A run that is resumed half way finds the same.
+    // A run resumed half way gives the same result.
     let file = std::env::temp_dir().join(format!("impactite-small-strain-{}", std::process::id()));
     let (mut first, mut before) = (scene(), observer());
     Run::new(&mut first).observe(&mut before).checkpoint(&file, Pace::every_step()).until(1e-3).unwrap();

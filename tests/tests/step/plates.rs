@@ -1,4 +1,5 @@
-//! Laws in plane stress, in plane strain by name: plates of material points and of elements against closed solutions.
+//! Plane stress laws, used by plane strain methods: plates of material points and of finite elements against
+//! closed-form solutions.
 
 use std::f64::consts::PI;
 
@@ -16,7 +17,7 @@ const YOUNG: f64 = 200e9;
 const POISSON: f64 = 0.3;
 const DENSITY: f64 = 7850.0;
 const YIELD: f64 = 400e6;
-/// Of a cell, m, and cells along a plate.
+/// Cell size, m, and cells along a plate.
 const H: f64 = 1e-3;
 const ALONG: usize = 40;
 const LENGTH: f64 = ALONG as f64 * H;
@@ -29,13 +30,13 @@ fn elastic() -> impl IntoMaterial<f64> + Copy {
     PlaneStress::new(LinearElastic::new(DENSITY, moduli()).unwrap())
 }
 
-/// Without hardening.
+/// Return the J2 law in plane stress without hardening.
 fn plastic() -> impl IntoMaterial<f64> + Copy {
     let bulk = LogarithmicBulk::new(DENSITY, moduli().bulk).unwrap();
     PlaneStress::new(Solid::new(J2::linear(moduli().shear, YIELD, 0.0).unwrap(), bulk)).compiled()
 }
 
-/// Planes of symmetry, across which axis and where; the plate is between them.
+/// Return symmetry planes by axis and position; the plate is between them.
 fn planes(list: &[(usize, f64)]) -> impl Iterator<Item = Boundary<2>> + '_ {
     list.iter().map(|&(axis, at)| {
         let side = if at > 0.0 { Side::Below } else { Side::Above };
@@ -45,7 +46,7 @@ fn planes(list: &[(usize, f64)]) -> impl Iterator<Item = Boundary<2>> + '_ {
 
 type Velocity = fn([f64; 2]) -> [f64; 2];
 
-/// A plate of so many cells across, by both methods.
+/// Build a plate of so many cells across by both methods.
 fn plates(
     law: impl IntoMaterial<f64> + Copy,
     across: usize,
@@ -78,7 +79,7 @@ fn plates(
     ]
 }
 
-/// What `of` says of every point, by number.
+/// Return `of` of every point, sorted by particle number.
 fn look<R>(plate: &dyn Solver, mut of: impl FnMut(&PointView) -> R) -> Vec<R> {
     let mut found = Vec::new();
     plate.bodies()[0].for_each(&mut |point| found.push((point.number, of(point))));
@@ -86,7 +87,7 @@ fn look<R>(plate: &dyn Solver, mut of: impl FnMut(&PointView) -> R) -> Vec<R> {
     found.into_iter().map(|f| f.1).collect()
 }
 
-/// A standing wave between planes of symmetry has the speed of waves in plates, c^2 = E / rho / (1 - nu^2): 10 % less than in plane strain.
+/// Plate wave speed of a standing wave between symmetry planes, c^2 = E / rho / (1 - nu^2): 10 % less than in plane strain.
 #[test]
 fn waves_are_as_fast_as_in_plates() {
     const SPEED: f64 = 0.1;
@@ -95,7 +96,7 @@ fn waves_are_as_fast_as_in_plates() {
     let held = [(0, 0.0), (0, LENGTH), (1, 0.0), (1, 2.0 * H)];
     for mut plate in plates(elastic(), 2, |x| [SPEED * (K * x[0]).sin(), 0.0], &held) {
         let start = look(&*plate, |p| (p.mass, p.position[0]));
-        // The part of the mode in the displacement, over its amplitude.
+        // Modal amplitude of the displacement over its exact amplitude.
         let part = |plate: &dyn Solver| -> f64 {
             let now = look(plate, |p| p.position[0]);
             let mode = |x: f64| (K * x).sin();
@@ -113,8 +114,8 @@ fn waves_are_as_fast_as_in_plates() {
     }
 }
 
-/// Drawn at a constant rate, so that all of it is strained alike until the free end is heard of: sigma_xx = E e, nothing along y, where it is
-/// free and comes as nu says, and nothing across, where it becomes thinner as much.
+/// Uniaxial tension at a constant rate, uniform until the release wave from the free end arrives: sigma_xx = E e. The stress is zero along
+/// y, where the strip is free and contracts by nu, and through the thickness, which contracts by as much.
 #[test]
 fn a_strip_is_drawn_with_youngs_modulus() {
     const STRAIN: f64 = 1e-4;
@@ -133,13 +134,13 @@ fn a_strip_is_drawn_with_youngs_modulus() {
             let thinner = (1.0 - thickness) / (POISSON * STRAIN);
             assert!((thinner - 1.0).abs() < 5e-3, "{}: {thinner}", strip.method());
         }
-        // Where the end is let go at once, updates of stress at the end of steps take what is as short as a cell.
+        // Sudden release at the free end: USL dissipates modes as short as a cell.
         assert!(strip.account().energy_error().abs() < 0.01, "{}", strip.method());
     }
 }
 
-/// Far beyond yield, held along y: 2 Y / sqrt 3, and what it becomes longer it becomes thinner but for the elastic change of volume; the plane that it is
-/// drawn from pulls with this stress on the thickness that is left, 3 % less on the mean than at the start.
+/// Uniaxial tension far beyond yield, fixed along y: sigma = 2 Y / sqrt 3, and the thickness decreases as the length grows except for the
+/// elastic volume change. The symmetry plane carries this stress on the current thickness, 3 % less on average than the initial one.
 #[test]
 fn a_strip_yields_by_von_mises() {
     const STRETCH: f64 = 1.04;
@@ -163,14 +164,14 @@ fn a_strip_yields_by_von_mises() {
                 "{}: {over:?}",
                 strip.method()
             );
-            // Particles stretch within a per cent alike, as long as none crosses cells.
+            // Particles stretch uniformly within one per cent as long as none crosses cells.
             let thinner = thickness.ln() - volume + STRETCH.ln();
             assert!(thinner.abs() < 0.01 * STRETCH.ln(), "{}: {thickness}", strip.method());
         }
         let left = volume.exp() / (1.0 + 0.75 * (STRETCH - 1.0));
         let pull = 2.0 / ROOT * YIELD * 2.0 * H * left * 0.5 * TIME;
         let impulse = (before - momentum(&*strip)) / pull;
-        // Of linear shape functions what pulls is what lies in the first cell, from which nothing went.
+        // Linear shape functions: only the first cell pulls, and no particle left it.
         if !strip.method().contains("linear") {
             assert!((impulse - 1.0).abs() < 0.01, "{}: {impulse}", strip.method());
         }

@@ -1,4 +1,4 @@
-//! A run that is broken off and resumed goes on as if nothing had been, bit for bit; what cannot be resumed is refused.
+//! Checkpoint and restart: a resumed run continues bit for bit; checkpoints that cannot be resumed are refused.
 
 use std::path::PathBuf;
 
@@ -14,7 +14,7 @@ const STEPS: usize = 25;
 
 type Spline = Method<QuadraticBSpline, Apic, Usl, PlaneStrain>;
 
-/// A file of this test's own, gone with this value.
+/// Temporary file of one test, deleted on drop.
 struct Scratch(PathBuf);
 
 impl Scratch {
@@ -29,13 +29,13 @@ impl Drop for Scratch {
     }
 }
 
-/// Every particle, by its bits.
+/// Return all particles with all bits.
 fn seen<const D: usize>(mpm: &Mpm<D>) -> String {
     let all: Vec<_> = mpm.bodies().iter().map(|b| b.points()).collect();
     format!("{} {:?} {all:?}", mpm.steps(), mpm.time())
 }
 
-/// All that a run can tell.
+/// Return all results of a run.
 fn told<const D: usize>(mpm: &Mpm<D>) -> String {
     let splits: Vec<_> = mpm.bodies().iter().map(|b| b.division().map(|b| b.splits())).collect();
     format!("{} {:?} {:?} {splits:?} {}", seen(mpm), mpm.totals(), mpm.exchange(), mpm.stops())
@@ -47,7 +47,8 @@ fn advance<const D: usize>(mpm: &mut Mpm<D>) {
     }
 }
 
-/// The scene run on, run on after it was saved, and resumed by another one, with two threads.
+/// Compare three runs of the scene: uninterrupted, continued after saving, and resumed by another scene with two
+/// threads.
 fn continues<const D: usize>(name: &str, scene: impl Fn() -> Mpm<D>) {
     let file = Scratch::new(name);
     let mut whole = scene();
@@ -77,7 +78,7 @@ fn methods() {
     check("total", Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled());
 }
 
-/// Walls, weight, steps that follow the waves, kinetic damping.
+/// Walls, gravity, Courant time steps and kinetic damping.
 #[test]
 fn surroundings() {
     fn check<M: IntoKernels<f64, 2> + Copy>(name: &str, method: M, damped: bool) {
@@ -98,7 +99,7 @@ fn surroundings() {
     check("damped", Method::new(Linear, Flip, Musl, PlaneStrain), true);
 }
 
-/// What was saved from one grid goes on on another.
+/// A checkpoint of one grid resumes on another grid.
 #[test]
 fn on_another_grid() {
     let (file, scene) = (Scratch::new("grid"), scene::bar::<2>());
@@ -112,7 +113,7 @@ fn on_another_grid() {
     assert!(seen(&sparse) == seen(&dense));
 }
 
-/// Particles that are split, so that there are more than the scene starts with.
+/// Split particles: more of them than initial seeds.
 #[test]
 fn splitting() {
     let scene = || {
@@ -216,7 +217,7 @@ fn a_damaged_file_is_refused() {
     assert!(matches!(refusal(block(false, "block"), &file), CheckpointError::File(_)));
 }
 
-/// A run that a step stopped has no state to go on from.
+/// A run stopped by an error has no state to save.
 #[test]
 fn a_stopped_run_is_not_saved() {
     let file = Scratch::new("stopped");

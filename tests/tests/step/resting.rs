@@ -1,4 +1,4 @@
-//! A body that rests until it is met costs nothing, and changes no bit of what follows.
+//! Deactivated bodies: a body at rest until contact needs no computation, and the results are the same bit for bit.
 
 use std::sync::Arc;
 
@@ -14,19 +14,19 @@ use mpm_materials::{Constitutive, Explosive, IntoMaterial, Moduli, NeoHookean, S
 
 /// Cells between the projectile and the plate at the start: more than five blocks.
 const BEFORE: i64 = 22;
-/// First node of the projectile; where radii are positive.
+/// First node of the projectile, at positive radii.
 const LOW: i64 = 4;
 
-/// What a scene is made of beside its method, grid and law.
+/// Parameters of a scene other than method, grid and law.
 struct Flight {
-    /// Of the projectile, over the speed of sound.
+    /// Speed of the projectile over the sound speed.
     speed: f64,
     control: TimeControl,
-    /// Speed of sound, m/s.
+    /// Sound speed, m/s.
     sound: f64,
-    /// Axis of the flight.
+    /// Axis of flight.
     along: usize,
-    /// Planes of symmetry and a fixed one?
+    /// True if the scene has symmetry planes and a fixed plane.
     planes: bool,
 }
 
@@ -36,7 +36,7 @@ impl Flight {
         Flight { speed, control, sound: wave_speed(), along: 0, planes: true }
     }
 
-    /// Two bodies, the second one at rest.
+    /// Build the scene: two bodies, the second one at rest.
     fn scene<T: Float, const D: usize, M, G, C>(&self, method: M, grid: G, law: C) -> Mpm<D, T>
     where
         M: IntoKernels<T, D>,
@@ -72,13 +72,13 @@ fn space<const D: usize>() -> BlockGrid<f64, D> {
     BlockGrid::new(lattice())
 }
 
-/// Steps in which the plate rests are the same bits as if it did not, and so are those after it is hit. Returns the part of the
-/// particle updates that were saved.
+/// Compare runs with and without the plate deactivated: equal bits before and after the impact. Returns the fraction of
+/// particle updates saved.
 fn compare<T: Float, const D: usize>(what: &str, steps: usize, scene: impl Fn() -> Mpm<D, T>) -> f64 {
     compare_with(what, &["plate"], steps, scene)
 }
 
-/// The same with these bodies at rest.
+/// Compare runs with and without these bodies deactivated.
 fn compare_with<T: Float, const D: usize>(
     what: &str,
     bodies: &[&str],
@@ -131,12 +131,12 @@ fn compare_with<T: Float, const D: usize>(
     saved[0]
 }
 
-/// With a speed of half that of sound.
+/// Check a projectile at half the sound speed.
 fn check<const D: usize, M: Composition<f64, D> + IntoKernels<f64, D>>(method: M) {
-    // About an axis the rod flies along it.
+    // In axisymmetry the rod flies along the axis.
     let along = usize::from(<M::Embedding as Embedding<D>>::HOOP);
     let scene = || Flight { along, ..Flight::at(0.5) }.scene(method, space::<D>(), rubber());
-    // The plate has half of the particles and more, and rests in half of the steps and more.
+    // The plate has at least half of the particles and is deactivated for at least half of the steps.
     let saved = compare(&method.describe(), 40, scene);
     assert!(saved > 0.25, "{saved}");
 }
@@ -170,7 +170,7 @@ fn grids_speeds_and_steps() {
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
     let dense = || DenseGrid::new(lattice(), [-10; 2], [40; 2]).expect("box");
     compare("dense", 40, || Flight::at(0.5).scene(method, dense(), metal()));
-    // A tenth of a cell less than one a step: the plate wakes in time.
+    // Displacement of 0.9 cells per step: the plate is reactivated in time.
     let fixed = TimeControl::Fixed(0.9 * 0.1 / (5.0 * wave_speed()));
     let fast = || Flight { control: fixed, ..Flight::at(5.0) };
     compare("five times as fast as sound", 10, || fast().scene(method, space::<2>(), metal()));
@@ -194,7 +194,7 @@ fn grids_speeds_and_steps() {
     );
 }
 
-/// Single precision, and a metal with plasticity, an equation of state, heat and viscosity.
+/// Single precision, and a metal with plasticity, equation of state, heat and viscosity.
 #[test]
 fn precisions_and_laws() {
     let single = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).compiled();
@@ -209,7 +209,7 @@ fn precisions_and_laws() {
     compare("aluminium", 60, || fast().scene(hats, space::<3>(), metal));
 }
 
-/// Particles of the plate that are split when it is hit.
+/// Particles of the plate that are split upon impact.
 #[test]
 fn splitting() {
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
@@ -232,7 +232,7 @@ fn splitting() {
     assert!(mpm.bodies()[1].division().expect("particles").splits().cuts > 0, "nothing was split");
 }
 
-/// Two plates that touch: what wakes the first wakes the second.
+/// Two plates in contact: reactivation of the first one reactivates the second one.
 #[test]
 fn neighbours_wake_together() {
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
@@ -242,14 +242,14 @@ fn neighbours_wake_together() {
         mpm.add("backing", rubber(), &backing, |_| [0.0; 2]).expect("body");
         mpm
     };
-    // One beside another that is awake does not come to rest.
+    // A body beside an active one cannot be deactivated.
     let mut mpm = scene();
     mpm.deactivate(&["plate"]).expect("rest");
     assert_eq!(mpm.moving_particles(), mpm.particles());
     compare_with("neighbours", &["backing", "plate"], 40, scene);
 }
 
-/// During the flight the grid has the nodes of the projectile, and no more.
+/// During the flight the grid has only the nodes of the projectile.
 #[test]
 fn no_nodes_at_rest() {
     let method = Method::new(Linear, Flip, Musl, FullSpace);
@@ -262,7 +262,7 @@ fn no_nodes_at_rest() {
     assert_eq!(mpm.grid().nodes().len(), alone.grid().nodes().len());
     assert!(mpm.grid().nodes().len() < all);
     assert_eq!(mpm.moving_particles(), projectile.positions.len());
-    // With nothing else in the scene, there is nothing to do but to let time pass.
+    // Without another body, steps only advance time.
     let still = || {
         let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), space());
         mpm.add("plate", rubber(), &block(&lattice(), [2; 2], [4; 2], 2, 0.6), |_| [0.0; 2]).expect("plate");
@@ -278,7 +278,7 @@ fn no_nodes_at_rest() {
     assert_eq!(plain.time(), resting.time());
 }
 
-/// A run saved while the plate rests, and after it was hit, goes on as if nothing had been.
+/// A run saved while the plate is deactivated, or after impact, resumes bit for bit.
 #[test]
 fn checkpoints() {
     let file = std::env::temp_dir().join(format!("impactite-{}-resting", std::process::id()));
@@ -305,7 +305,7 @@ fn checkpoints() {
         run = rested().resumed(&file).expect("the scene");
         assert_eq!(run.bodies()[1].is_deactivated(), rests);
         assert!(told(&run) == told(&whole), "resting: {rests}");
-        // A scene that was not told to let the plate rest takes over that it does.
+        // A scene without a call to `deactivate` restores deactivation from the checkpoint.
         let other = scene().resumed(&file).expect("the scene");
         assert_eq!(other.bodies()[1].is_deactivated(), rests);
     }
@@ -317,7 +317,7 @@ fn checkpoints() {
     std::fs::remove_file(&file).expect("file");
 }
 
-/// What comes to act on it later wakes it.
+/// Changes of the scene that act on a deactivated body reactivate it.
 #[test]
 fn woken_by_the_scene() {
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
@@ -348,7 +348,7 @@ fn woken_by_the_scene() {
         assert_eq!(resting.bodies()[1].is_deactivated(), !wakes, "change {n}");
         assert_eq!(plain.bodies()[1].points(), resting.bodies()[1].points(), "change {n}");
         assert_eq!(format!("{:?}", plain.exchange()), format!("{:?}", resting.exchange()), "change {n}");
-        // And it is refused where it was there before.
+        // Deactivation is refused if the change was made before.
         let mut later = scene();
         change(&mut later);
         let refused = later.deactivate(&["plate"]);
@@ -372,7 +372,7 @@ fn what_does_not_rest_is_refused() {
     assert_eq!(mpm.deactivate(&["plate"]), Ok(()));
     assert_eq!(mpm.deactivate(&["plate"]), Ok(()), "told twice");
 
-    // Where one is refused, all stay awake.
+    // If one body is refused, all bodies stay active.
     let mut mpm = scene();
     mpm.add("still", rubber(), &block(&lattice(), [20; 2], [4; 2], 2, 0.0), |_| [0.0; 2]).expect("body");
     mpm.add("plate", rubber(), &plate(), |x| [0.0, if x[0] > 0.15 { 0.1 } else { 0.0 }]).expect("body");
@@ -400,7 +400,7 @@ fn what_does_not_rest_is_refused() {
     assert!(matches!(mpm.deactivate(&["plate"]), Err(SceneError::Disturbed { .. })));
     mpm.step().expect("it goes on");
 
-    // A charge stands still, too, but its time runs out.
+    // An explosive charge at rest is refused, since its ignition time elapses.
     let charge = Explosive::<f64>::tnt().all_lit_after(1.0e-3).expect("charge");
     let scene = || {
         let mut mpm = scene();

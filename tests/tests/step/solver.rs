@@ -1,4 +1,4 @@
-//! Scenes of the material point method are solvers.
+//! Conformance of material point method scenes to the `Solver` interface.
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
 use mpm_core::scene::solver_conforms;
@@ -7,7 +7,7 @@ use mpm_core::{
 };
 use mpm_materials::{JohnsonCook, MieGruneisen, Moduli, NeoHookean, Solid};
 
-/// A copper bar against a wall, around its axis.
+/// Build an axisymmetric copper bar that hits a wall.
 fn bar() -> impl Solver {
     let lattice = Lattice::new([0.0; 2], 0.8e-3).unwrap();
     let seeds =
@@ -24,7 +24,7 @@ fn rubber(stiffness: f64) -> NeoHookean<f64> {
     NeoHookean::new(1000.0, Moduli::young_poisson(stiffness, 0.3).unwrap()).unwrap()
 }
 
-/// Rubber discs that collide under gravity.
+/// Build rubber discs that collide under gravity.
 fn discs() -> impl Solver {
     let lattice = Lattice::new([0.0; 2], 0.05).unwrap();
     let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
@@ -36,7 +36,7 @@ fn discs() -> impl Solver {
     mpm
 }
 
-/// A rubber ball that spins in space.
+/// Build a spinning rubber ball in free flight.
 fn ball() -> impl Solver {
     let lattice = Lattice::new([0.0; 3], 0.1).unwrap();
     let seeds = fill(&Ball::new([0.0; 3], 0.3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
@@ -45,7 +45,7 @@ fn ball() -> impl Solver {
     mpm
 }
 
-/// Rubber thrown together so fast that a particle crosses more than a cell in a step.
+/// Build rubber halves that collide so fast that a particle crosses more than a cell per step.
 fn crushed() -> impl Solver {
     let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
     let seeds = fill(&Cuboid::new([0.0; 2], [1.0; 2]).unwrap(), &lattice, 2, &Filling::new()).unwrap();

@@ -1,4 +1,4 @@
-//! Split particles keep the books, and what is stretched does not break for want of particles.
+//! Particle splitting: conservation laws hold, and stretched material develops no numerical fracture.
 
 use std::sync::Arc;
 
@@ -19,13 +19,13 @@ fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<PointView> {
     mpm.bodies()[0].points()
 }
 
-/// Neo-Hookean of 1000 kg/m^3 with this wave speed, m/s.
+/// Return a neo-Hookean law of 1000 kg/m^3 with this wave speed, m/s.
 fn soft(speed: f64) -> NeoHookean<f64> {
     let young = 1000.0 * speed * speed;
     NeoHookean::new(1000.0, Moduli::young_poisson(young, 0.0).expect("moduli")).expect("law")
 }
 
-/// One step of a block in the velocity field `mean + gradient x`; its particles are split if `splitting`.
+/// Advance a block by one step in the velocity field `mean + gradient x`; split its particles by `splitting`.
 fn one_step<const D: usize, M: IntoKernels<f64, D>>(
     method: M,
     (mean, gradient): ([f64; 3], [[f64; 3]; 3]),
@@ -44,7 +44,7 @@ fn one_step<const D: usize, M: IntoKernels<f64, D>>(
         }
         v
     };
-    // Its waves go a fiftieth of a cell in the step of 1 s, which is as long as the gradients need.
+    // Waves cross a fiftieth of a cell in the step of 1 s, the duration that the gradients need.
     let law = Stretching::new(soft(0.02 * H)).compiled();
     let mut block = Deformable::new("block", law, &seeds).moving(velocity);
     if let Some(splitting) = splitting {
@@ -56,7 +56,7 @@ fn one_step<const D: usize, M: IntoKernels<f64, D>>(
     mpm
 }
 
-/// The difference of two totals over the scale of each number, the largest.
+/// Return the largest difference of two totals, each relative to its scale.
 fn difference(a: &Totals, b: &Totals, reach: f64) -> f64 {
     let mut worst = ((a.mass - b.mass) / b.mass).abs();
     for d in 0..3 {
@@ -77,7 +77,7 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     let split = one_step::<D, M>(method, motion, Some(splitting));
     let (cuts, seeds) = (split.bodies()[0].division().expect("particles").splits().cuts, whole.particles());
     prop_assert_eq!(split.particles(), seeds + cuts as usize);
-    // Sums of a few hundred numbers, each rounded a few times.
+    // Tolerance: sums of a few hundred numbers, each rounded a few times.
     let mut totals = split.totals();
     let revealed = split.exchange().conversion;
     prop_assert!(revealed >= 0.0 && revealed < totals.kinetic);
@@ -85,7 +85,7 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     let error = difference(&totals, &whole.totals(), 10.0 * H);
     prop_assert!(error < 2e-14, "{error:e}, {cuts} cuts");
 
-    // Every child has its parent's history, and its own number.
+    // Children inherit the state variables of their parent and have unique numbers.
     let parents = particles(&whole);
     let children = particles(&split);
     let mut numbers: Vec<usize> = children.iter().map(|p| p.number).collect();
@@ -107,18 +107,19 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
                 let mean = 0.5 * (a.velocity[d] + b.velocity[d]);
                 prop_assert!((mean - p.velocity[d]).abs() < 1e-16, "{mean}");
             }
-            // Half of the largest stretch is left: its square is a quarter.
+            // Splitting halves the largest stretch: its square becomes a quarter.
             let trace = |s: &[f64]| (0..D).map(|d| s[d]).sum::<f64>();
             let lost = trace(&p.state) - trace(&a.state);
             let apart: f64 = (0..D).map(|d| (a.position[d] - b.position[d]).powi(2)).sum();
-            // L/2 = l lambda, and three quarters of lambda squared are gone; l is a quarter of a cell.
+            // Distance of children: L/2 = l lambda, l = a quarter of a cell, and three quarters of lambda squared
+            // are lost.
             prop_assert!((apart - (0.25 * H).powi(2) * lost / 0.75).abs() < 1e-12 * H * H, "{apart}");
         }
     }
     Ok(())
 }
 
-/// Velocities of some tenths of a cell in a step of 1 s, gradients that stretch by up to a half.
+/// Velocities of some tenths of a cell per step of 1 s, and gradients with stretches up to a half.
 fn motion() -> impl Strategy<Value = ([f64; 3], [[f64; 3]; 3])> {
     let gradient = prop::array::uniform3(prop::array::uniform3(-0.2f64..0.2));
     (prop::array::uniform3(-0.03f64..0.03), gradient).prop_map(|(v, mut g)| {
@@ -153,11 +154,11 @@ proptest! {
 
 const CELLS: usize = 6;
 const LENGTH: f64 = CELLS as f64 * H;
-/// Rate of the stretch at the start, 1/s.
+/// Initial stretch rate, 1/s.
 const RATE: f64 = 1.0;
 
-/// A strip between planes of symmetry that flies apart, v = rate x: in free flight its stretch is 1 + rate t. The law is
-/// soft enough (waves take 100/rate along it) not to matter for the motion, so that stress is a record of the strain.
+/// Build a strip between symmetry planes with v = rate x: in free flight its stretch is 1 + rate t. The law is soft
+/// enough (waves take 100/rate along the strip) not to affect the motion, so that stress is a record of the strain.
 fn stretched<M: IntoKernels<f64, 2>>(
     method: M,
     splitting: Option<Splitting>,
@@ -185,8 +186,8 @@ fn stretched<M: IntoKernels<f64, 2>>(
     mpm
 }
 
-/// Cells along the strip without a particle; the mean stretch of the particles, its last tenth left out, where it ends
-/// within a cell; its coefficient of variation.
+/// Return the number of empty cells along the strip, the mean stretch of the particles without the last tenth of the
+/// strip, which ends within a cell, and its coefficient of variation.
 fn strip(mpm: &Mpm<2>) -> (usize, f64, f64) {
     let all = particles(mpm);
     let mut cells: Vec<i64> = all.iter().map(|p| (p.position[0] / H).floor() as i64).collect();
@@ -196,19 +197,19 @@ fn strip(mpm: &Mpm<2>) -> (usize, f64, f64) {
     let end = all.iter().map(|p| p.position[0]).fold(0.0, f64::max);
     let all: Vec<PointView> = all.into_iter().filter(|p| p.position[0] < 0.9 * end).collect();
     let mass: f64 = all.iter().map(|p| p.mass).sum();
-    // Plane and held at its sides: volume over that at the start is the stretch.
+    // Plane strain, fixed sides: the stretch is the volume ratio.
     let stretch = |p: &PointView| p.volume * 1000.0 / p.mass;
     let mean = all.iter().map(|p| p.mass * stretch(p)).sum::<f64>() / mass;
     let variance = all.iter().map(|p| p.mass * (stretch(p) - mean).powi(2)).sum::<f64>() / mass;
     (empty as usize, mean, variance.sqrt() / mean)
 }
 
-/// Cut at half of what leaves a cell between two particles.
+/// Split at stretch 2: half of the stretch that leaves an empty cell between two particles.
 fn at_two() -> Option<Splitting> {
     Some(Splitting::at(2.0).expect("stretch"))
 }
 
-/// Drawn out to ten times its length the strip stays whole if its particles are split, and comes apart if not.
+/// At ten times its length, the strip has no gaps with particle splitting, and fractures numerically without.
 fn stays_whole<M: IntoKernels<f64, 2> + Copy>(method: M) {
     let mpm = stretched(method, None, 1, 10.0);
     let (empty, stretch, variation) = strip(&mpm);
@@ -255,7 +256,7 @@ fn bad_splitting_is_refused() {
     let refused = mpm.add_body(oblong.with_splitting(splitting));
     assert!(matches!(refused, Err(SceneError::Oblong { axis: 1, .. })), "{refused:?}");
     seeds.half_size[1] *= 2.0;
-    // A law of which only the scene knows that it keeps no stretch.
+    // Law without stored stretch; only the scene can detect this.
     let law: Arc<dyn Material<f64>> = soft(1.0).into_material();
     let refused = mpm.add_body(Deformable::new("body", law, &seeds).with_splitting(splitting));
     assert!(matches!(refused, Err(SceneError::NoStretch { .. })), "{refused:?}");
@@ -263,7 +264,8 @@ fn bad_splitting_is_refused() {
     let body = Deformable::new("body", Stretching::new(soft(1.0)).compiled(), &seeds);
     let refused = total.add_body(body.with_splitting(splitting));
     assert!(matches!(refused, Err(SceneError::NotWith { .. })), "{refused:?}");
-    // Numbers of single precision count to 2^24: 16 seeds of 16 generations are 2^20, 64 x 16 are too many.
+    // Particle numbers in single precision are exact to 2^24: 16 seeds of 16 generations are 2^20, 64 x 16 are too
+    // many.
     let mut single = Mpm::<2, f32>::of(method.compiled(), BlockGrid::new(lattice), OneField);
     let many: Seeds<2> = block(&lattice, [0; 2], [10; 2], 2, 0.0);
     let law = NeoHookean::new(1000.0f32, Moduli::young_poisson(1e6, 0.3).expect("moduli")).expect("law");

@@ -1,4 +1,4 @@
-//! Bodies whose points do not start virgin.
+//! Initial states of bodies that are not virgin.
 
 use impactite_tests::compare::particles;
 use impactite_tests::scene::{DENSITY, block, rubber, wave_speed};
@@ -12,7 +12,7 @@ use mpm_materials::{Constitutive, Mat3, NeoHookean};
 
 const H: f64 = 0.1;
 const HEIGHT: f64 = 1.2;
-/// Compression at the foot of a column under its own weight.
+/// Strain at the foot of a column under its own weight.
 const COMPRESSION: f64 = 1e-3;
 
 fn column(lattice: Lattice<2>, gravity: f64) -> Mpm<2> {
@@ -26,14 +26,14 @@ fn column(lattice: Lattice<2>, gravity: f64) -> Mpm<2> {
     mpm
 }
 
-/// The state of a neo-Hookean point pressed along y.
+/// Return the state of a neo-Hookean point compressed along y.
 fn pressed(strain: f64) -> HyperelasticState<f64> {
     let mut deformation = Mat3::identity();
     deformation.0[1][1] = 1.0 - strain;
     HyperelasticState { deformation }
 }
 
-/// A column that starts as its weight presses it stays at rest; a virgin one falls and bounces.
+/// A column with the initial stress of its weight stays at rest; a virgin one falls and bounces.
 #[test]
 fn a_body_may_start_in_equilibrium() {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
@@ -43,7 +43,7 @@ fn a_body_may_start_in_equilibrium() {
     let strain = |y: f64| COMPRESSION * (HEIGHT - y) / HEIGHT;
     let fastest = |mut mpm: Mpm<2>| {
         let mut fastest = 0.0f64;
-        // Half of the slowest period.
+        // Half of the longest period.
         while mpm.time() < 2.0 * HEIGHT / wave_speed() {
             mpm.step().expect("step");
             fastest = particles(&mpm)[0].iter().map(|p| p.velocity[1].abs()).fold(fastest, f64::max);
@@ -64,7 +64,7 @@ fn a_body_may_start_in_equilibrium() {
     assert!(resting < 0.01 * bouncing, "{resting:e} against {bouncing:e}");
 }
 
-/// A mass that all particles of a body have is the body's number, not theirs; nothing else changes.
+/// Equal masses of all particles are stored once per body, not per particle; results are unchanged.
 #[test]
 fn equal_masses_are_not_carried() {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
@@ -72,7 +72,7 @@ fn equal_masses_are_not_carried() {
     let rising = |[_, y]: [f64; 2]| [0.0, 0.2 * wave_speed() * y / HEIGHT];
     let (mut equal, mut own) = (column(lattice, 0.0), column(lattice, 0.0));
     equal.add("column", rubber(), &seeds, rising).expect("body");
-    // Bodies that start in a state carry masses, since each point may have another density; here none has.
+    // Bodies with an initial state store particle masses, since points may differ in density; here they are equal.
     own.add_body(Deformable::new("column", rubber(), &seeds).moving(rising).in_state(|_| pressed(0.0)))
         .expect("body");
     assert_eq!(equal.bodies()[0].particle_bytes() + 8, own.bodies()[0].particle_bytes());

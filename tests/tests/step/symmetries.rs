@@ -1,5 +1,5 @@
-//! One scene seen in two ways gives one result: turned, shifted, mirrored, in another dimension, on another
-//! grid, with other threads, in another precision.
+//! Invariance of results under rotation, translation, reflection, change of dimension, grid, number of threads and
+//! precision.
 
 use impactite_tests::compare::{fast, particles, surround};
 use impactite_tests::laws::Prestressed;
@@ -12,7 +12,7 @@ use mpm_core::{
 };
 use mpm_materials::{Constitutive, Moduli, NeoHookean};
 
-/// Round-off of 40 steps; see the tests against the reference.
+/// Allowed difference: round-off of 40 steps; see the tests against the reference.
 const TOLERANCE: f64 = 1e-11;
 
 type LinearFlip<E> = Method<Linear, Flip, Musl, E>;
@@ -27,7 +27,7 @@ fn run<const D: usize, M: IntoKernels<f64, D>>(method: M, scene: &Scene<D>) -> V
     particles(&mpm).into_iter().flatten().collect()
 }
 
-/// `q` must be `p` with its vectors sent through `map` (a signed permutation), positions also through `place`.
+/// Assert that `q` is `p` with vectors mapped by `map` (a signed permutation) and positions by `place`.
 fn assert_mapped(
     p: &PointView,
     q: &PointView,
@@ -43,7 +43,7 @@ fn assert_mapped(
             q.velocity
         );
     }
-    // Stress: columns, then rows.
+    // Map of the stress: columns, then rows.
     let matrix = |s: [f64; 6]| [[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]];
     let (a, b) = (matrix(p.stress), matrix(q.stress));
     let mut half = [[0.0; 3]; 3];
@@ -58,7 +58,7 @@ fn assert_mapped(
     }
 }
 
-/// The scene `flow` on a lattice with its origin at zero, seeds and velocities sent through a map.
+/// Return the scene `flow` on a lattice with origin zero, and the scene with mapped seeds and velocities.
 fn mapped_flow<const D: usize>(
     place: impl Fn([f64; D]) -> [f64; D],
     map: impl Fn([f64; D]) -> [f64; D] + Clone + 'static,
@@ -139,7 +139,7 @@ fn shifted_by_whole_cells() {
     check(Spline::<PlaneStrain>::default());
 }
 
-/// Half a body at a plane of symmetry does what half of the whole body does.
+/// Half a body at a symmetry plane moves like half of the whole body.
 fn half_is_whole<const D: usize, M: IntoKernels<f64, D> + Copy>(method: M, planes: usize) {
     let lattice = scene::lattice::<D>();
     let mut cells = [3; D];
@@ -147,7 +147,7 @@ fn half_is_whole<const D: usize, M: IntoKernels<f64, D> + Copy>(method: M, plane
     let at = lattice.node([1; D]);
     let half = block(&lattice, [1; D], cells, 2, 0.5);
     let speed: fn(&[f64]) -> f64 = |r| 0.4 * r[0] - 0.9 * r[0] * r[1];
-    // Odd across the plane in its own direction, even in the others.
+    // Velocity odd across the plane in its normal direction, even in the others.
     let velocity = move |x: [f64; D]| {
         let mut r = [0.0; D];
         for d in 0..D {
@@ -207,7 +207,7 @@ fn half_a_body_is_the_whole_one() {
     half_is_whole::<3, LinearFlip<FullSpace>>(Default::default(), 2);
 }
 
-/// The momentum that a symmetry plane gives is booked.
+/// The impulse of a symmetry plane is accounted for.
 #[test]
 fn impulse_of_a_symmetry_plane_is_booked() {
     fn check<M: IntoKernels<f64, 2>>(method: M) {
@@ -229,7 +229,8 @@ fn impulse_of_a_symmetry_plane_is_booked() {
     check(Box2::default());
 }
 
-/// Plane strain, and a slice of one cell between symmetry planes, in front of a wall or on a fixed plane.
+/// Return particles in plane strain, and in a slice of one cell between symmetry planes, in front of a wall or on a
+/// fixed plane.
 fn slice<M2: IntoKernels<f64, 2>, M3: IntoKernels<f64, 3>>(
     flat: M2,
     solid: M3,
@@ -248,7 +249,7 @@ fn slice<M2: IntoKernels<f64, 2>, M3: IntoKernels<f64, 3>>(
     for z in [0.325, 0.375] {
         for (x, volume) in seeds2.positions.iter().zip(&seeds2.volumes) {
             seeds3.positions.push([x[0], x[1], z]);
-            // Per metre of depth there, 0.1 m in two layers here.
+            // Volume per metre of depth in 2D; 0.1 m in two layers in 3D.
             seeds3.volumes.push(volume * 0.05);
         }
     }
@@ -288,8 +289,8 @@ fn plane_strain_is_a_slice_of_space() {
             assert_mapped(p, q, |v| v, |x| [x[0], x[1], if n < thin.len() { 0.325 } else { 0.375 }]);
         }
     }
-    // In space twice as many surfaces press on a wall, of which each could bear what the other does: the sweeps that find who does end
-    // elsewhere.
+    // In 3D twice as many surfaces are in contact with the wall and may share the force arbitrarily: contact sweeps end at another
+    // solution.
     for (thin, thick) in [linear(true), spline(true)] {
         let apart = |(n, q): (usize, &PointView)| {
             let p = &thin[n % thin.len()];
@@ -313,7 +314,7 @@ fn bits<const D: usize>(mut mpm: Mpm<D>) -> Vec<u64> {
     list
 }
 
-/// A scene of many blocks, with boundaries.
+/// Return a scene of many blocks with boundaries.
 fn wide<const D: usize>() -> Scene<D> {
     let mut scene = scene::bar::<D>();
     let mut cells = [9; D];
@@ -364,7 +365,7 @@ fn single_precision_is_near_double() {
     }
     for (p, q) in particles(&mpm)[0].iter().zip(&double) {
         for d in 0..2 {
-            // 40 steps of rounding to 6e-8, positions relative to a cell of 0.1.
+            // Tolerance: 40 steps of rounding to 6e-8, positions relative to a cell of 0.1.
             assert!((p.position[d] - q.position[d]).abs() < 1e-6, "{p:?} against {q:?}");
             assert!((p.velocity[d] - q.velocity[d]).abs() < 2e-5, "{p:?} against {q:?}");
         }
@@ -374,9 +375,9 @@ fn single_precision_is_near_double() {
     }
 }
 
-/// Equal radial and hoop stresses of a body of revolution are in equilibrium: no force on inner nodes. Two
-/// particles a cell integrate r dN/dr + N exactly where the function does not reach over the axis; where it
-/// does (the spline's first node), the kink of |r| leaves 1/32 of p h^2.
+/// Equal radial and hoop stresses of a body of revolution are in equilibrium: zero force on inner nodes. Two
+/// particles per cell integrate r dN/dr + N exactly unless the shape function crosses the axis; for the first node
+/// of the spline, the kink of |r| leaves 1/32 of p h^2.
 #[test]
 fn uniform_stress_of_revolution_is_in_equilibrium() {
     fn check<M: IntoKernels<f64, 2>>(method: M, at_axis: f64) {
@@ -398,7 +399,7 @@ fn uniform_stress_of_revolution_is_in_equilibrium() {
             for (n, node) in mpm.grid().nodes()[b * block_nodes(2)..][..block_nodes(2)].iter().enumerate() {
                 let i = c[0] * BLOCK as i32 + (n % BLOCK) as i32;
                 let j = c[1] * BLOCK as i32 + (n / BLOCK) as i32;
-                // From rest: the force is the momentum after a step over its duration.
+                // Force: momentum after one step from rest over the step size.
                 let force = node.first[0] * node.first[1].abs().max(node.first[2].abs()) / 1e-4;
                 let relative = force / (p * h * h);
                 if i == 1 && (2..=4).contains(&j) {
@@ -418,8 +419,7 @@ fn uniform_stress_of_revolution_is_in_equilibrium() {
     check(Spline::<Axisymmetric>::default(), 1.0 / 32.0);
 }
 
-/// Two laws that agree at small strain agree while the body turns: what one carries in F, the other turns by
-/// the spin (Jaumann).
+/// Objective stress rate: hyperelastic and hypoelastic (Jaumann) laws that agree at small strain agree in rotation.
 #[test]
 fn stress_turns_with_the_body() {
     let lattice = scene::lattice::<2>();
@@ -459,7 +459,7 @@ fn stress_turns_with_the_body() {
     }
     println!("largest stress {largest}, difference {apart}");
     assert!(largest > 0.01 * YOUNG, "no stress was there");
-    // Strains reach 2 %: the laws differ by about that part of the stress (measured 1.1 %).
+    // Tolerance: strains reach 2 %, and the laws differ by about that fraction of the stress (measured 1.1 %).
     assert!(apart < 0.03 * largest, "{apart} of {largest}");
     let angle = {
         let all = particles(&hypo);
@@ -469,7 +469,7 @@ fn stress_turns_with_the_body() {
     assert!(angle > 1.2, "it turned by {angle}");
 }
 
-/// The scene of the rotation keeps `surround` honest: gravity alone moves the centre as a stone falls.
+/// Check of `surround`, which the rotation scene uses: under gravity the centre of mass is in free fall.
 #[test]
 fn a_stone_falls() {
     let lattice = scene::lattice::<2>();
@@ -497,7 +497,8 @@ fn a_stone_falls() {
     }
 }
 
-/// Exactly on a face of a cell, the far node of the linear shape function has no weight but a slope.
+/// Particles exactly on a cell face: the far node of the linear shape function has zero weight but non-zero
+/// gradient.
 #[test]
 fn a_particle_on_a_cell_face_feels_nothing() {
     let lattice = Lattice::new([0.0; 2], 1.0).expect("lattice");
@@ -513,7 +514,7 @@ fn a_particle_on_a_cell_face_feels_nothing() {
     }
 }
 
-/// A rigid flight makes no stress wherever particles come to lie, also where weights are tiny.
+/// Rigid translation causes no stress at any particle position, also at tiny weights.
 #[test]
 fn rigid_flight_makes_no_stress() {
     fn check<const D: usize, M: IntoKernels<f64, D>>(method: M, steps: usize) {

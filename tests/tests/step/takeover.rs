@@ -1,4 +1,4 @@
-//! A body that another scene takes over is what it was, and goes on as it would have.
+//! Transfer of a body to another scene: the state is preserved and the motion continues.
 
 use impactite_tests::scene::{block, lattice, metal, rubber, wave_speed};
 use mpm_core::SceneError;
@@ -18,7 +18,7 @@ fn seeds() -> Seeds<2> {
     block(&lattice(), [0; 2], [8; 2], 3, 0.0)
 }
 
-/// Shears, turns and stretches by some tenths over a few dozen steps.
+/// Build a block with shear, rotation and stretch of some tenths over a few dozen steps.
 fn sheared<M: IntoKernels<f64, 2>>(method: M) -> Mpm<2> {
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice()));
     let flow = |x: [f64; 2]| [0.2 * x[1] + 0.1 * x[0], -0.1 * x[0]].map(|v| v * wave_speed());
@@ -64,7 +64,7 @@ fn all_of_it_is_kept() {
     check(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
 }
 
-/// Domains are what the deformation made of those at the start; boxes along the axes have as much of them there.
+/// Particle domains are the initial ones mapped by the deformation; axis-aligned boxes approximate them.
 #[test]
 fn domains_go_on() {
     let mut from = total();
@@ -84,14 +84,14 @@ fn domains_go_on() {
             }
         }
         sheared = sheared.max(p.half_edges[1][0].abs());
-        // The area of the domain is the volume, within what the integration of F and that of the law differ by.
+        // The domain area equals the volume within the integration error of F and of the law.
         let [[a, b, _], [c, d, _], _] = q.half_edges;
         assert!((4.0 * (a * d - b * c) / q.volume - 1.0).abs() < 1e-9, "{q:?}");
     }
     assert!(sheared > 0.1 * H / 6.0, "no shear");
 }
 
-/// By CPDI-2 the run goes on as in the reference configuration.
+/// With CPDI-2, the run continues as in the reference configuration.
 #[test]
 fn the_run_goes_on() {
     let mut whole = total();
@@ -117,7 +117,7 @@ fn the_run_goes_on() {
     assert!((a - b).abs() < 0.005 * a, "{a} {b}");
 }
 
-/// A square keeps its size however it is turned.
+/// Axis-aligned domains of a rotated square keep their size at any angle.
 #[test]
 fn boxes_of_what_turned() {
     let mut from = Mpm::new(
@@ -129,7 +129,7 @@ fn boxes_of_what_turned() {
     let spin = |x: [f64; 2]| [x[1] - centre[1], centre[0] - x[0]].map(|v| 0.3 * v);
     from.add("block", rubber(), &seeds, spin).expect("body");
     from.set_time_control(TimeControl::Fixed(0.1 * H / wave_speed())).expect("control");
-    // A quarter of a turn.
+    // Rotation by a quarter turn.
     while particles(&from)[0].half_edges[0][0] > 0.05 * seeds.half_size[0] {
         from.step().expect("step");
         assert!(from.steps() < 2000, "it does not turn");

@@ -1,4 +1,5 @@
-//! Total-Lagrangian steps equal the plain reference within round-off, and do what their configuration promises.
+//! Total Lagrangian steps: they equal the plain reference within round-off and keep the properties of the reference
+//! configuration.
 
 use std::sync::Arc;
 
@@ -13,10 +14,10 @@ use mpm_core::{
 };
 use mpm_materials::{JohnsonCook, MieGruneisen, NeoHookean, Solid};
 
-/// As for updated-Lagrangian steps (`reference_2d.rs`).
+/// Allowed difference: as for updated Lagrangian steps (`reference_2d.rs`).
 const TOLERANCE: f64 = 1e-11;
 
-/// The scene with fixed planes for walls, and its end clamped there.
+/// Return the scene with fixed planes instead of walls, and its end clamped there.
 fn clamped<const D: usize>(mut scene: Scene<D>) -> Scene<D> {
     for boundary in &mut scene.boundaries {
         if let Boundary::Wall { axis, at, side, .. } = *boundary {
@@ -56,14 +57,14 @@ table! {
     solid_cubic_flip_musl: CubicBSpline, Flip, Rule::Flip, Musl, FullSpace, .compiled(), [scene::flow()], rubber();
 }
 
-/// A law with a history and an equation of state: the rate form sees the increment of the motion.
+/// Law with history and equation of state: the rate form uses the strain increment of the motion.
 #[test]
 fn copper_yields_in_both_configurations_alike() {
     let law = Solid::new(JohnsonCook::<f64>::copper_taylor(), MieGruneisen::copper());
     let lattice = Lattice::new([0.0; 2], 1e-3).expect("lattice");
     let seeds = block(&lattice, [1, 1], [4, 4], 2, 0.0);
-    // Simple shear and squeeze, the same for all points: no node is nearer to one than to another, so that both
-    // configurations have one answer, but for the kinks of moving weights at the free rim.
+    // Uniform simple shear and compression: all points are equivalent, so that both configurations have the same
+    // solution except for moving weights at the free rim.
     let dt = 2e-9;
     let v = |x: [f64; 2]| [2e4 * (x[1] - 3e-3), -1e4 * (x[1] - 3e-3)];
     let mut still = Mpm::new(
@@ -78,7 +79,7 @@ fn copper_yields_in_both_configurations_alike() {
     moving.set_time_control(TimeControl::Fixed(dt)).expect("control");
     still.step().expect("step");
     moving.step().expect("step");
-    // The first step is the same in both: the configurations are still one.
+    // The first step is equal: the configurations still coincide.
     for (a, b) in particles(&still)[0].iter().zip(&particles(&moving)[0]) {
         for (x, y) in a.state.iter().zip(&b.state) {
             assert!((x - y).abs() <= 1e-12 * x.abs().max(1.0), "{:?} {:?}", a.state, b.state);
@@ -93,13 +94,14 @@ fn copper_yields_in_both_configurations_alike() {
     for (a, b) in particles(&still)[0].iter().zip(&particles(&moving)[0]) {
         let inside = (0..2).all(|d| (seeds.positions[a.number][d] - 3e-3).abs() < 1e-3);
         if inside {
-            // Positions differ by what 0.8 % of strain moves quadrature points: squares of that, in stress 2 %.
+            // Positions differ by the motion of quadrature points at 0.8 % of strain: squares of that, in stress 2
+            // %.
             assert!((a.state[8] - b.state[8]).abs() < 0.05 * yielded, "{:?} {:?}", a.state, b.state);
         }
     }
 }
 
-/// A rigid flight and turn: nothing crosses, no stress arises but that of a finite step.
+/// Rigid translation: no cell crossing, and no stress.
 #[test]
 fn a_block_flies_without_stress() {
     let lattice = scene::lattice::<3>();
@@ -112,15 +114,15 @@ fn a_block_flies_without_stress() {
     for p in &particles(&mpm)[0] {
         for (d, v) in [3.0, -1.0, 0.5].into_iter().enumerate() {
             let error = p.position[d] - seeds.positions[p.number][d] - 5.0 * v;
-            // 500 additions of round-off of 150 cells.
+            // Tolerance: 500 additions with round-off of 150 cells.
             assert!(error.abs() < 1e-11, "{p:?}");
         }
-        // Round-off of velocities of 3 over a cell of 0.1, 500 times: 500 x 1e-16 x 30 x dt of strain.
+        // Tolerance: round-off of velocities of 3 over a cell of 0.1, 500 times: 500 x 1e-16 x 30 x dt of strain.
         assert!(p.stress.iter().all(|s| s.abs() < 1e-12 * scene::YOUNG), "{p:?}");
     }
 }
 
-/// A force field by where particles started, in both configurations, against the plain reference.
+/// Compare a force field by initial particle position with the plain reference, in both configurations.
 fn driven<M: Composition<f64, 2> + IntoKernels<f64, 2>>(method: M) {
     use mpm_core::Frame;
     let scene = scene::flow::<2>();
@@ -156,7 +158,7 @@ fn a_force_field_in_the_reference_configuration() {
     driven(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).total_lagrangian().compiled());
 }
 
-/// The same bits for any number of threads.
+/// Bitwise equality for any number of threads.
 #[test]
 fn threads_change_nothing() {
     let run = |threads: usize| {
@@ -175,8 +177,8 @@ fn threads_change_nothing() {
     }
 }
 
-/// The default step follows the compression of the reference cells: squeezed to a third along x, a cell is crossed
-/// in a third of the time by waves that are faster than at rest.
+/// The default time step follows the compression of the reference cells: at a third of the length along x, waves
+/// faster than at rest cross a cell in a third of the time.
 #[test]
 fn the_step_shrinks_with_the_cells() {
     let lattice = Lattice::new([0.0; 2], 0.1).expect("lattice");
@@ -189,17 +191,18 @@ fn the_step_shrinks_with_the_cells() {
     mpm.step().expect("step");
     let rate = mpm.bodies()[0].rate(0.1);
     let squeezed = 1.0 - 1e3 * 6.666e-4;
-    // In the middle; at the rim a lumped map does not reproduce the velocity.
+    // Point in the middle; at the rim, the lumped-mass map does not reproduce the velocity.
     let all = particles(&mpm);
     let middle = |p: &&mpm_core::PointView| (0..2).all(|d| (seeds.positions[p.number][d] - 0.2).abs() < 0.1);
     let p = all[0].iter().find(middle).expect("a particle in the middle");
     assert!((p.state[0] - squeezed).abs() < 1e-9, "{p:?}");
-    // rho c^2 = [lambda (1 - ln J) + 2 G] / J along x for a neo-Hookean point squeezed to J, of density rho0 / J; in
-    // reference cells sqrt([lambda (1 - ln J) + 2 G] / rho0) / J; the law's own bound is never below it.
+    // P-wave modulus rho c^2 = [lambda (1 - ln J) + 2 G] / J along x of a neo-Hookean point compressed to J, of
+    // density rho0 / J; wave speed in reference cells sqrt([lambda (1 - ln J) + 2 G] / rho0) / J. The bound of the
+    // law is never below it.
     let m = moduli();
     let exact =
         ((m.lambda() * (1.0 - squeezed.ln()) + 2.0 * m.shear) / scene::DENSITY).sqrt() / squeezed / 0.1;
-    // The law's bound of the largest stretch (1) from the invariants of b is (4 - J^2) / 3: 2.9 % more speed.
+    // Bound of the largest stretch (1) from the invariants of b: (4 - J^2) / 3, or 2.9 % more speed.
     assert!(rate > exact * (1.0 - 1e-9) && rate < 1.03 * exact, "{rate} {exact}");
 }
 

@@ -1,17 +1,16 @@
-//! The vector instructions of this processor and the portable packs compute the same: every operation of a
-//! lane, bit for bit where it is exact.
+//! Bitwise equality of vector instructions of this processor and portable packs, for every exact lane operation.
 
 use impactite_tests::scene::Numbers;
 use mpm_core::parallel::{Arch, Float, Kernel, Pack, Vectors};
 use mpm_materials::{Lane, Mask};
 
-/// All operations on three rows of eight numbers, with `functions` too; a row of results each.
+/// All lane operations on three rows of eight numbers, with `functions` optional; one row of results per operation.
 struct Operations<'a, T: Float> {
     of: &'a [[T::Row; 2]; 3],
     functions: bool,
 }
 
-/// Rows of results, one group after the other; masks by their bits, by their lanes, and whether any lane is set; and records.
+/// Result rows, group by group; masks as bits, as lanes, and as any-lane flag; and records.
 type Results<T> = (Vec<<T as Float>::Row>, Vec<[u32; 3]>, Vec<[T; 4]>);
 
 fn same<T: Float>(x: T, y: T) -> bool {
@@ -25,7 +24,7 @@ impl<T: Float> Kernel<T> for Operations<'_, T> {
     #[inline(always)]
     fn run<A: Arch<T>>(self) -> Self::Output {
         let mut results = [(vec![], vec![], vec![]), (vec![], vec![], vec![])];
-        // Lanes of a group that a vector has: all of them, or one after the other.
+        // Lanes of a group in a vector: all, or one after the other.
         let width = A::Batch::WIDTH.min(T::GROUP);
         let places = (0..2).step_by(A::Batch::GROUPS);
         for (first, lane) in
@@ -58,7 +57,7 @@ impl<T: Float> Kernel<T> for Operations<'_, T> {
                 A::Batch::splat(T::of(0.3)),
             ];
             if self.functions {
-                // Not exact: last, see below.
+                // Inexact functions come last, see below.
                 let positive = a.abs() + A::Batch::of(1e-3);
                 values.extend([a.mul_add(b, c), a.exp(), positive.ln(), positive.powf(b)]);
             }
@@ -151,7 +150,7 @@ fn special_values_agree() {
         for x in inputs.iter_mut().flatten() {
             *x = special[((random.draw() + 1.0) * 4.5) as usize % special.len()];
         }
-        // Functions are for finite numbers only.
+        // Functions accept finite numbers only.
         check::<f64>(&inputs, false, 0.0);
         check::<f32>(&inputs, false, 0.0);
     }

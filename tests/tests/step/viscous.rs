@@ -1,4 +1,4 @@
-//! Fluids so viscous that their viscosity bounds the step, not their waves.
+//! Viscous time step limit: fluids whose viscosity, not sound speed, limits the step.
 
 use std::f64::consts::PI;
 
@@ -7,8 +7,8 @@ use mpm_core::{BlockGrid, Flip, IntoKernels, Linear, Method, Mpm, Musl, PlaneStr
 use mpm_materials::fluid::ShearViscosity;
 use mpm_materials::{Bingham, Constitutive, Fluid, Newtonian, Tait};
 
-/// A wide layer of fluid of so many cells between free surfaces, sheared as cos(pi y / H): it decays as exp(-nu (pi / H)^2 t). Returns the
-/// kinetic energy over that at the start after a time in which it falls to 1/e, and the steps.
+/// Run a wide fluid layer of so many cells between free surfaces with velocity cos(pi y / H), which decays as exp(-nu (pi / H)^2 t).
+/// Returns the relative kinetic energy after the time of decay to 1/e, and the number of steps.
 fn decay(
     method: impl IntoKernels<f64, 2>,
     shear: impl ShearViscosity<f64> + 'static,
@@ -28,8 +28,8 @@ fn decay(
     (mpm.totals().kinetic / start, mpm.steps())
 }
 
-/// What is left is too much by 12 % on 8 cells and by 6 % on 16, by both methods and viscosities: an error of first order, whose cause is not
-/// known. The test is of the step, which would blow up by far more.
+/// The remaining energy is too large by 12 % with 8 cells and by 6 % with 16, for both methods and viscosities: a first-order error of
+/// unknown cause. The test checks the time step, above which the solution would diverge.
 #[test]
 fn viscosity_bounds_the_step() {
     let due = (-1.0f64).exp();
@@ -45,7 +45,7 @@ fn viscosity_bounds_the_step() {
         errors(&|cells| decay(hats(), newtonian(), eta, cells));
         errors(&|cells| decay(Method::impact(PlaneStrain), newtonian(), eta, cells));
     }
-    // A Bingham fluid far below its creep rate is a Newtonian one of its creep viscosity.
+    // A Bingham fluid far below its creep rate equals a Newtonian fluid of its creep viscosity.
     let creeping = || Bingham::new(5e4, 1.0, 1.0).expect("fluid");
     errors(&|cells| decay(hats(), creeping(), 5e4 + 1.0, cells));
 }

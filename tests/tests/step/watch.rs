@@ -1,5 +1,5 @@
-//! What every run watches over: gains of energy stop it by name, torn bodies, locking and failure by noise are warned of, and sound runs say
-//! nothing.
+//! Run-time checks of every run: an energy gain stops it with its cause; numerical fracture, locking and failure by noise cause warnings;
+//! sound runs cause none.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -14,7 +14,8 @@ use mpm_materials::{
     Constitutive, IntoMaterial, J2, LinearElastic, LogarithmicBulk, Moduli, NeoHookean, Solid, library,
 };
 
-/// A steel disc of 0.1 m, so many cells a radius, whose rim moves at `rim`, m/s, and the time of a turn, s.
+/// Build a steel disc of 0.1 m with `cells` cells per radius and rim speed `rim`, m/s; return it with the time of a
+/// turn, s.
 fn disc<M: IntoKernels<f64, 2>>(
     method: M,
     law: impl IntoMaterial<f64>,
@@ -40,7 +41,7 @@ fn noise_that_tears_a_spinning_disc_is_named() {
     assert!(*share > 0.1 && *share < 1.0 && body == "disc" && radius < 0.3, "{stopped}");
     assert!(matches!(cause, GainCause::Unseen { .. }), "{stopped}");
     assert!(stopped.to_string().contains("Method::impact"), "{stopped}");
-    // A run that was stopped stays so, until the watch is told otherwise.
+    // A stopped run stays stopped until the watch is changed.
     assert_eq!(mpm.step().expect_err("stopped"), stopped);
     mpm.set_watch(Watch::default().only_warn());
     mpm.step().expect("step");
@@ -63,7 +64,7 @@ fn points_that_noise_fails_one_by_one_are_counted() {
     let failure = PrincipalStress::new(2e8, 1e12).expect("failure");
     let steel = Solid::new(strength, eos).with_failure(failure);
     let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
-    // Every fifth cell is kicked apart.
+    // Every fifth cell has an initial velocity jump.
     let kick = |x: [f64; 2]| {
         let cell = x.map(|x| (x / h) as i64 % 5);
         let side = if (x[0] / h).fract() < 0.5 { -16.0 } else { 16.0 };
@@ -85,7 +86,7 @@ fn points_that_noise_fails_one_by_one_are_counted() {
     );
 }
 
-/// A block of 8 x 4 cells that vibrates, by steps of `dt`.
+/// Build a vibrating block of 8 x 4 cells with a fixed step `dt`.
 fn block(dt: f64) -> Mpm<2> {
     let h = 0.1;
     let lattice = Lattice::new([0.0; 2], h).expect("lattice");
@@ -102,7 +103,7 @@ fn block(dt: f64) -> Mpm<2> {
 #[test]
 fn a_time_step_too_long_is_named() {
     let bound = 2.0 / block(1.0).frequency_bound().bound;
-    // Waves of 116 m/s cross 1.8 cells a step; sqrt 2 is what FLIP with MUSL bears in one dimension.
+    // Waves of 116 m/s cross 1.8 cells per step; the stability limit of FLIP with MUSL in one dimension is sqrt 2.
     let dt = 1.8 * 0.1 / (1e7 * 0.7 / (1.3 * 0.4) / 1000.0f64).sqrt();
     let stopped = block(dt).run_until(1e3 * dt).expect_err("unstable");
     let Stopped::Watch(finding) = &stopped.what else { panic!("{stopped}") };
@@ -115,7 +116,7 @@ fn a_time_step_too_long_is_named() {
     assert_eq!(mpm.warnings(), []);
 }
 
-/// A strip that is drawn out to four times its length, by its own motion.
+/// Build a strip that its initial velocity stretches to four times its length.
 fn drawn<M: IntoKernels<f64, 2>>(method: M, law: impl IntoMaterial<f64>) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.01).expect("lattice");
     let strip = Cuboid::new([0.0; 2], [0.2, 0.04]).expect("strip");
@@ -144,7 +145,7 @@ fn numerical_fracture_is_told_from_fragments_and_from_gas() {
     assert_eq!(torn(&drawn(Method::new(Linear, Flip, Musl, PlaneStrain), gas)), None);
 }
 
-/// A rough footing of half width 1 m pressed 0.05 m into ideally plastic soil that keeps its volume where it flows.
+/// Build a rough footing of half width 1 m pressed 0.05 m into perfectly plastic soil with isochoric flow.
 fn footing<M: IntoKernels<f64, 2>>(method: M) -> Mpm<2> {
     let h = 0.25;
     let lattice = Lattice::new([0.0; 2], h).expect("lattice");
@@ -178,7 +179,7 @@ fn locking_is_told_from_a_pressure_that_is_smooth() {
     assert!(!locks(&mean), "{:?}", mean.warnings());
 }
 
-/// The watch changes nothing; books and looks go on after a restart as if there had been none.
+/// The watch changes no results; balances and checks continue after a restart without a difference.
 #[test]
 fn watched_runs_are_the_same_bits_and_books_are_saved() {
     let run = |watch: Watch, end: f64| {
@@ -217,7 +218,8 @@ fn limits_that_are_none_are_refused() {
     }
 }
 
-/// What looks cost, in steps: `cargo test --release -p impactite-tests --all-features --test step -- --ignored --nocapture looks_cost`.
+/// Cost of watch checks, in steps: `cargo test --release -p impactite-tests --all-features --test step -- --ignored --nocapture
+/// looks_cost`.
 #[test]
 #[ignore = "a measurement, not a test"]
 fn looks_cost() {
@@ -242,7 +244,7 @@ fn looks_cost() {
                 let mut best = f64::INFINITY;
                 for _ in 0..5 {
                     let clock = std::time::Instant::now();
-                    // Sixteen looks, one of them at bodies.
+                    // Sixteen checks, one of them with all bodies.
                     for _ in 0..128 {
                         mpm.step().expect("step");
                     }

@@ -1,4 +1,4 @@
-//! A case: problem, scheme, resolution; and what comes of it.
+//! Verification case: problem, scheme and resolution, with its outcome.
 
 use crate::formulation::Formulation;
 use crate::problems::{axis_aligned, bar, column, gas, rigid, ring, vortex};
@@ -6,39 +6,39 @@ use crate::scene::Ended;
 use crate::scheme::Scheme;
 use crate::work::Work;
 
-/// What is solved.
+/// Verification problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Problem {
     /// V1: period of an elastic bar.
     Bar,
     /// V2: energy of a drifting bar.
     Drift,
-    /// V3 in the plane.
+    /// V3 in two dimensions.
     Axes,
-    /// V3 in space.
+    /// V3 in three dimensions.
     Axes3,
-    /// V4.
+    /// V4: generalised vortex.
     Vortex,
-    /// V5.
+    /// V5: expanding ring.
     Ring,
-    /// V6: flight.
+    /// V6: rigid translation.
     Flight,
-    /// V6: turn.
+    /// V6: rigid rotation.
     Turn,
-    /// V7: a pulse in a bar.
+    /// V7: velocity pulse in a bar.
     Pulse,
-    /// V13: Sod's tube, with bulk viscosity.
+    /// V13: Sod's shock tube, with bulk viscosity.
     Sod,
-    /// V13: the same without.
+    /// V13: Sod's shock tube, without bulk viscosity.
     SodBare,
-    /// V14.
+    /// V14: column under its own weight.
     Column,
     /// V22: Taylor-Green vortices.
     TaylorGreen,
 }
 
 impl Problem {
-    /// All.
+    /// All problems.
     pub const ALL: [Problem; 13] = [
         Problem::Bar,
         Problem::Drift,
@@ -54,7 +54,7 @@ impl Problem {
         Problem::Column,
         Problem::TaylorGreen,
     ];
-    /// Its name in files.
+    /// Name in files.
     pub fn name(self) -> &'static str {
         match self {
             Problem::Bar => "V1 bar",
@@ -74,49 +74,50 @@ impl Problem {
     }
 }
 
-/// A problem, a scheme (of material points, or another [`Formulation`]) and a resolution.
+/// Problem, scheme (of the material point method, or another [`Formulation`]) and resolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Case<S = Scheme> {
-    /// The problem.
+    /// Verification problem.
     pub problem: Problem,
-    /// The scheme.
+    /// Numerical scheme.
     pub scheme: S,
-    /// Particles a cell and axis.
+    /// Particles per cell and axis.
     pub per_axis: usize,
-    /// Cells along the problem's length.
+    /// Number of cells along the problem's length.
     pub cells: usize,
-    /// Time step times the wave speed at rest over the cell.
+    /// Courant number: time step times the wave speed at rest over the cell size.
     pub courant: f64,
 }
 
-/// Errors of a run, and its work.
+/// Errors and work of a run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Outcome {
     /// Errors and other measures by name.
     pub measures: Vec<(&'static str, f64)>,
-    /// Work.
+    /// Work of the run.
     pub work: Work,
-    /// What stopped the run, if something did.
+    /// Failure message of a stopped run.
     pub failure: Option<String>,
 }
 
 impl Outcome {
-    /// Without measures yet, of a run by what has so many nodes or neighbours a particle; none of one that is not compiled.
+    /// Create an outcome without measures of a run with `nodes` nodes or neighbours per particle; a failure if the scheme
+    /// is not compiled.
     pub(crate) fn of(nodes: u64, ended: Option<Ended>) -> Self {
         let (mut work, failure) = ended.unwrap_or((Work::default(), Some("no such composition".into())));
         work.nodes = nodes;
         Outcome { measures: Vec::new(), work, failure }
     }
-    /// A case that could not be set up.
+    /// Create the outcome of a case whose setup failed.
     pub(crate) fn refused(why: String) -> Self {
         Outcome { failure: Some(why), ..Outcome::default() }
     }
-    /// With a measure.
+    /// Add a measure.
     pub(crate) fn with(mut self, name: &'static str, value: f64) -> Self {
         self.measures.push((name, value));
         self
     }
-    /// A measure by name; not a number where there is none or the run failed.
+    /// Return a measure by name; NaN if it is missing or the run failed.
     pub fn get(&self, name: &str) -> f64 {
         if self.failure.is_some() {
             return f64::NAN;
@@ -126,7 +127,7 @@ impl Outcome {
 }
 
 impl<S: Formulation> Case<S> {
-    /// Run it.
+    /// Run the case.
     pub fn run(&self) -> Outcome {
         let made = match self.problem {
             Problem::Bar => bar::period(self),
@@ -145,7 +146,7 @@ impl<S: Formulation> Case<S> {
         };
         made.unwrap_or_else(Outcome::refused)
     }
-    /// Its name.
+    /// Name of the case.
     pub fn name(&self) -> String {
         format!(
             "{}, {}, {} a cell and axis, {} cells, Courant {}",

@@ -1,4 +1,4 @@
-//! The cases whose errors are stored, and that the tests run: some tens of seconds in all on two cores.
+//! Cases with stored errors, run by the tests: some tens of seconds in total on two cores.
 
 use crate::case::{Case, Problem};
 use crate::formulation::solid_schemes;
@@ -6,14 +6,14 @@ use crate::problems::gas::{tube_schemes, vortices_schemes};
 use crate::scheme::{Kernel, Scheme, Velocity};
 use crate::smoothed::Smoothed;
 
-/// All of them.
+/// List all material point cases.
 pub fn cases() -> Vec<Case> {
     let mut list = Vec::new();
     let all = Scheme::all();
     add(&mut list, Problem::Bar, &all, 2, &[10, 20, 40], |_| 0.3);
     add(&mut list, Problem::Drift, &all, 2, &[20], |_| 0.3);
     add(&mut list, Problem::Axes, &all, 2, &[16, 32, 64], |_| 0.2);
-    // Smaller steps on finer grids, so that the second order of time does not cover a higher one of space.
+    // Smaller steps on finer grids, so that the second-order error in time does not hide a higher order in space.
     let sharp = [Scheme::total(Kernel::Cubic, Velocity::Fmpm4Usl)];
     add(&mut list, Problem::Axes, &sharp, 2, &[12, 24, 48], |cells| 2.4 / cells as f64);
     add(&mut list, Problem::Axes3, &solid_schemes(), 2, &[6, 12, 24], |_| 0.2);
@@ -22,12 +22,12 @@ pub fn cases() -> Vec<Case> {
     let moving = [Kernel::CpGimp, Kernel::Quadratic, Kernel::Cubic]
         .map(|kernel| Scheme::moving(kernel, Velocity::ApicUsl));
     add(&mut list, Problem::Vortex, &moving, 2, &[16, 32, 64], |_| 0.05);
-    // Four an axis: then domains sheared by 7 are no longer than a stencil.
+    // Four particles per axis keep domains sheared by 7 within the stencil.
     let convected = [Kernel::Cpdi, Kernel::Cpdi2].map(|kernel| Scheme::moving(kernel, Velocity::FlipUsl));
     add(&mut list, Problem::Vortex, &convected, 4, &[16, 32, 64], |_| 0.05);
     add(&mut list, Problem::Ring, &all, 2, &[4, 8, 16], |_| 0.3);
     add(&mut list, Problem::Flight, &all, 2, &[20], |_| 0.3);
-    // Not FLIP, whose trembling over thousands of steps no table can hold.
+    // Exclude FLIP: its noise over thousands of steps is not reproducible within the tolerance.
     let filtered: Vec<Scheme> = all
         .iter()
         .copied()
@@ -49,8 +49,8 @@ pub fn cases() -> Vec<Case> {
     list
 }
 
-/// The same of smoothed particles, one where material points have about one: they have no cells of several. Of the updated form what it bears: in V3, V5
-/// and tubes of gas particles clump or lose their order, and charts show it.
+/// List the smoothed particle cases, with one particle where material points have about one, i.e. without cells of several. The updated
+/// form runs only stable cases: in V3, V5 and gas tubes its particles clump or become disordered, as charts show.
 pub fn smoothed() -> Vec<Case<Smoothed>> {
     let mut list = Vec::new();
     let (both, total) = (&Smoothed::ALL, &[Smoothed::TotalLagrangian]);

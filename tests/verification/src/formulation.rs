@@ -1,4 +1,4 @@
-//! What runs scenes of cases: schemes of material points here, smoothed particles in [`crate::smoothed`].
+//! Formulations that run case scenes: material point schemes here, smoothed particles in [`crate::smoothed`].
 
 use std::fmt::Debug;
 
@@ -12,29 +12,29 @@ use crate::empty::{Gas, GasState, empty_gas_scene};
 use crate::scene::{Moment, Run, Scene};
 use crate::scheme::{Kernel, Scheme, Velocity, kernels};
 
-/// What runs the scene of a case, whatever it is: errors are measured alike.
+/// Formulation that runs the scene of a case; errors are measured alike for all.
 pub trait Formulation: Copy + Debug + PartialEq {
-    /// Its name in files.
+    /// Name in files.
     fn name(self) -> String;
 
-    /// Cells across a bar between planes of symmetry: as many as it takes to have all neighbours.
+    /// Number of cells across a bar between symmetry planes that provides all neighbours.
     fn across(self) -> usize;
 
-    /// Run a scene in plane strain; `look` fills in the outcome's errors.
+    /// Run a plane strain scene; `look` records the errors of the outcome.
     fn plane<C: IntoMaterial<f64> + Clone>(
         self,
         scene: &Scene<C, 2>,
         look: &mut dyn FnMut(&Moment<'_, 2>),
     ) -> Outcome;
 
-    /// Run a scene in space, by the few that are compiled for that.
+    /// Run a three-dimensional scene by one of the few compiled schemes.
     fn solid<C: IntoMaterial<f64> + Clone>(
         self,
         scene: &Scene<C, 3>,
         look: &mut dyn FnMut(&Moment<'_, 3>),
     ) -> Outcome;
 
-    /// Run gas in plane strain that starts in a state by place; volumes of the seeds are those in that state.
+    /// Run gas in plane strain from an initial state field; seed volumes are those in that state.
     fn gas(
         self,
         scene: &Scene<Gas, 2>,
@@ -61,7 +61,7 @@ impl Formulation for Scheme {
         Outcome::of(self.kernel.nodes(2), ended)
     }
 
-    /// By [`solid_schemes`].
+    /// Runs the schemes of [`solid_schemes`].
     fn solid<C: IntoMaterial<f64> + Clone>(
         self,
         scene: &Scene<C, 3>,
@@ -83,7 +83,7 @@ impl Formulation for Scheme {
         Outcome::of(self.kernel.nodes(3), ended)
     }
 
-    /// By [`gas_schemes`](crate::empty::gas_schemes).
+    /// Runs the schemes of [`gas_schemes`](crate::empty::gas_schemes).
     fn gas(
         self,
         scene: &Scene<Gas, 2>,
@@ -98,7 +98,7 @@ impl Formulation for Scheme {
     }
 }
 
-/// The schemes that problems in space are compiled for.
+/// List the schemes compiled for three-dimensional problems.
 pub fn solid_schemes() -> Vec<Scheme> {
     vec![
         Scheme::moving(Kernel::CpGimp, Velocity::FlipUsl),

@@ -1,8 +1,8 @@
-//! Fragile points as a method of gates.
+//! Fragile points method (FPM) as a method of gates.
 
 use fpm::{Cells, CellsError, Domain, relaxed, scattered};
 
-/// What joins cells.
+/// Numerical flux between cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flux {
     /// `fpm::Method::printed`.
@@ -11,20 +11,20 @@ pub enum Flux {
     Symmetric,
 }
 
-/// A method of fragile points, and its cells.
+/// Fragile points method with a cell type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fragile {
-    /// What joins them.
+    /// Flux between cells.
     pub flux: Flux,
-    /// Are they Voronoi cells of points at random, or squares?
+    /// Voronoi cells of random points if true, squares otherwise.
     pub random: bool,
 }
 
-/// Of points at random.
+/// Seed of the random points.
 const SEED: u64 = 1;
 
 impl Fragile {
-    /// Both fluxes on squares and at random.
+    /// Both fluxes on squares and on random cells.
     pub const ALL: [Fragile; 4] = [
         Fragile { flux: Flux::Incomplete, random: false },
         Fragile { flux: Flux::Symmetric, random: false },
@@ -32,10 +32,10 @@ impl Fragile {
         Fragile { flux: Flux::Symmetric, random: true },
     ];
 
-    /// The factor of the time control by default, of what is stable.
+    /// Courant number by default: fraction of the stable time step.
     pub const COURANT: f64 = 0.9;
 
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match (self.flux, self.random) {
             (Flux::Incomplete, false) => "FPM printed",
@@ -45,15 +45,15 @@ impl Fragile {
         }
     }
 
-    /// Neighbours of a cell.
+    /// Number of neighbours of a cell.
     pub const fn neighbours(self) -> u64 {
         if self.random { 6 } else { 4 }
     }
 
-    /// Cells of a box, `counts` along its edges and `h` m wide, or of about this width.
+    /// Build the cells of a box: `counts` squares along its edges, `h` m wide, or random cells of about this width.
     ///
     /// # Errors
-    /// What cells refuse.
+    /// Errors of the cell generation.
     pub fn cells(self, domain: &Domain<2>, counts: [usize; 2], h: f64) -> Result<Cells<2>, CellsError> {
         let points = if self.random {
             relaxed(scattered(domain, SEED, |_| h)?, domain, 3)?
@@ -65,26 +65,26 @@ impl Fragile {
     }
 }
 
-/// When faces open.
+/// Failure criterion of faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Opening {
-    /// `fpm::MaximumTension`: at once.
+    /// `fpm::MaximumTension`: abrupt failure.
     Strength,
-    /// `fpm::Cohesive`: over the work of a crack.
+    /// `fpm::Cohesive`: failure over the fracture energy.
     Cohesive,
 }
 
-/// Fragile points whose faces open, on a set of random cells.
+/// Fragile points with face failure on a set of random cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cracks {
-    /// When.
+    /// Failure criterion.
     pub opening: Opening,
-    /// Of the points.
+    /// Seed of the random points.
     pub seed: u64,
 }
 
 impl Cracks {
-    /// Both on two sets.
+    /// Both criteria on two sets of cells.
     pub const ALL: [Cracks; 4] = [
         Cracks { opening: Opening::Strength, seed: 1 },
         Cracks { opening: Opening::Strength, seed: 2 },
@@ -92,7 +92,7 @@ impl Cracks {
         Cracks { opening: Opening::Cohesive, seed: 2 },
     ];
 
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match (self.opening, self.seed) {
             (Opening::Strength, 1) => "FPM strength first set",

@@ -1,9 +1,9 @@
-//! How long a step may be: of runs, of the eigenvalues of the step, and by the circles of Gershgorin.
+//! Stable time step limit: measured in runs, from eigenvalues of the update matrix, and from Gershgorin circles.
 //!
-//! A free bar, elastic and at small strain, of modulus, density and cell 1, in one row of particles between two planes of
-//! symmetry: one dimension, but the step is that of the library. Its matrices are put together from the library's own
-//! weights. What a step does to velocities and strains at frozen positions is a matrix; the step is too long if one of its
-//! eigenvalues is larger than one (book, "The stable time step").
+//! A free elastic bar at small strain, of unit modulus, density and cell size, in one row of particles between two
+//! symmetry planes: one-dimensional, but with the step of the library. Its matrices are assembled from the library's
+//! weights. The update of velocities and strains at frozen positions is a matrix; the step is unstable if an eigenvalue
+//! exceeds one in magnitude (book, "The stable time step").
 
 use faer::{Mat, Side};
 use mpm_core::{Boundary, PlaneStrain};
@@ -12,48 +12,49 @@ use crate::problems::{box_of_planes, lattice, rubber};
 use crate::scene::{Moment, Run, Scene, block};
 use crate::scheme::{Kernel, Scheme, Velocity, kernels};
 
-/// Cells of the bar.
+/// Number of cells of the bar.
 const CELLS: usize = 8;
 
-/// Limits of dt c / h of one arrangement of particles.
+/// Limits of dt c / h for one arrangement of particles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limit {
-    /// The scheme.
+    /// Numerical scheme.
     pub scheme: Scheme,
-    /// Particles a cell.
+    /// Particles per cell.
     pub per_cell: usize,
-    /// The bar's end behind a node, in cells.
+    /// Offset of the bar's end behind a node, in cells.
     pub offset: f64,
-    /// The longest step at which noise in a run of the library does not grow.
+    /// Largest step at which noise in a run of the library does not grow.
     pub measured: f64,
-    /// The longest step whose matrix has no eigenvalue beyond one.
+    /// Largest step whose update matrix has no eigenvalue beyond one.
     pub predicted: f64,
-    /// sqrt(2) / omega with USL, 2 / omega with MUSL, omega the highest frequency of the nodes with lumped masses.
+    /// Eigenvalue estimate: sqrt(2) / omega with USL, 2 / omega with MUSL, omega the highest nodal frequency with
+    /// lumped masses.
     pub eigenvalue: f64,
-    /// The same with the bound of omega by the circles of Gershgorin that the time control uses.
+    /// Gershgorin estimate: the same with the bound of omega by Gershgorin circles, as used by the time control.
     pub gershgorin: f64,
 }
 
-/// Index of a node, weight and slope.
+/// Node index, weight and gradient.
 type Reach = (i32, f64, f64);
 
-/// Weights and slopes of particles on the nodes along the bar.
+/// Weights and gradients of particles at the nodes along the bar.
 struct Bar {
     masses: Vec<f64>,
     lumped: Vec<f64>,
-    /// Particles by nodes.
+    /// Matrix of particles (rows) by nodes.
     weights: Mat<f64>,
     slopes: Mat<f64>,
-    /// Place of a node less that of a particle.
+    /// Node position minus particle position.
     arms: Mat<f64>,
-    /// Bound of the frequency by the library.
+    /// Frequency bound of the library.
     bound: f64,
 }
 
 impl Bar {
     fn of(moment: &Moment<'_, 2>) -> Option<Self> {
         let grid = moment.grid()?;
-        // Weight, slope and arm by node of every particle; the nodes across the bar move alike.
+        // Weight, gradient and arm per node of every particle; nodes across the bar move together.
         let mut rows: Vec<(f64, Vec<Reach>)> = Vec::new();
         grid.bodies()[0].footprints(moment.time, &mut |p| {
             rows.push((p.mass, p.nodes.iter().map(|w| (w.node[0], w.value, w.gradient[0])).collect()));
@@ -82,17 +83,17 @@ impl Bar {
         Some(bar)
     }
 
-    /// Nodes that have mass.
+    /// Iterate over nodes with mass.
     fn nodes(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.lumped.len()).filter(|&i| self.lumped[i] > 1e-14)
     }
 
-    /// The highest frequency of the nodes with lumped masses, from K x = omega^2 M x in its symmetric form.
+    /// Return the highest nodal frequency with lumped masses, from K x = omega^2 M x in symmetric form.
     fn frequency(&self) -> Result<f64, String> {
         let nodes: Vec<usize> = self.nodes().collect();
         let scaled = Mat::from_fn(nodes.len(), nodes.len(), |a, b| {
             let (i, j) = (nodes[a], nodes[b]);
-            // The modulus is 1, and the volume is the mass.
+            // Stiffness with modulus 1; the volume equals the mass.
             let k: f64 = (0..self.masses.len())
                 .map(|p| self.masses[p] * self.slopes[(p, i)] * self.slopes[(p, j)])
                 .sum();
@@ -102,11 +103,11 @@ impl Bar {
         Ok(values.iter().fold(0.0f64, |most, &x| most.max(x)).sqrt())
     }
 
-    /// 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1, Mc the consistent mass: the limit of FLIP with MUSL (book, "Properties of stress updates and transfers",
-    /// finding 1), in the symmetric form of the particles.
+    /// Return the limit of FLIP with MUSL, 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1 and Mc the consistent mass (book, "Properties of
+    /// stress updates and transfers", finding 1), in the symmetric form of the particles.
     fn symplectic(&self) -> Result<f64, String> {
         let p = self.masses.len();
-        // Strain at a particle of the momentum of another, both by the root of mass.
+        // Strain at a particle due to the momentum of another, scaled by the square roots of mass.
         let strain = Mat::from_fn(p, p, |a, b| {
             let sum: f64 =
                 self.nodes().map(|i| self.slopes[(a, i)] * self.weights[(b, i)] / self.lumped[i]).sum();
@@ -117,7 +118,8 @@ impl Bar {
         Ok(2.0 / values.iter().fold(0.0f64, |most, &x| most.max(x)).sqrt())
     }
 
-    /// What a step of `dt` makes of velocities, strains and (APIC) affine velocities of the particles.
+    /// Return the update matrix of a step `dt` for velocities, strains and (APIC) affine velocities of the
+    /// particles.
     fn step(&self, velocity: Velocity, dt: f64) -> Mat<f64> {
         let p = self.masses.len();
         let size = if velocity == Velocity::ApicUsl { 3 * p } else { 2 * p };
@@ -131,7 +133,7 @@ impl Bar {
         matrix
     }
 
-    /// Momentum of the particles at the nodes, over the nodes' masses.
+    /// Return the nodal velocities mapped from the particles.
     fn mapped(&self, v: &[f64], affine: &[f64]) -> Vec<f64> {
         let mut nodes = vec![0.0; self.lumped.len()];
         for i in self.nodes() {
@@ -178,17 +180,18 @@ impl Bar {
         }
     }
 
-    /// The longest step without an eigenvalue beyond one.
+    /// Return the largest step without an eigenvalue beyond one.
     fn limit(&self, velocity: Velocity) -> Result<f64, String> {
         bisect(|dt| {
             let values = self.step(velocity, dt).eigenvalues().map_err(|e| format!("{e:?}"))?;
-            // Rigid motion with strain zero is a double eigenvalue one, known to the root of rounding.
+            // Rigid motion with zero strain is a double eigenvalue of one, accurate to the square root of
+            // round-off.
             Ok(values.iter().all(|z| z.re.hypot(z.im) < 1.0 + 1e-6))
         })
     }
 }
 
-/// The largest number up to 4 for which something holds that holds for all smaller ones, to 0.2 %.
+/// Find the largest number up to 4 that satisfies a monotonic condition, to 0.2 %, by bisection.
 fn bisect(holds: impl Fn(f64) -> Result<bool, String>) -> Result<f64, String> {
     let (mut low, mut high) = (0.0, 4.0);
     while high - low > 0.002 * high {
@@ -205,7 +208,7 @@ fn bisect(holds: impl Fn(f64) -> Result<bool, String>) -> Result<f64, String> {
     Ok(0.5 * (low + high))
 }
 
-/// Numbers without order, in -1 .. 1.
+/// Return a pseudo-random number in -1 .. 1.
 fn noise(k: usize) -> f64 {
     let mut z = (k as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -213,7 +216,7 @@ fn noise(k: usize) -> f64 {
     ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// Run the bar from noise of 1e-9 c; what stopped it, if something did.
+/// Run the bar from velocity noise of 1e-9 c; return the failure message, if any.
 fn run(
     scheme: Scheme,
     per_cell: usize,
@@ -244,7 +247,7 @@ fn run(
     Ok(Run { scene: &scene, look }.with(method).1)
 }
 
-/// Does noise grow a thousand times in 500 steps?
+/// Return true if noise grows less than a thousandfold in 500 steps.
 fn stable(scheme: Scheme, per_cell: usize, offset: f64, dt: f64) -> Result<bool, String> {
     let mut speed = f64::NAN;
     let stopped = run(scheme, per_cell, offset, (dt, 500), &mut |moment| {
@@ -260,7 +263,8 @@ fn bar(scheme: Scheme, per_cell: usize, offset: f64) -> Result<Bar, String> {
     bar.ok_or("the bar did not make a step".into())
 }
 
-/// The limits of the worst of some offsets: that of the highest frequency, or with MUSL of the shortest step.
+/// Return the limits of the worst of some offsets: the one of the highest frequency, or with MUSL of the smallest
+/// step.
 ///
 /// # Errors
 /// As [`limit`].
@@ -279,10 +283,10 @@ pub fn worst(scheme: Scheme, per_cell: usize, offsets: &[f64]) -> Result<Limit, 
     limit(scheme, per_cell, at)
 }
 
-/// The limits of an arrangement.
+/// Return the limits of an arrangement of particles.
 ///
 /// # Errors
-/// A scheme that is not compiled, eigenvalues that cannot be found.
+/// The scheme is not compiled, or the eigenvalue computation fails.
 pub fn limit(scheme: Scheme, per_cell: usize, offset: f64) -> Result<Limit, String> {
     let bar = bar(scheme, per_cell, offset)?;
     let per_omega = if scheme.velocity == Velocity::FlipMusl { 2.0 } else { 2f64.sqrt() };
@@ -297,7 +301,7 @@ pub fn limit(scheme: Scheme, per_cell: usize, offset: f64) -> Result<Limit, Stri
     })
 }
 
-/// The schemes whose limits are known.
+/// List the schemes with known limits.
 pub fn schemes() -> Vec<Scheme> {
     let mut list = Vec::new();
     for kernel in [Kernel::Linear, Kernel::Gimp, Kernel::Quadratic, Kernel::Cubic] {
@@ -311,7 +315,7 @@ pub fn schemes() -> Vec<Scheme> {
     list
 }
 
-/// Limits as lines of numbers under a head.
+/// Format limits as CSV lines under a header.
 pub fn csv(limits: &[Limit]) -> String {
     let mut text = String::from("scheme,particles a cell,offset,measured,predicted,eigenvalue,Gershgorin\n");
     for l in limits {

@@ -1,8 +1,8 @@
-//! What pages say of how they were made.
+//! Provenance of generated pages.
 
 use std::process::Command;
 
-/// What a program says, in one line; `unknown` if it does not.
+/// Return the output of a program in one line; `unknown` if there is none.
 pub fn said_by(program: &str, arguments: &[&str]) -> String {
     let said = Command::new(program).args(arguments).output().ok();
     let text = said.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string());

@@ -1,4 +1,4 @@
-//! A scene of one elastic or fluid body, run by any method, looked at now and then.
+//! Scene of one elastic or fluid body, run by any method and sampled at intervals.
 
 use std::sync::Arc;
 
@@ -11,52 +11,53 @@ use mpm_materials::IntoMaterial;
 
 use crate::work::{Stopwatch, Work};
 
-/// Velocity by position, m/s.
+/// Velocity field, m/s: function of position.
 pub type Flow<const D: usize> = Box<dyn Fn([f64; D]) -> [f64; D]>;
 
-/// Acceleration by where a particle started and time, m/s^2.
+/// Acceleration field, m/s^2: function of initial particle position and time.
 pub type Drive<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
 
-/// A body and what acts on it.
+/// Body with its loads and boundary conditions.
 pub struct Scene<C, const D: usize> {
-    /// Nodes.
+    /// Background grid.
     pub lattice: Lattice<D>,
-    /// Particles.
+    /// Particle seeds.
     pub seeds: Seeds<D>,
-    /// Law.
+    /// Constitutive law.
     pub law: C,
-    /// Velocity half a step before the start: updates of momentum are centred on times, velocities between them.
+    /// Velocity half a step before the start: leapfrog velocities are midway between the times of the momentum
+    /// updates.
     pub velocity: Flow<D>,
-    /// Body force, if any.
+    /// Body force, optional.
     pub field: Option<Drive<D>>,
-    /// Boundaries.
+    /// Boundary conditions.
     pub boundaries: Vec<Boundary<D>>,
     /// Time step, s.
     pub dt: f64,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
-    /// Steps between looks.
+    /// Number of steps between samples.
     pub every: u64,
 }
 
-/// A moment of a run.
+/// Sample of a run.
 pub struct Moment<'a, const D: usize> {
     /// Time, s.
     pub time: f64,
-    /// Time that velocities belong to, s.
+    /// Time of the velocities, s.
     pub velocity_time: f64,
-    /// Where particles started, by number, m.
+    /// Initial particle positions by number, m.
     pub starts: &'a [[f64; D]],
     body: &'a dyn Body,
     grid: Option<&'a Mpm<D>>,
 }
 
 impl<const D: usize> Moment<'_, D> {
-    /// Call `visit` for every particle.
+    /// Visit every particle.
     pub fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.body.for_each(visit);
     }
-    /// The solver, of material points.
+    /// Material point solver, if any.
     pub fn grid(&self) -> Option<&Mpm<D>> {
         self.grid
     }
@@ -66,23 +67,23 @@ impl<const D: usize> Moment<'_, D> {
     }
 }
 
-/// What a scene becomes: one body that goes on by steps.
+/// Body of a scene with a time step interface.
 pub(crate) trait Stepped<const D: usize> {
-    /// Make a step.
+    /// Advance by one step.
     fn step(&mut self) -> Result<(), StepError>;
     /// Time, s.
     fn time(&self) -> f64;
-    /// Time that the velocities belong to after steps of `dt`, s.
+    /// Time of the velocities after steps of `dt`, s.
     fn velocity_time(&self, dt: f64) -> f64 {
         self.time() - 0.5 * dt
     }
-    /// The body.
+    /// Body of the scene.
     fn body(&self) -> &dyn Body;
-    /// The solver, of material points.
+    /// Material point solver, if any.
     fn grid(&self) -> Option<&Mpm<D>> {
         None
     }
-    /// Bytes of memory.
+    /// Memory use, bytes.
     fn bytes(&self) -> usize;
 }
 
@@ -104,19 +105,19 @@ impl<const D: usize> Stepped<D> for Mpm<D> {
     }
 }
 
-/// Runs a scene and looks at it.
+/// Runner of a scene with sampling.
 pub struct Run<'a, C, const D: usize> {
-    /// The scene.
+    /// Scene to run.
     pub scene: &'a Scene<C, D>,
-    /// What looks.
+    /// Sampling function.
     pub look: &'a mut dyn FnMut(&Moment<'_, D>),
 }
 
-/// Work done, and what stopped the run, if something did.
+/// Work and failure message of a run.
 pub type Ended = (Work, Option<String>);
 
 impl<C: IntoMaterial<f64> + Clone, const D: usize> Run<'_, C, D> {
-    /// Run it by this method.
+    /// Run the scene by this method.
     pub fn with(self, method: impl IntoKernels<f64, D>) -> Ended {
         let scene = self.scene;
         let body = Deformable::new("body", scene.law.clone(), &scene.seeds).moving(&scene.velocity);
@@ -125,7 +126,7 @@ impl<C: IntoMaterial<f64> + Clone, const D: usize> Run<'_, C, D> {
 }
 
 impl<C, const D: usize> Run<'_, C, D> {
-    /// Run this body of the scene in a scene without any.
+    /// Run this body of the scene in an empty solver scene.
     pub(crate) fn on<L: IntoMaterial<f64>>(self, mut mpm: Mpm<D>, body: Deformable<'_, D, L>) -> Ended {
         let scene = self.scene;
         let body = match scene.field.clone() {
@@ -142,13 +143,13 @@ impl<C, const D: usize> Run<'_, C, D> {
         }
     }
 
-    /// What comes of a scene that could not be set up.
+    /// Return the result of a scene whose setup failed.
     pub(crate) fn refused(&self, why: impl std::fmt::Display) -> Ended {
         let particles = self.scene.seeds.positions.len() as u64;
         (Work { particles, ..Work::default() }, Some(why.to_string()))
     }
 
-    /// Make the steps of the scene, and look.
+    /// Advance the scene by its steps and sample it.
     pub(crate) fn by_steps(self, solver: &mut dyn Stepped<D>) -> Ended {
         let Run { scene, look } = self;
         let mut work = Work { particles: scene.seeds.positions.len() as u64, ..Work::default() };
@@ -175,7 +176,7 @@ impl<C, const D: usize> Run<'_, C, D> {
     }
 }
 
-/// Sums of squares and largest of an error, by mass.
+/// Mass-weighted sum of squares and maximum of an error.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Norm {
     mass: f64,
@@ -189,27 +190,27 @@ impl Norm {
         let square: f64 = error.iter().map(|e| e * e).sum();
         self.mass += mass;
         self.squares += mass * square;
-        // `f64::max` would lose a value that is not a number.
+        // `f64::max` would lose a NaN.
         if square.is_nan() || square.sqrt() > self.largest {
             self.largest = square.sqrt();
         }
     }
-    /// Root of the mean square.
+    /// Root mean square error.
     pub fn l2(&self) -> f64 {
         (self.squares / self.mass).sqrt()
     }
-    /// The largest.
+    /// Maximum error.
     pub fn largest(&self) -> f64 {
         self.largest
     }
 }
 
-/// The larger of two, or what is not a number.
+/// Return the larger of two numbers, or NaN.
 pub fn worse(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
 }
 
-/// A block of cells from `low` on, `per_axis` particles a cell and axis, volumes of the lattice.
+/// Return a block of cells from `low` on, `per_axis` particles per cell and axis, with the volumes of the lattice.
 pub fn block<const D: usize>(
     lattice: &Lattice<D>,
     low: [i64; D],

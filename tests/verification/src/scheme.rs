@@ -1,22 +1,22 @@
-//! Schemes: which method, named at run time.
+//! Schemes: methods named at run time.
 
 use mpm_core::{
     AffineShape, Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Embedding, FixedDomain, Flip, Fmpm, Gimp,
     IntoKernels, Kernels, Linear, Method, Musl, QuadraticBSpline, Scalar, ShapeFunction, Usl,
 };
 
-/// Shape functions.
+/// Shape function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kernel {
     /// Linear shape function.
     Linear,
-    /// GIMP of fixed boxes.
+    /// GIMP with fixed particle domains (uGIMP).
     Gimp,
-    /// GIMP of boxes that follow the stretch.
+    /// GIMP with particle domains that follow the stretch (cpGIMP).
     CpGimp,
-    /// CPDI: parallelograms that follow the deformation.
+    /// CPDI: parallelogram domains that follow the deformation.
     Cpdi,
-    /// CPDI-2: quadrilaterals whose corners follow the nodes.
+    /// CPDI-2: quadrilateral domains whose corners follow the nodes.
     Cpdi2,
     /// Quadratic B-spline.
     Quadratic,
@@ -27,29 +27,29 @@ pub enum Kernel {
 /// Transfer and stress update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Velocity {
-    /// FLIP, stress last.
+    /// FLIP, update stress last.
     FlipUsl,
-    /// FLIP, stress last from momentum mapped again.
+    /// FLIP, update stress last from momentum mapped again.
     FlipMusl,
-    /// APIC, stress last.
+    /// APIC, update stress last.
     ApicUsl,
-    /// FMPM(4), stress last.
+    /// FMPM(4), update stress last.
     Fmpm4Usl,
 }
 
-/// A method by name.
+/// Material point method by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Scheme {
     /// Shape function.
     pub kernel: Kernel,
     /// Transfer and stress update.
     pub velocity: Velocity,
-    /// In the reference configuration?
+    /// Total Lagrangian: in the reference configuration.
     pub total: bool,
 }
 
 impl Kernel {
-    /// All.
+    /// All shape functions.
     pub const ALL: [Kernel; 7] = [
         Kernel::Linear,
         Kernel::Gimp,
@@ -59,7 +59,7 @@ impl Kernel {
         Kernel::Quadratic,
         Kernel::Cubic,
     ];
-    /// Nodes that a particle weighs on, in `d` dimensions.
+    /// Number of nodes of a particle in `d` dimensions.
     pub fn nodes(self, d: u32) -> u64 {
         match self {
             Kernel::Linear => 2u64.pow(d),
@@ -67,7 +67,7 @@ impl Kernel {
             Kernel::Cpdi | Kernel::Cpdi2 | Kernel::Cubic => 4u64.pow(d),
         }
     }
-    /// Its short name.
+    /// Short name.
     pub fn name(self) -> &'static str {
         match self {
             Kernel::Linear => "linear",
@@ -82,10 +82,10 @@ impl Kernel {
 }
 
 impl Velocity {
-    /// All.
+    /// All velocity updates.
     pub const ALL: [Velocity; 4] =
         [Velocity::FlipUsl, Velocity::FlipMusl, Velocity::ApicUsl, Velocity::Fmpm4Usl];
-    /// Its short name.
+    /// Short name.
     pub fn name(self) -> &'static str {
         match self {
             Velocity::FlipUsl => "FLIP-USL",
@@ -97,15 +97,15 @@ impl Velocity {
 }
 
 impl Scheme {
-    /// Updated Lagrangian.
+    /// Create an updated Lagrangian scheme.
     pub const fn moving(kernel: Kernel, velocity: Velocity) -> Self {
         Scheme { kernel, velocity, total: false }
     }
-    /// Total Lagrangian.
+    /// Create a total Lagrangian scheme.
     pub const fn total(kernel: Kernel, velocity: Velocity) -> Self {
         Scheme { kernel, velocity, total: true }
     }
-    /// All that the compiler accepts.
+    /// List all compiled schemes.
     pub fn all() -> Vec<Scheme> {
         let mut list = Vec::new();
         for total in [false, true] {
@@ -120,8 +120,9 @@ impl Scheme {
         }
         list
     }
-    /// Is it compiled here? There is none of the linear shape function and of CPDI with APIC, and CPDI is compiled with FLIP and USL alone; in
-    /// the reference configuration cpGIMP is uGIMP, and that lies between the linear shape function and the quadratic spline.
+    /// Return true if the scheme is compiled here. Linear shape functions and CPDI have no APIC, and CPDI is compiled with FLIP and USL
+    /// only. In the reference configuration cpGIMP equals uGIMP, which is between the linear shape function and the quadratic spline and is
+    /// omitted.
     pub fn is_legal(self) -> bool {
         match self.kernel {
             Kernel::Linear => self.velocity != Velocity::ApicUsl,
@@ -130,18 +131,18 @@ impl Scheme {
             Kernel::Quadratic | Kernel::Cubic => true,
         }
     }
-    /// Its name, as in `TL quadratic APIC`.
+    /// Name, as in `TL quadratic APIC`.
     pub fn name(self) -> String {
         let frame = if self.total { "TL " } else { "" };
         format!("{frame}{} {}", self.kernel.name(), self.velocity.name())
     }
-    /// The scheme of a name.
+    /// Find a scheme by name.
     pub fn named(name: &str) -> Option<Scheme> {
         Scheme::all().into_iter().find(|s| s.name() == name)
     }
 }
 
-/// The kernels of a scheme; `None` if there is no such one.
+/// Return the kernels of a scheme; `None` if the scheme does not exist.
 pub fn kernels<E: Embedding<D> + Default, const D: usize>(scheme: Scheme) -> Option<Kernels<f64, D>>
 where
     f64: Scalar<D>,
@@ -165,7 +166,7 @@ where
     }
 }
 
-/// Any shape function but one that carries its domain, transfers without an affine matrix.
+/// Return kernels of a shape function with fixed domain, for transfers without an affine matrix.
 fn any<E: Embedding<D> + Default, S: ShapeFunction<f64, D> + FixedDomain, const D: usize>(
     shape: S,
     scheme: Scheme,
@@ -209,7 +210,7 @@ where
     })
 }
 
-/// FLIP and USL alone.
+/// Return kernels for FLIP and USL only.
 fn plain<E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
     shape: S,
     scheme: Scheme,

@@ -1,4 +1,4 @@
-//! Smoothed particles as a formulation of cases: one particle stands where one of material points would, if there were one a cell.
+//! Smoothed particles as a formulation of cases: one particle at the position of a material point of a cell with one.
 
 use mpm_contact::particles::ParticleBody;
 use mpm_core::{Body, FullSpace, PlaneStrain, StepError};
@@ -10,7 +10,7 @@ use crate::empty::{Gas, GasState};
 use crate::formulation::Formulation;
 use crate::scene::{Drive, Ended, Moment, Run, Scene, Stepped};
 
-/// A method of smoothed particles.
+/// Method of smoothed particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Smoothed {
     /// `sph::Method::total_lagrangian`.
@@ -20,13 +20,13 @@ pub enum Smoothed {
 }
 
 impl Smoothed {
-    /// Both.
+    /// Both methods.
     pub const ALL: [Smoothed; 2] = [Smoothed::TotalLagrangian, Smoothed::Updated];
 
-    /// The factor of the time control by default, of what is stable.
+    /// Courant number by default: fraction of the stable time step.
     pub const COURANT: f64 = 0.7;
 
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Smoothed::TotalLagrangian => "SPH total Lagrangian",
@@ -34,12 +34,12 @@ impl Smoothed {
         }
     }
 
-    /// The method of a name.
+    /// Find a method by name.
     pub fn named(name: &str) -> Option<Smoothed> {
         Smoothed::ALL.into_iter().find(|s| s.name() == name)
     }
 
-    /// Neighbours of a particle in the plane, within 2.2 and 2.6 spacings.
+    /// Number of neighbours of a particle in two dimensions, within 2.2 and 2.6 spacings.
     pub const fn neighbours(self) -> u64 {
         match self {
             Smoothed::TotalLagrangian => 12,
@@ -48,7 +48,7 @@ impl Smoothed {
     }
 }
 
-/// Neighbours in space, within 2.2 spacings.
+/// Number of neighbours in three dimensions, within 2.2 spacings.
 const IN_SPACE: u64 = 32;
 
 impl Formulation for Smoothed {
@@ -56,7 +56,8 @@ impl Formulation for Smoothed {
         Smoothed::name(self).into()
     }
 
-    /// Two particles and their images are within reach of each other; images of images beyond the other plane are not made.
+    /// Two particles across, so that they and their images are mutual neighbours; images of images beyond the other plane
+    /// are not created.
     fn across(self) -> usize {
         2
     }
@@ -74,7 +75,7 @@ impl Formulation for Smoothed {
         Outcome::of(self.neighbours(), Some(ended))
     }
 
-    /// In the reference configuration.
+    /// Runs the total Lagrangian method only.
     fn solid<C: IntoMaterial<f64> + Clone>(
         self,
         scene: &Scene<C, 3>,
@@ -101,7 +102,7 @@ impl Formulation for Smoothed {
 }
 
 impl<C: IntoMaterial<f64> + Clone, const D: usize> Run<'_, C, D> {
-    /// Run it by smoothed particles.
+    /// Run the scene by smoothed particles.
     fn by_particles<M: Composition<D>>(self, method: M) -> Ended {
         let made = of_scene(method, self.scene, &Layout::of_seeds(&self.scene.seeds));
         self.driven(made)
@@ -124,8 +125,7 @@ impl Run<'_, Gas, 2> {
 }
 
 impl<C, const D: usize> Run<'_, C, D> {
-    /// Run what was made of the scene. Its velocities are those of half a step before the start, so that the first force acts for a whole
-    /// step.
+    /// Run the solver of the scene. Its velocities are half a step before the start, so that the first force acts for a whole step.
     fn driven<M: Composition<D>>(self, made: Result<Sph<D, M>, String>) -> Ended {
         let scene = self.scene;
         match made {
@@ -147,7 +147,7 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// The particles of a scene in a layout.
+/// Create the particles of a scene in a layout.
 fn of_scene<C: IntoMaterial<f64> + Clone, const D: usize, M: Composition<D>>(
     method: M,
     scene: &Scene<C, D>,
@@ -160,33 +160,33 @@ fn of_scene<C: IntoMaterial<f64> + Clone, const D: usize, M: Composition<D>>(
     Ok(sph)
 }
 
-/// Particles that go on by steps of a size that is given, each with an acceleration of its own beside that by its neighbours.
+/// Particle body with given step sizes, and an external acceleration per particle in addition to neighbour forces.
 pub(crate) struct March<const D: usize> {
-    /// The particles.
+    /// Particle body.
     pub body: Box<dyn ParticleBody<D>>,
     /// Time, s.
     pub time: f64,
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// From the time of the velocities to that of the positions, s.
+    /// Offset of the leapfrog velocities: time of the positions minus that of the velocities, s.
     lag: f64,
     masses: Vec<f64>,
     start: Vec<[f64; D]>,
 }
 
 impl<const D: usize> March<D> {
-    /// From rest or motion at t = 0.
+    /// Create a march from rest or motion at t = 0.
     pub fn new(body: Box<dyn ParticleBody<D>>) -> Self {
         let masses = (0..body.len()).map(|n| body.particle(n).mass).collect();
         March { body, time: 0.0, steps: 0, lag: 0.0, masses, start: Vec::new() }
     }
 
-    /// What acts longer than the forces, s: velocities are those of the middle of steps.
+    /// Duration of an external acceleration in a step, s: leapfrog velocities are at mid-step.
     pub fn kick(&self, dt: f64) -> f64 {
         self.lag + 0.5 * dt
     }
 
-    /// What neighbours accelerate particles with, m/s^2, by number: from what a step of `dt` seconds would begin with.
+    /// Return accelerations by neighbour forces, m/s^2, by number, at the beginning of a step of `dt` seconds.
     pub fn accelerations(mut self, dt: f64) -> Result<Vec<[f64; D]>, StepError> {
         let kick = self.kick(dt);
         let March { body, start, .. } = &mut self;
@@ -198,7 +198,7 @@ impl<const D: usize> March<D> {
         Ok(start.iter().enumerate().map(of).collect())
     }
 
-    /// A step, with an acceleration (m/s^2) by number.
+    /// Advance by one step with external accelerations (m/s^2) by number.
     ///
     /// Never inlined, so that its instructions can be counted.
     #[inline(never)]
@@ -224,7 +224,7 @@ impl<const D: usize> March<D> {
     }
 }
 
-/// Particles of a scene under its body force.
+/// Particles of a scene with its body force.
 struct Driven<'a, const D: usize> {
     march: March<D>,
     drive: Option<Drive<D>>,
@@ -244,7 +244,7 @@ impl<const D: usize> Stepped<D> for Driven<'_, D> {
     fn time(&self) -> f64 {
         self.march.time
     }
-    /// What is pushed has the velocity of the middle of its last step.
+    /// Time of the velocities; with a body force, the middle of the last step.
     fn velocity_time(&self, dt: f64) -> f64 {
         if self.drive.is_some() { self.march.time - 0.5 * dt } else { self.march.time }
     }

@@ -1,4 +1,4 @@
-//! Stored errors, and what has become of them.
+//! Stored errors, and comparison of new errors with them.
 
 use crate::case::{Case, Outcome, Problem};
 use crate::fast;
@@ -6,31 +6,31 @@ use crate::formulation::Formulation;
 use crate::problems::gates::{self, Gate};
 use crate::problems::smoothed::{self, Question};
 
-/// What a stored error may change by.
+/// Relative tolerance of a stored error.
 pub const TOLERANCE: f64 = 0.02;
 
-/// Below this, measures are sums of round-off mostly: they have criteria of their own and are not stored.
+/// Round-off threshold: measures below it are mostly round-off, have criteria of their own and are not stored.
 pub const ROUND_OFF: f64 = 1e-9;
 
-/// Read where it stands, so that a new one compiles nothing anew.
+/// Path of the table, read at run time, so that a new table needs no compilation.
 const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/data/errors.csv");
 
-/// The word for a run that stops.
+/// Table entry of a run that stops.
 const FAILS: &str = "fails";
 
-/// What is run and has rows in the table.
+/// Run with rows in the table.
 pub trait Stored {
-    /// Problem, scheme, particles a cell and axis, cells and Courant number, as columns.
+    /// Columns of a row: problem, scheme, particles per cell and axis, cells and Courant number.
     fn key(&self) -> String;
-    /// Cells along the length of the problem.
+    /// Number of cells along the length of the problem.
     fn cells(&self) -> usize;
-    /// Run it.
+    /// Run it and return its outcome.
     fn outcome(&self) -> Outcome;
-    /// Below this its measures are sums of round-off: they are not stored.
+    /// Round-off threshold: measures below it are not stored.
     fn round_off(&self) -> f64 {
         ROUND_OFF
     }
-    /// Are its measures such that a table can hold them?
+    /// True if its measures are reproducible and stored.
     fn is_kept(&self) -> bool {
         true
     }
@@ -47,22 +47,22 @@ impl<S: Formulation> Stored for Case<S> {
     fn outcome(&self) -> Outcome {
         self.run()
     }
-    /// Of a flight there are none: what it measures is round-off, and where that grows, the processor's rounding decides whether the run
-    /// stops in time.
+    /// Translation (V6) is not stored: it measures round-off, and where that grows, the processor's rounding decides if the run stops in
+    /// time.
     fn is_kept(&self) -> bool {
         self.problem != Problem::Flight
     }
 }
 
-/// The columns that tell runs apart.
+/// Format the key columns of a run.
 pub(crate) fn columns(problem: &str, scheme: &str, per_axis: usize, cells: usize, courant: f64) -> String {
     format!("{problem},{scheme},{per_axis},{cells},{courant}")
 }
 
-/// Runs and what came of them.
+/// Runs with their outcomes.
 pub type Runs<R = Case> = Vec<(R, Outcome)>;
 
-/// Run a list.
+/// Run a list of cases.
 pub fn measure<R: Stored>(list: impl IntoIterator<Item = R>) -> Runs<R> {
     let made = |run: R| {
         let outcome = run.outcome();
@@ -71,10 +71,10 @@ pub fn measure<R: Stored>(list: impl IntoIterator<Item = R>) -> Runs<R> {
     list.into_iter().map(made).collect()
 }
 
-/// Run a list, print what came of it, and hold it to the table.
+/// Run a list of cases, print the outcomes and compare them with the table.
 ///
 /// # Panics
-/// There is nothing to run, or something differs.
+/// The list is empty, or an outcome differs.
 pub fn judged<R: Stored>(list: impl IntoIterator<Item = R>) -> Runs<R> {
     let runs = measure(list);
     assert!(!runs.is_empty(), "nothing to run");
@@ -93,8 +93,8 @@ pub fn judged<R: Stored>(list: impl IntoIterator<Item = R>) -> Runs<R> {
     runs
 }
 
-/// What differs from the table by more than [`TOLERANCE`], in words; runs that stop where none did, or do not where
-/// they did, and what is not in the table.
+/// Describe differences from the table of more than [`TOLERANCE`], runs that stop against the table or complete
+/// against it, and entries missing from it.
 pub fn differences<R: Stored>(runs: &[(R, Outcome)]) -> Vec<String> {
     let table = match std::fs::read_to_string(TABLE) {
         Ok(table) => table,
@@ -121,7 +121,7 @@ pub fn differences<R: Stored>(runs: &[(R, Outcome)]) -> Vec<String> {
     found
 }
 
-/// The whole table anew: runs all that it has.
+/// Recompute the whole table by running all its cases.
 pub fn table() -> String {
     let mut text = String::from("problem,scheme,particles a cell and axis,cells,Courant,quantity,value\n");
     text += &lines(&measure(fast::cases()));
@@ -130,7 +130,7 @@ pub fn table() -> String {
     text + &lines(&measure(Question::ALL.into_iter().flat_map(smoothed::stored)))
 }
 
-/// Lines of the table from runs.
+/// Format runs as lines of the table.
 fn lines<R: Stored>(runs: &[(R, Outcome)]) -> String {
     let mut text = String::new();
     for (run, outcome) in runs {
@@ -141,7 +141,7 @@ fn lines<R: Stored>(runs: &[(R, Outcome)]) -> String {
     text
 }
 
-/// Stored quantities of an outcome and their values.
+/// Return the stored quantities of an outcome and their values.
 fn rows(run: &impl Stored, outcome: &Outcome) -> Vec<(&'static str, String)> {
     if !run.is_kept() {
         return Vec::new();
@@ -153,7 +153,7 @@ fn rows(run: &impl Stored, outcome: &Outcome) -> Vec<(&'static str, String)> {
     kept.map(|&(quantity, value)| (quantity, format!("{value:.5e}"))).collect()
 }
 
-/// A measure over the grids of the runs that are picked: cells and sizes, coarse first.
+/// Return a measure over the grids of selected runs: cells and absolute values, coarse first.
 pub fn series<R: Stored>(
     runs: &[(R, Outcome)],
     quantity: &str,
@@ -168,7 +168,7 @@ pub fn series<R: Stored>(
     list
 }
 
-/// The order of convergence over the last three grids: the slope of the straight line that fits the logarithms best.
+/// Order of convergence over the last three grids: slope of the least-squares line in logarithms.
 pub fn order(series: &[(usize, f64)]) -> f64 {
     let last = &series[series.len().saturating_sub(3)..];
     let n = last.len() as f64;

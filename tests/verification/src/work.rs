@@ -1,24 +1,24 @@
-//! What a run cost.
+//! Computational work of a run.
 
 pub use examples::machine::Stopwatch;
 
 /// Work of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Work {
-    /// Particles; where their number changes, the mean over the steps.
+    /// Number of particles; mean over the steps if it changes.
     pub particles: u64,
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// Nodes that a particle weighs on; where particles differ, the rounded mean.
+    /// Number of nodes per particle; rounded mean if particles differ.
     pub nodes: u64,
-    /// Core-seconds of the steps alone: without seeding and without looking at errors.
+    /// Core-seconds of the steps only, without seeding and error evaluation.
     pub seconds: f64,
-    /// Memory of the solver at the end, its grid and scratch included, bytes.
+    /// Memory of the solver at the end including grid and scratch, bytes.
     pub bytes: u64,
 }
 
 impl Work {
-    /// Of this run and another one after it.
+    /// Combine the work of this run and a subsequent run.
     #[must_use]
     pub fn and(&self, other: &Work) -> Work {
         let mean = |sum: u64, parts: u64| (sum as f64 / parts.max(1) as f64).round() as u64;
@@ -33,7 +33,7 @@ impl Work {
         }
     }
 
-    /// Particle-steps times nodes a particle: work that no machine changes.
+    /// Particle-steps times nodes per particle: machine-independent work.
     pub fn units(&self) -> f64 {
         (self.particles * self.steps * self.nodes) as f64
     }

@@ -1,4 +1,4 @@
-//! The copper bar: 10 mm x 70 mm, 165 m/s on a rigid wall, axisymmetric.
+//! Copper bar: 10 mm x 70 mm, 165 m/s on a rigid wall, axisymmetric.
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{Axisymmetric, BlockGrid, Boundary, Flip, Gimp, IntoKernels, Linear, Method, Mpm, Musl, Side};
@@ -10,14 +10,14 @@ use crate::{Failure, Way};
 const SIZE: [f64; 2] = [5.0e-3, 70.0e-3];
 const SPEED: f64 = 165.0;
 const END: f64 = 260.0e-6;
-/// Length and radius of the face by independent finite elements, m \[C\]; good to 0.5 and 2 %.
+/// Length and radius of the face by independent finite elements, m \[C\]; accuracy 0.5 and 2 %.
 const REFERENCE: [f64; 2] = [50.37e-3, 8.64e-3];
 
 fn copper() -> Result<impl IntoMaterial<f64>, Failure> {
     Ok(library::copper_feng_2014().with_bulk_viscosity(0.06, 1.5)?)
 }
 
-/// The larger of the relative errors of length and radius of the face.
+/// Larger one of the relative errors of length and radius of the face.
 pub fn error(way: Way, cells: u32) -> Result<f64, Failure> {
     let lattice = Lattice::new([0.0; 2], SIZE[0] / f64::from(cells))?;
     let [length, radius] = match way {
@@ -66,7 +66,8 @@ fn points(method: impl IntoKernels<f64, 2>, lattice: Lattice<2>) -> Result<[f64;
     Ok(sizes(&seeds, &places))
 }
 
-/// Particles lie a quarter of a cell within the surface they had, and are continued to it from the layer behind.
+/// Extrapolate positions to the surface from the layer behind, since particles are a quarter of a cell below their
+/// initial surface.
 fn sizes(seeds: &Seeds<2>, places: &[[f64; 2]]) -> [f64; 2] {
     let size = 2.0 * seeds.half_size[1];
     let layer = |at: f64| {

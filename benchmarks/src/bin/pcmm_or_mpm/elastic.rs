@@ -1,5 +1,5 @@
-//! The elastic bar: steel, 1 mm x 20 mm, 50 m/s on a rigid wall, between planes: with free sides lateral inertia would be
-//! the larger part of every method's error.
+//! Elastic bar: steel, 1 mm x 20 mm, 50 m/s on a rigid wall, between planes: with free sides, lateral inertia would
+//! dominate the error of every method.
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{BlockGrid, Boundary, Flip, Gimp, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side};
@@ -11,15 +11,15 @@ use crate::{Failure, Way};
 const SIZE: [f64; 2] = [1.0e-3, 20.0e-3];
 const SPEED: f64 = 50.0;
 const END: f64 = 9.0e-6;
-/// Entries of a history.
+/// Number of entries of a history.
 const ENTRIES: usize = 450;
 
-/// Mean over 9 microseconds of |v - exact| at half the length, over the impact speed. Laterally confined, the bar obeys the
+/// Mean of |v - exact| over 9 microseconds at half the length, over the impact speed. Laterally confined, the bar obeys the
 /// wave equation with c^2 = E (1 - nu) / ((1 + nu) (1 - 2 nu) rho).
 pub fn error(way: Way, cells: u32) -> Result<f64, Failure> {
     let h = SIZE[0] / f64::from(cells);
     let moduli = Moduli::young_poisson(206e9, 0.3)?;
-    // The law of all methods.
+    // Common law of all methods.
     let steel = Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(7850.0, moduli.bulk)?)
         .with_bulk_viscosity(0.06, 1.5)?;
     let shape = Cuboid::new([0.0; 2], SIZE)?;

@@ -1,5 +1,5 @@
-//! Error against core-seconds: the elastic bar and the copper bar of Feng 2014 by particle contacts, and by the material
-//! point method with linear shape functions and GIMP, each with one law for all.
+//! Error against core-seconds: elastic bar and copper bar of Feng 2014 by particle contacts, and by the material point
+//! method with linear shape functions and GIMP, with one law for all methods.
 
 mod copper;
 mod elastic;
@@ -22,24 +22,24 @@ struct Options {
     out: PathBuf,
 }
 
-/// Whatever may go wrong.
+/// Any error of the program.
 pub type Failure = Box<dyn std::error::Error>;
 
-/// A method.
+/// Method of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// Particle contacts, ours.
+    /// Particle contacts of this library.
     Contacts,
     /// Material points with linear shape functions, FLIP, MUSL.
     Linear,
-    /// The same with GIMP.
+    /// Material points with GIMP, FLIP, MUSL.
     Gimp,
 }
 
 const WAYS: [(Way, &str); 3] =
     [(Way::Contacts, "PCMM"), (Way::Linear, "MPM, linear shape functions"), (Way::Gimp, "MPM, GIMP")];
 
-/// Cells across, the error, and what it took, s.
+/// Number of cells across, error, and time, s.
 type Point = (u32, f64, f64);
 
 fn main() -> Result<(), Failure> {

@@ -1,4 +1,4 @@
-//! A disk hits a wall: `chosen METHOD LAW [STEPS]`, with method and law by name.
+//! Impact of a disk on a wall: `chosen METHOD LAW [STEPS]`, with method and law by name.
 
 use downstream::choose::{self, Failure, LAWS, METHODS};
 

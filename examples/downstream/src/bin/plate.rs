@@ -1,6 +1,6 @@
-//! A notched glass plate is pulled apart: the crack, as a picture and a ParaView series, with checkpoints every five seconds.
+//! Notched glass plate in tension: crack as a picture and a ParaView series, with checkpoints every five seconds.
 //!
-//! `plate [CHECKPOINT]` goes on from a checkpoint.
+//! `plate [CHECKPOINT]` resumes from a checkpoint.
 
 use std::time::{Duration, Instant};
 

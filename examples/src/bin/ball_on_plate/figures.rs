@@ -12,7 +12,7 @@ use mpm_core::output::{ParticleSize, Snapshot};
 use crate::hertz::Impact;
 use crate::scene::Outcome;
 
-/// Force over time of all runs, with Hertz's.
+/// Plot the force over time of all runs, with Hertz's.
 pub fn forces(outcomes: &[Outcome], impact: &Impact, folder: &Path) -> Result<(), CaseError> {
     let mut chart = Chart::new(860, 520)
         .x(Axis::new("time").unit("µs", 1e6))
@@ -30,14 +30,14 @@ pub fn forces(outcomes: &[Outcome], impact: &Impact, folder: &Path) -> Result<()
     Ok(())
 }
 
-/// Stress around the contact at the largest approach, a panel a run.
+/// Draw the pressure around the contact at the largest approach, one panel per run.
 pub fn stresses(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     let mut panels = Panels::new(2).title("Pressure around the contact at its largest");
     for outcome in outcomes {
         let (snapshot, contact) = (&outcome.snapshot, outcome.setup.impact.contact());
-        // Hertz's largest pressure.
+        // Largest pressure by Hertz.
         let most = 1.5 * outcome.setup.impact.force() / (std::f64::consts::PI * contact * contact);
-        // A little larger than they are: elements that are longer than wide are drawn square.
+        // Points are drawn enlarged: elements that are longer than wide are drawn square.
         let size = ParticleSize::Each((0..snapshot.len()).map(|n| 1.3 * snapshot.size_of(n)).collect());
         let positions = snapshot.positions().to_vec();
         let around = Snapshot::new(2, snapshot.time(), snapshot.step(), positions, size)?
@@ -54,7 +54,7 @@ pub fn stresses(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// The history of a run.
+/// Write the history of a run.
 pub fn history(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-/// A ball that runs onto a plate.
+/// Ball that hits a plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Impact {
     /// Radius of the ball, m.
@@ -17,7 +17,7 @@ pub struct Impact {
     pub density: f64,
 }
 
-/// Duration over largest approach and speed: twice the integral of 1 / sqrt(1 - x^(5/2)) from 0 to 1.
+/// Factor of the duration d / v: twice the integral of 1 / sqrt(1 - x^(5/2)) from 0 to 1.
 const DURATION: f64 = 2.943_275;
 
 impl Impact {
@@ -26,7 +26,7 @@ impl Impact {
         4.0 / 3.0 * PI * self.radius.powi(3) * self.density
     }
 
-    /// E*, Pa: 1/E* = 2 (1 - nu^2) / E, as both bodies yield.
+    /// Effective modulus E*, Pa: 1/E* = 2 (1 - nu^2) / E, for two deformable bodies.
     fn stiffness(&self) -> f64 {
         0.5 * self.young / (1.0 - self.poisson * self.poisson)
     }
@@ -42,18 +42,17 @@ impl Impact {
         4.0 / 3.0 * self.stiffness() * self.radius.sqrt() * self.approach().powf(1.5)
     }
 
-    /// How long the bodies touch, s: 2.943 d / v.
+    /// Contact duration, s: 2.943 d / v.
     pub fn duration(&self) -> f64 {
         DURATION * self.approach() / self.speed
     }
 
-    /// Radius of the contact at its largest, m.
+    /// Largest contact radius, m.
     pub fn contact(&self) -> f64 {
         (self.radius * self.approach()).sqrt()
     }
 
-    /// Approach, m, over time, s, in `steps` equal steps over the duration: what the energy leaves of the speed, by Verlet's rule for
-    /// d'' = -F / m.
+    /// Integrate d'' = -F / m by velocity Verlet: time, s, and approach, m, in `steps` equal steps over the duration.
     pub fn history(&self, steps: usize) -> Vec<[f64; 2]> {
         let stiff = 4.0 / 3.0 * self.stiffness() * self.radius.sqrt() / self.mass();
         let pull = |d: f64| -stiff * d.max(0.0).powf(1.5);
@@ -74,7 +73,7 @@ impl Impact {
         self.force() * (approach.max(0.0) / self.approach()).powf(1.5)
     }
 
-    /// How long the force is above a `part` of its largest, s.
+    /// Time for which the force exceeds a `part` of its maximum, s.
     pub fn lasts_above(&self, part: f64) -> f64 {
         const STEPS: usize = 20_000;
         let rows = self.history(STEPS);
@@ -89,7 +88,7 @@ mod tests {
 
     const STEEL: Impact = Impact { radius: 5e-3, speed: 1.0, young: 200e9, poisson: 0.3, density: 7850.0 };
 
-    /// Gate I is a rigid wall: 566.3 N, 9.073 um, 26.70 us. Twice the compliance is half of E.
+    /// Gate I is a rigid wall: 566.3 N, 9.073 um, 26.70 us. Half of E has twice the compliance.
     #[test]
     fn a_plate_as_soft_as_the_ball_doubles_the_compliance() {
         let rigid = Impact { young: 2.0 * STEEL.young, ..STEEL };

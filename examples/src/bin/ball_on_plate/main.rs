@@ -1,5 +1,5 @@
-//! A steel ball strikes a steel plate, one of them of finite elements, the other of particles: force, approach and duration against
-//! Hertz's of two bodies that yield.
+//! Impact of a steel ball on a steel plate, one of finite elements, the other of particles: force, approach and duration
+//! against Hertz's solution for two deformable bodies.
 
 mod figures;
 mod hertz;
@@ -57,11 +57,12 @@ const POISSON: f64 = 0.3;
 const DENSITY: f64 = 7850.0;
 
 const TOLERANCE: f64 = 0.03;
-/// By surface with FLIP up to 2.9 % of the energy is unexplained in what the crate `coupling` tests; on the grid contact takes more.
+/// Tolerance of the energy: surface contact with FLIP leaves up to 2.9 % unexplained in the tests of the crate `coupling`;
+/// contact on the grid dissipates more.
 const ENERGY_TOLERANCE: f64 = 0.03;
-/// Part of the largest force above which bodies are said to touch.
+/// Part of the largest force above which bodies count as in contact.
 const TOUCH: f64 = 0.05;
-/// Cells on the radius of the contact from which on it is judged.
+/// Number of cells on the contact radius from which results are judged.
 const RESOLVED: f64 = 3.0;
 
 impl Options {
@@ -124,7 +125,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     Report::new("ball_on_plate", common.resolution, settings, &totals, checks).finish(common, &folder)
 }
 
-/// Why contact on the grid is known to miss whatever it is asked for.
+/// Reason for the known misses of contact on the grid.
 const ON_THE_GRID: &str = "nodes of elements on the grid take most of the energy of so slow an impact, which contact of particles does not";
 
 fn checks_of(outcome: &Outcome) -> Vec<Check> {

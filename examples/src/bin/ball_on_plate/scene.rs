@@ -1,4 +1,4 @@
-//! Ball and plate of elements or particles, and the run, around the axis.
+//! Axisymmetric scene of ball and plate of elements or particles, and its run.
 
 use clap::ValueEnum;
 use coupling::Elements;
@@ -39,14 +39,14 @@ pub enum Coupling {
     Grid,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     pub ball: Matter,
     pub plate: Matter,
     pub coupling: Coupling,
     pub impact: Impact,
-    /// Of cells, and of elements where bodies touch, on the largest radius of contact.
+    /// Number of cells, and of elements at the contact, on the largest contact radius.
     pub cells: f64,
     /// Radius and height of the plate over the radius of the ball.
     pub plate_size: f64,
@@ -54,15 +54,15 @@ pub struct Setup {
     pub threads: usize,
 }
 
-/// Length of the first element of a plate away from the contact over that of the last.
+/// Grading of the elements of a plate away from the contact: length of the first over that of the last.
 const GRADING: f64 = 0.1;
-/// Time after the bodies have let go, over Hertz's duration.
+/// Time after the end of contact, over Hertz's duration.
 const AFTER: f64 = 0.25;
-/// Entries of a history over Hertz's duration.
+/// Number of history entries over Hertz's duration.
 const ENTRIES: f64 = 80.0;
 
 impl Setup {
-    /// Its name in files.
+    /// Name in files.
     pub fn name(&self) -> String {
         let of =
             |matter: Matter| matter.to_possible_value().map_or_else(String::new, |v| v.get_name().into());
@@ -70,7 +70,7 @@ impl Setup {
         format!("{}_on_{}{how}", of(self.ball), of(self.plate))
     }
 
-    /// Its name in tables.
+    /// Name in tables.
     pub fn words(&self) -> String {
         self.name().replace('_', " ").replace(" grid", ", on the grid")
     }
@@ -80,12 +80,12 @@ impl Setup {
         self.impact.contact() / self.cells
     }
 
-    /// The end of the run, s.
+    /// End of the run, s.
     pub fn end(&self) -> f64 {
         (1.0 + AFTER) * self.impact.duration()
     }
 
-    /// Radius and height of the plate, m: whole cells.
+    /// Radius and height of the plate, m, rounded to whole cells.
     fn plate_edge(&self) -> f64 {
         (self.plate_size * self.impact.radius / self.spacing()).round() * self.spacing()
     }
@@ -95,13 +95,13 @@ impl Setup {
         Ok(LinearElastic::new(density, Moduli::young_poisson(young, poisson)?)?)
     }
 
-    /// The ball, whose lowest point is the origin, of elements as large as cells.
+    /// Mesh the ball, whose lowest point is the origin, with elements as large as cells.
     fn ball_mesh(&self) -> Result<ElementMesh<2>, CaseError> {
         let radius = self.impact.radius;
         Ok(half_disc_mesh(&Disc::new([0.0, radius], radius)?, Butterfly::of_edge(radius, self.spacing())?)?)
     }
 
-    /// The plate below, of elements that are as large as cells at the contact; of those all over where they act on the grid.
+    /// Mesh the plate below with elements as large as cells at the contact, throughout for contact on the grid.
     fn plate_mesh(&self) -> Result<ElementMesh<2>, CaseError> {
         let edge = self.plate_edge();
         let shape = Cuboid::new([0.0, -edge], [edge, 0.0])?;
@@ -114,7 +114,7 @@ impl Setup {
     }
 }
 
-/// How many elements, of which the last is 1 / [`GRADING`] times as long as the first, are as long as this many of the first.
+/// Return the number of elements, the last 1 / [`GRADING`] times as long as the first, with a total of `length` times the first.
 fn graded(length: f64) -> usize {
     let sum = |count: f64| match GRADING.powf(-1.0 / (count - 1.0)) {
         q if q > 1.0 => (q.powf(count) - 1.0) / (q - 1.0),
@@ -123,17 +123,17 @@ fn graded(length: f64) -> usize {
     (2..).find(|&count| sum(f64::from(count)) >= length).unwrap_or(2) as usize
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
-    /// At the largest approach of Hertz.
+    /// Snapshot at the time of Hertz's largest approach.
     pub snapshot: Snapshot,
     pub totals: Totals,
 }
 
-/// The scene, and the number of the ball in it.
+/// Build the scene; the second result is the number of the ball.
 fn scene(setup: &Setup) -> Result<(Mpm<2>, usize), CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let method = Method::new(Linear, Flip, Musl, Axisymmetric);
@@ -182,7 +182,7 @@ fn scene(setup: &Setup) -> Result<(Mpm<2>, usize), CaseError> {
     Ok((mpm, usize::from(setup.ball == Matter::Elements)))
 }
 
-/// Let the ball fall.
+/// Run the impact.
 pub fn strike(
     setup: &Setup,
     folder: &std::path::Path,
@@ -200,7 +200,7 @@ pub fn strike(
         series = Some(VtkSeries::create(folder.join("paraview"), &name, pace)?);
     }
     let mut simulation = restart.scene(name)?;
-    // The picture is of the moment of the largest approach.
+    // The picture is taken at the time of the largest approach.
     for end in [0.5 * setup.impact.duration(), setup.end()] {
         let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut progress, &mut track];
         observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));

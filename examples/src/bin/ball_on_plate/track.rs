@@ -1,23 +1,23 @@
-//! Where the ball is, and what pushes it.
+//! Position of the ball, and force on it.
 
 use examples::CaseError;
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::{Archive, CheckpointError};
 
-/// A moment of an impact.
+/// State of an impact at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// By how much the centre of mass is lower than at the first touch, m.
+    /// Descent of the centre of mass since the first contact, m.
     pub approach: f64,
-    /// Mean force on the ball since the row before, N.
+    /// Mean force on the ball since the previous row, N.
     pub force: f64,
-    /// Its speed upwards, m/s.
+    /// Upward speed of the ball, m/s.
     pub speed: f64,
 }
 
-/// Notes of a ball: time, height of its centre of mass, its speed upwards.
+/// Observer of a ball: time, height of its centre of mass, upward speed.
 pub struct Track {
     ball: usize,
     pace: Pace,
@@ -25,12 +25,12 @@ pub struct Track {
 }
 
 impl Track {
-    /// Of the body of this number, every so many seconds.
+    /// Create the observer of the body of this number, with an interval in seconds.
     pub fn new(ball: usize, every: f64) -> Result<Self, CaseError> {
         Ok(Track { ball, pace: Pace::interval(every)?, notes: Vec::new() })
     }
 
-    /// What became of a ball of this mass, kg.
+    /// Compute the history of a ball of this mass, kg.
     pub fn rows(&self, mass: f64) -> Vec<Row> {
         let start = self.notes.first().map_or(f64::NAN, |note| note[1]);
         let row = |pair: &[[f64; 3]]| {
@@ -54,7 +54,7 @@ impl Observer for Track {
             mass += p.mass;
         });
         let note = [now.time(), sum / mass, totals.momentum[1] / totals.mass];
-        // Segments of a run share a moment.
+        // Consecutive segments of a run share one time.
         if self.notes.last().is_none_or(|last| last[0] < note[0]) {
             self.notes.push(note);
         }
@@ -65,11 +65,11 @@ impl Observer for Track {
     }
 }
 
-/// Largest force, N, largest approach, m, and how long the force is above a part of its largest, s, of a history.
+/// Return the largest force, N, the largest approach, m, and the time for which the force exceeds a part of its maximum, s.
 pub fn figures(rows: &[Row], part: f64) -> [f64; 3] {
     let force = rows.iter().map(|r| r.force).fold(0.0, f64::max);
     let approach = rows.iter().map(|r| r.approach).fold(0.0, f64::max);
-    // Forces are means over the time since the row before, and belong to its middle.
+    // Forces are means since the previous row, and belong to the middle of that interval.
     let mut ends = rows.windows(2).filter_map(|pair| {
         let [a, b] = [pair[0], pair[1]];
         let middle = |r: Row, length: f64| r.time - 0.5 * length;

@@ -12,23 +12,23 @@ use crate::{Outcome, figures};
 /// Linear coefficient of bulk viscosity.
 const VISCOSITY: f64 = 0.03;
 
-/// Of the pulse that is cut: its edge is a cell or two of twenty.
+/// Tolerance of the cut pulse: its edge is one or two cells wide, of twenty.
 const CUT_TOLERANCE: f64 = 0.1;
 
-/// For a smooth pulse.
+/// Return the method for a smooth pulse.
 fn plain() -> Method<Linear, Flip, Musl, PlaneStrain> {
     Method::new(Linear, Flip, Musl, PlaneStrain)
 }
 
-/// Equal bars, bars of different impedance, bars of different length.
+/// Run equal bars, bars of different impedance, bars of different length.
 pub fn impact(cells: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let (mut checks, mut totals, mut curves) = (Vec::new(), Totals::default(), Vec::new());
     for (name, ratio, second) in
         [("equal bars", 1.0, 1.0), ("second twice as heavy", 2.0, 1.0), ("second twice as long", 1.0, 2.0)]
     {
         let h = LENGTH / f64::from(cells);
-        // FLIP takes the strain from velocities that were mapped to particles and back, and smears fronts; FMPM undoes that
-        // (book, "Bars, discs, Hertz: exact values").
+        // FLIP computes the strain from velocities that were mapped to particles and back, which smears fronts; FMPM undoes
+        // that (book, "Bars, discs, Hertz: exact values").
         let task = asked.in_simulation(restart.scene(format!("impact_{}", name.replace(' ', "_")))?);
         let struck = strike(methods::linear_fmpm_usf(), cells, [ratio, second], VISCOSITY, task)?;
         totals = totals.plus(&struck.totals);
@@ -38,7 +38,7 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path, restart: &Restart) -> Res
         let exact = "exact, V8";
         checks.push(Check::gate(named("velocity of the joint"), plateau[0], "m/s", joint, 0.01, exact));
         checks.push(Check::gate(named("stress"), plateau[1], "Pa", stress, 0.03, exact));
-        // The front is smeared: it is where the stress is halved.
+        // The smeared front is located at half the stress.
         let duration = 2.0 * LENGTH / WAVE;
         let tolerance = 2.0 * h / WAVE / duration;
         checks.push(Check::gate(named("duration"), 1e3 * last, "ms", 1e3 * duration, tolerance, exact));
@@ -56,7 +56,7 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path, restart: &Restart) -> Res
     Ok(Outcome { checks, totals })
 }
 
-/// The same pulse through one piece and two.
+/// Run the same pulse through a bar of one piece and through one of two.
 pub fn wave(cells: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let push = 0.5 * PRELOAD;
     let task = |label: &str| Ok::<_, CaseError>(asked.in_simulation(restart.scene(label)?));

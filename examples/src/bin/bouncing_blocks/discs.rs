@@ -1,4 +1,4 @@
-//! Two elastic discs (Sulsky, Chen, Schreyer 1994).
+//! Collision of two elastic discs (Sulsky, Chen, Schreyer 1994).
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use mpm_core::{Flip, Method, Musl, PlaneStrain, QuadraticBSpline};
 
 use crate::{Outcome, figures};
 
-/// Cell of Sulsky, m.
+/// Cell size of Sulsky, m.
 const CELL: f64 = 0.05;
 
-/// With cells of 0.05 m over each of `finer`.
+/// Run with cells of 0.05 m over each of `finer`.
 pub fn all(finer: &[u32], asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let method = || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
     let made = finer.iter().map(|&f| {

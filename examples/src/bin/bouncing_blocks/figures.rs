@@ -23,7 +23,7 @@ fn csv<const N: usize>(path: &Path, columns: [(&str, &str); N], rows: &[[f64; N]
     Ok(())
 }
 
-/// Velocities of the bars' centres of mass over time.
+/// Plot the velocities of the bars' centres of mass over time.
 pub fn impact(runs: &[(String, Vec<[f64; 4]>)], folder: &Path) -> Result<(), CaseError> {
     let mut chart = Chart::new(900, 600)
         .title("Two bars: velocities of the centres of mass")
@@ -43,7 +43,7 @@ pub fn impact(runs: &[(String, Vec<[f64; 4]>)], folder: &Path) -> Result<(), Cas
     Ok(chart.draw()?.save(folder.join("impact.png"))?)
 }
 
-/// Velocity behind the joint over time.
+/// Plot the velocity behind the joint over time.
 pub fn wave(runs: &[(&str, &[[f64; 5]])], folder: &Path) -> Result<(), CaseError> {
     let mut chart = Chart::new(900, 600)
         .title("A pulse through a joint under pressure: velocity at three quarters")
@@ -64,7 +64,7 @@ pub fn wave(runs: &[(&str, &[[f64; 5]])], folder: &Path) -> Result<(), CaseError
     Ok(chart.draw()?.save(folder.join("wave.png"))?)
 }
 
-/// Energy over time at every cell size, and the discs at the end with the smallest.
+/// Plot the energy over time at every cell size; draw the discs at the end with the smallest.
 pub fn discs(collisions: &[(u32, Collision)], folder: &Path) -> Result<(), CaseError> {
     let mut chart = Chart::new(900, 600)
         .title("Two discs: energy")
@@ -92,8 +92,8 @@ pub fn discs(collisions: &[(u32, Collision)], folder: &Path) -> Result<(), CaseE
     Ok(())
 }
 
-/// Force over approach of balls, and width over force of both, beside Hertz. `part` is the approach of a ball's centre
-/// of mass over that of half spaces.
+/// Plot the force over the approach of balls, and the half width of contact over time of balls and cylinders, against
+/// Hertz. `part` is the approach of a ball's centre of mass over that of half spaces.
 pub fn hertz(balls: &[Row], cylinders: &[Row], part: f64, folder: &Path) -> Result<(), CaseError> {
     let pressed: Vec<Row> = balls.iter().copied().filter(|r| r.approach > 0.0).collect();
     let of = |read: &dyn Fn(&Row) -> f64| pressed.iter().map(read).collect::<Vec<f64>>();
@@ -126,7 +126,7 @@ pub fn hertz(balls: &[Row], cylinders: &[Row], part: f64, folder: &Path) -> Resu
     Ok(panels.compose()?.save(folder.join("hertz.png"))?)
 }
 
-/// Ways over time.
+/// Plot the distances over time.
 pub fn incline(slid: &[[f64; 3]], stuck: &[[f64; 3]], exact: f64, folder: &Path) -> Result<(), CaseError> {
     let end = slid.last().map_or(0.0, |r| r[0]);
     Chart::new(900, 600)

@@ -1,4 +1,4 @@
-//! Two equal balls or cylinders run into each other slowly: area, force and approach of Hertz.
+//! Slow collisions of two equal balls or cylinders: area, force and approach against Hertz.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -14,7 +14,7 @@ use mpm_core::{Axisymmetric, Flip, Method, Musl, PlaneStrain, QuadraticBSpline};
 
 use crate::{Outcome, figures};
 
-/// How fine, and how fast: closing speeds over sqrt(E / rho), so that the contact is 6 cells wide.
+/// Cells on the radius, and closing speeds over sqrt(E / rho), for a contact that is 6 cells wide.
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
     pub cells: u32,
@@ -22,7 +22,7 @@ pub struct Size {
     pub cylinder: f64,
 }
 
-/// Balls and cylinders.
+/// Run balls and cylinders.
 pub fn all(
     size: Size,
     asked: Asked,
@@ -42,7 +42,7 @@ pub fn all(
     figures::hertz(&balls, &cylinders, part, folder)?;
     let exact = "Hertz, V11";
     let near = 0.03;
-    // Balls are no half spaces: their centres of mass come near each other by less.
+    // Balls are no half spaces: the approach of their centres of mass is smaller.
     let whole = 1.0 - part;
     let over = |rows: &[Row], of: &dyn Fn(&Row) -> f64| mean(rows, of);
     let speed = size.ball * (YOUNG / DENSITY).sqrt();

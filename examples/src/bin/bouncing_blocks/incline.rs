@@ -1,4 +1,4 @@
-//! A block on an incline of 30 degrees: the frame is turned, not the incline.
+//! Block on an incline of 30 degrees, in the frame of the incline.
 
 use std::path::Path;
 
@@ -11,24 +11,24 @@ use mpm_core::{
 use crate::{Outcome, figures};
 use examples::blocks::scene::{Asked, Seen, Watch, rubber, run, wave};
 
-/// m/s^2.
+/// Gravity, m/s^2.
 const GRAVITY: f64 = 10.0;
 /// Density, kg/m^3, and Young's modulus, Pa, of block and floor.
 const DENSITY: f64 = 1000.0;
 const YOUNG: f64 = 1.0e7;
-/// Time in which noise of the particles fades, in h / sqrt(E / rho). It shakes a block that sticks off its place: with
-/// FLIP alone by 2.1 cells in ten thousand steps, with 100 by 1.8, with 10 by 0.05, with 3 by 2e-4.
+/// Decay time of particle noise, in h / sqrt(E / rho). The noise shakes a sticking block off its place: with FLIP alone by
+/// 2.1 cells in ten thousand steps, with 100 by 1.8, with 10 by 0.05, with 3 by 2e-4.
 const DAMPING: f64 = 3.0;
-/// Gravity grows in this time, so that the block does not bounce, s.
+/// Ramp time of gravity, s, so that the block does not bounce.
 const RAMP: f64 = 0.2;
-/// Ends of the runs: sliding, sticking, s.
+/// End times, s: sliding, sticking.
 const SLIDE: f64 = 1.5;
 const STICK: f64 = 5.0;
 
-/// Time, way, gap.
+/// History row: time, s, distance, m, gap, m.
 pub type Row = [f64; 3];
 
-/// Slide and stick.
+/// Run the sliding and the sticking block.
 pub fn all(finer: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = 0.1 / f64::from(finer);
     let (sin, cos) = (std::f64::consts::PI / 6.0).sin_cos();
@@ -40,7 +40,7 @@ pub fn all(finer: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result
         GRAVITY * (sin - friction[0] * cos) * (0.5 * rest * rest + 0.5 * RAMP * rest + RAMP * RAMP / 6.0);
     let way = |rows: &[Row]| rows.last().map_or(f64::NAN, |r| r[1]);
     let lift = |rows: &[Row]| rows.iter().map(|r| r[2]).fold(f64::NEG_INFINITY, f64::max) / h;
-    // Drift once gravity is whole and the first shear is over, for ten thousand steps.
+    // Drift after the ramp of gravity and the first shear, in ten thousand steps.
     let settled = stuck.iter().find(|r| r[0] > 1.0).map_or(f64::NAN, |r| r[1]);
     let steps = b.steps as f64 * (STICK - 1.0) / STICK;
     let drift = (way(&stuck) - settled).abs() / h * 1e4 / steps;
@@ -101,7 +101,7 @@ fn one(
     Ok((history.rows, totals))
 }
 
-/// Place of the block at the start, m, and what came after.
+/// Initial position of the block, m, and its history.
 struct History {
     start: f64,
     rows: Vec<Row>,

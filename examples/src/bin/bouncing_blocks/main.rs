@@ -1,5 +1,5 @@
-//! Blocks, bars, discs and balls in contact against exact values: impact of two bars, a wave through a pre-compressed
-//! joint, colliding discs (Sulsky 1994), a block on an incline, contact of Hertz.
+//! Contact of blocks, bars, discs and balls against exact values: impact of two bars, a wave through a pre-compressed
+//! joint, colliding discs (Sulsky 1994), a block on an incline, Hertz contact.
 
 mod bars;
 mod discs;
@@ -48,7 +48,7 @@ enum Scene {
     Hertz,
 }
 
-/// What came of a scene.
+/// Result of a scene.
 struct Outcome {
     checks: Vec<Check>,
     totals: Totals,

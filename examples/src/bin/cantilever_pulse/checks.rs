@@ -1,4 +1,4 @@
-//! What of a run is judged, and by what.
+//! Checks of a run.
 
 use examples::Check;
 use examples::fragile::{Joint, Points};
@@ -6,13 +6,13 @@ use examples::fragile::{Joint, Points};
 use crate::elements;
 use crate::scene::{Entry, Outcome, PULSE, Plane};
 
-/// Frequency of the first mode, Hz; displacement of the tip at rest under the load, and lowest one under it, m; amplitude after it, m:
-/// elements of second order, 96 x 24.
+/// Reference by elements of second order, 96 x 24: frequency of the first mode, Hz; static displacement of the tip under
+/// the load, and its minimum under it, m; amplitude after it, m.
 pub const FREQUENCY: f64 = 4.411;
 const STATIC: f64 = -0.010682;
 const LOWEST: f64 = -0.021275;
 const AMPLITUDE: f64 = 0.01285;
-/// Displacement of the tip, mm, at times, s.
+/// Reference displacement of the tip, mm, at times, s.
 pub const LISTED: [(f64, f64); 13] = [
     (0.05, -8.598),
     (0.10, -20.24),
@@ -30,13 +30,13 @@ pub const LISTED: [(f64, f64); 13] = [
 ];
 const REFERENCE: &str = "elements of second order [C]";
 const PEAK: f64 = 0.01;
-/// Of stress, as in the paper.
+/// Tolerance of the stress, as in the paper.
 const STRESS: f64 = 0.025;
 const FREE: f64 = 0.02;
-/// Root mean square of what is off at the listed times, over the amplitude.
+/// Limit of the root mean square error at the listed times, over the amplitude.
 const CURVE: f64 = 0.05;
 const ENERGY: f64 = 1e-3;
-/// Cells through the height from which the references are to be met.
+/// Number of cells through the height from which the references apply.
 const RESOLVED: usize = 12;
 const COARSE: &str = "fewer cells than printed";
 const ROUGH: &str = "cells at random are 1 to 2 % too stiff, and stress is that of cells that lie not where it is asked; the paper has squares";
@@ -44,7 +44,7 @@ const NOISE: &str =
     "the incomplete flux makes noise on random cells, ten thousand times as long as a wave takes through one";
 const LONG: &str = "the incomplete flux makes noise on coarse squares that are held, too: from 1.5 s on with 24 x 6, 3.4 s with 48 x 12";
 
-/// Rows of a run, beside finite elements.
+/// Check a run against references and finite elements.
 pub fn of(outcome: &Outcome, elements: &[Entry]) -> Vec<Check> {
     let setup = &outcome.setup;
     let name = |what: &str| format!("{}: {what}", setup.joint.name());
@@ -73,7 +73,7 @@ pub fn of(outcome: &Outcome, elements: &[Entry]) -> Vec<Check> {
         gate("lowest place of the tip", 1e3 * lowest.0, "mm", 1e3 * LOWEST, PEAK),
         gate("time of that", lowest.1, "s", crate::scene::LOWEST, PEAK),
         beside("lowest place of the tip, beside elements", |e| e.tip, "mm", 1e3, PEAK),
-        // What bends down is drawn above and pressed below.
+        // Downward bending: tension above, compression below.
         beside("stress below, beside elements", |e| e.stress[1], "Pa", 1.0, STRESS),
         beside("stress above, beside elements", |e| -e.stress[0], "Pa", -1.0, STRESS),
         gate(
@@ -112,7 +112,7 @@ pub fn of(outcome: &Outcome, elements: &[Entry]) -> Vec<Check> {
     checks.into_iter().map(|check| declared(outcome, check)).collect()
 }
 
-/// What cells at random, and coarse ones, are known to miss.
+/// Declare the known misses of random and of coarse cells.
 fn declared(outcome: &Outcome, check: Check) -> Check {
     let setup = &outcome.setup;
     let long = setup.end > if setup.cells < RESOLVED { 1.5 } else { 3.0 };
@@ -132,13 +132,13 @@ fn mean(history: &[Entry]) -> f64 {
     two.iter().sum::<f64>() / two.len() as f64
 }
 
-/// When the tip comes up through its place at rest after the load, s.
+/// Return the times at which the tip passes its rest position upwards after the load, s.
 fn crossings(history: &[Entry]) -> Vec<f64> {
     let pairs = history.windows(2).filter(|p| p[0].time > PULSE + 0.05 && p[0].tip < 0.0 && p[1].tip >= 0.0);
     pairs.map(|p| p[0].time + (p[1].time - p[0].time) * p[0].tip / (p[0].tip - p[1].tip)).collect()
 }
 
-/// Root mean square of what the tip is off at the listed times, over the amplitude.
+/// Root mean square error of the tip at the listed times, over the amplitude.
 fn listed(outcome: &Outcome) -> f64 {
     let at = |t: f64| {
         let after = outcome.history.iter().position(|e| e.time >= t - 1e-9);

@@ -1,4 +1,5 @@
-//! The same beam by our finite elements, for stress at the root, of which no reference has numbers: until the tip has been lowest.
+//! Finite elements of the library for the same beam, until the first minimum of the tip: stress at the root, for which no
+//! reference values exist.
 
 use std::sync::Arc;
 
@@ -11,12 +12,13 @@ use mpm_materials::IntoMaterial;
 
 use crate::scene::{BESIDE, Beam, Entry, HEIGHT, LENGTH, Law, QUARTER, SHEAR, SLENDER};
 
-/// End, s: the tip is lowest first at 0.11 s.
+/// End time, s; the first minimum of the tip is at 0.11 s.
 pub const END: f64 = 0.2;
-/// Steps between two entries.
+/// Number of steps between two entries.
 const EVERY: u64 = 5;
 
-/// Squares with two points an axis, so many through the height: a multiple of 24, so that four meet where stress is followed.
+/// Run squares with two quadrature points an axis, `through` of them over the height: a multiple of 24, so that four share
+/// a corner at each point of the stress history.
 pub fn swing(beam: Beam, through: usize, threads: usize) -> Result<Vec<Entry>, CaseError> {
     beam.with_law(|law| match law {
         Law::Stress(law) => run(law, through, threads),
@@ -31,7 +33,7 @@ fn run(law: impl IntoMaterial<f64>, through: usize, threads: usize) -> Result<Ve
     let held = mesh.nodes_where(|x| x[0] < 1e-6 * h);
     mesh.node_sets.insert("held".into(), held);
     let end = mesh.nodes_where(|x| x[0] > LENGTH - 1e-6 * h);
-    // Nodes at both corners bear half as much.
+    // Corner nodes bear half the load.
     let corner = |n: u32| mesh.nodes[n as usize][1].abs() > 0.5 * HEIGHT - 1e-6 * h;
     let loads: Vec<(usize, f64)> =
         end.iter().map(|&n| (n as usize, SHEAR * h * if corner(n) { 0.5 } else { 1.0 })).collect();
@@ -61,7 +63,7 @@ fn run(law: impl IntoMaterial<f64>, through: usize, threads: usize) -> Result<Ve
     Ok(entries)
 }
 
-/// Mean stress along the beam of the elements that meet beside the root at a height, Pa.
+/// Return the mean axial stress of the elements around a point beside the root at a height, Pa.
 fn stress(fem: &Fem<2>, y: f64, h: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     fem.bodies()[0].for_each(&mut |p| {

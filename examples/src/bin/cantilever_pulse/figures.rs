@@ -11,7 +11,7 @@ use crate::checks::LISTED;
 use crate::elements;
 use crate::scene::{Entry, Outcome, Plane};
 
-/// Draw everything.
+/// Draw all charts and pictures.
 pub fn draw(outcomes: &[Outcome], elements: &[Entry], folder: &Path) -> Result<(), CaseError> {
     let mut panels = Panels::new(2).title("Cantilever under a shear pulse at its end");
     panels = panels.panel("displacement of the tip", tip(outcomes)?);

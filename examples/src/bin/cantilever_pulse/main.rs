@@ -1,4 +1,4 @@
-//! A cantilever under a shear pulse at its end (case 2.2 of the paper of the fragile points method) against finite elements.
+//! Cantilever under a shear pulse at its end (case 2.2 of the paper of the fragile points method) against finite elements.
 
 mod checks;
 mod elements;

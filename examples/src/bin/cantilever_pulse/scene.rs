@@ -1,4 +1,4 @@
-//! The cantilever and a run of it.
+//! Scene of the cantilever, and its run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -20,12 +20,12 @@ pub const SLENDER: usize = 4;
 /// Young's modulus, Pa, and density, kg/m^3.
 const YOUNG: f64 = 30e6;
 const DENSITY: f64 = 1.0;
-/// Shear traction at the end, Pa, downwards, and how long it acts, s.
+/// Shear traction at the end, Pa, downwards, and its duration, s.
 pub const SHEAR: f64 = 100.0;
 pub const PULSE: f64 = 0.5;
-/// When the tip is lowest first, s.
+/// Time of the first minimum of the tip, s.
 pub const LOWEST: f64 = 0.1115;
-/// Where stress is followed, m from the middle of the held end: beside it, as far from the surface as from the middle.
+/// Points of the stress history, m from the middle of the clamped end: beside it, halfway between middle and surface.
 pub const BESIDE: f64 = 0.5;
 pub const QUARTER: f64 = 0.25 * HEIGHT;
 /// Time between two entries of a history, s.
@@ -40,7 +40,7 @@ pub enum Plane {
     Strain,
 }
 
-/// The beam.
+/// Poisson's ratio and plane state of the beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {
     pub poisson: f64,
@@ -48,7 +48,7 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// Hand its law to what takes any.
+    /// Pass the law of the beam to a function of any law.
     pub fn with_law<T>(self, mut to: impl FnMut(Law) -> Result<T, CaseError>) -> Result<T, CaseError> {
         let law = LinearElastic::new(DENSITY, Moduli::young_poisson(YOUNG, self.poisson)?)?;
         to(match self.plane {
@@ -58,13 +58,13 @@ impl Beam {
     }
 }
 
-/// Its law.
+/// Law of the beam.
 pub enum Law {
     Stress(PlaneStress<LinearElastic<f64>>),
     Strain(LinearElastic<f64>),
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     pub joint: Joint,
@@ -77,33 +77,33 @@ pub struct Setup {
     pub threads: usize,
 }
 
-/// An entry of the history.
+/// Entry of the history.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     pub time: f64,
     /// Displacement of the middle of the end, m.
     pub tip: f64,
-    /// Stress along the beam beside the held end, above and below, Pa.
+    /// Axial stress beside the clamped end, above and below, Pa.
     pub stress: [f64; 2],
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
-    /// The ingredients in words.
+    /// Description of the method.
     pub method: String,
     pub history: Vec<Entry>,
-    /// When the tip is lowest first.
+    /// Snapshot at the first minimum of the tip.
     pub frame: Snapshot,
     /// Time reached, s.
     pub time: f64,
-    /// What broke, if anything did.
+    /// Error that stopped the run, if any.
     pub broke: Option<String>,
     pub totals: Totals,
 }
 
-/// Where files go.
+/// Output folder, ParaView frames and checkpoints.
 #[derive(Clone, Copy, Debug)]
 pub struct Files<'a> {
     pub folder: &'a Path,
@@ -111,7 +111,7 @@ pub struct Files<'a> {
     pub restart: &'a Restart,
 }
 
-/// Let it swing.
+/// Run the cantilever.
 pub fn swing(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     let penalty = setup.fragile.penalty()?;
     let printed = Method::printed(PlaneStrain).with_penalty(penalty);
@@ -124,7 +124,7 @@ pub fn swing(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     })
 }
 
-/// Cells by distance to a place, the nearest first, so many.
+/// Return the `count` cells nearest to a position, in order of distance.
 fn nearest<M: Composition<2>>(beam: &Fpm<2, M>, to: [f64; 2], count: usize) -> Vec<usize> {
     let off = |i: &usize| beam.reference()[*i].iter().zip(to).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
     let mut all: Vec<usize> = (0..beam.reference().len()).collect();
@@ -146,7 +146,7 @@ fn run<M: Composition<2>>(
     beam.load_faces(|f| f.normal[0] > 0.5, Arc::new(|t| [0.0, if t <= PULSE { -SHEAR } else { 0.0 }]))?;
     beam.set_team(Team::new(setup.threads)?);
     let tip = nearest(&beam, [LENGTH, 0.0], 2);
-    // Stress is that of the two cells between which the place is.
+    // Stress is the mean of the two cells around the point.
     let root = [QUARTER, -QUARTER].map(|y| nearest(&beam, [BESIDE, y], 2));
     let columns = [
         ("time", "s"),
@@ -184,7 +184,7 @@ fn run<M: Composition<2>>(
         observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
         match simulation.until(&mut beam, observers, end) {
             Ok(()) => {}
-            // What breaks the method is a result.
+            // A step that fails is a result.
             Err(RunError::Step(error)) => broke = Some(error.to_string()),
             Err(error) => return Err(error.into()),
         }

@@ -1,32 +1,32 @@
-//! What the runs are held against.
+//! Checks of the runs.
 
 use examples::{Check, largest, worst};
 
 use crate::scene::Outcome;
 use crate::setup::{Kernel, Rod, SHOTS};
 
-/// Impulses of ten thousand steps pass through the sums, rounded by 1e-16 each; 1e-12 if all fall the same way.
+/// Tolerance of the momentum: impulses of ten thousand steps are summed, rounded by 1e-16 each; 1e-12 if all errors have one sign.
 const MOMENTUM: f64 = 1e-12;
-/// Of the kinetic energy.
+/// Limit of the energy gain, over the kinetic energy.
 const GAIN: f64 = 0.01;
-/// Of the volume of the hole, slab that may be more than half a cell inside the rod: debris of single particles.
+/// Limit of the slab volume more than half a cell inside the rod, over the volume of the hole: debris of single particles.
 const OVERLAP: f64 = 0.01;
-/// Part of the impact speed by which the residual speed may miss the experiment, and from which speed on, m/s.
+/// Tolerance of the residual speed, over the impact speed, and impact speed from which it applies, m/s.
 const ASKED: (f64, f64) = (0.10, 400.0);
 const EXPERIMENT: &str = "experiment [M]";
-/// Why no residual speed is judged. No other reference is known: the only printed statement on residual speeds that could be
-/// read is of concrete of 140 MPa, whose constants are not available.
+/// Reason for judging no residual speed. No other reference is known: the only printed statement on residual speeds that
+/// could be read is on concrete of 140 MPa, whose constants are not available.
 const UNREAD: &str = "the table of the experiment is known from memory alone [M], which decides nothing; beside it the error is 58 m/s \
      in the root mean square with 26 cells through the slab";
-/// Why grids disagree.
+/// Reason for the difference between grids.
 const CHANGES: &str = "769 and 842 m/s with 20 and 26 cells, 6.9 % of the impact speed";
-/// Why the slab may be inside the rod.
+/// Reason for slab inside the rod.
 const SINKS: &str = "2.9 % with 26 cells through the slab by Method::impact; why is not known";
-/// Why energy may be gained.
+/// Reason for an energy gain.
 const TREMBLES: &str = "the elastic rod trembles with linear shape functions as it flies through the grid: 1.9 % with 26 cells through the slab, 21.5 % with 50";
 
-/// Speed below which no rod comes through, m/s: at most that which the slab took from the slowest that did, and at
-/// least that of the fastest that did not, if there is one.
+/// Bounds of the ballistic limit, m/s: the highest impact speed without perforation (0 if there is none), and the speed
+/// that the slab took from the slowest rod that perforated it. `None` without perforation.
 pub fn limit(outcomes: &[Outcome]) -> Option<[f64; 2]> {
     let taken = |o: &Outcome| (o.setup.speed.powi(2) - o.residual().powi(2)).max(0.0).sqrt();
     let slowest =
@@ -35,7 +35,7 @@ pub fn limit(outcomes: &[Outcome]) -> Option<[f64; 2]> {
     Some([stopped, taken(slowest)])
 }
 
-/// Of one shot at each of several speeds.
+/// Check one shot at each of several speeds.
 pub fn of_curve(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks = Vec::new();
     let (mut squares, mut worst, mut count): (f64, f64, f64) = (0.0, 0.0, 0.0);
@@ -70,14 +70,14 @@ pub fn of_curve(outcomes: &[Outcome]) -> Vec<Check> {
         ));
         checks.push(Check::remembered("ballistic limit is at least", low, "m/s", 301.0, EXPERIMENT));
     }
-    // What the case is about, and it cannot be judged: that counts as missed.
+    // The residual speed, the purpose of the case, cannot be judged: that counts as missed.
     let name = "residual speeds beside a reference that may decide";
     let all = outcomes.len() as f64;
     checks.push(Check::at_least(name, 0.0, "shots", all, "a table that could be read").known_miss(UNREAD));
-    // What leaves has lost energy.
+    // The rod loses energy in the slab.
     let gain = outcomes.iter().map(|o| o.residual() / o.setup.speed).fold(0.0, f64::max);
     checks.push(Check::at_most("largest residual over impact speed", gain, "-", 1.0, "physics"));
-    // A faster rod comes out faster.
+    // The residual speed rises with the impact speed.
     let mut sorted: Vec<&Outcome> = outcomes.iter().collect();
     sorted.sort_by(|a, b| a.setup.speed.total_cmp(&b.setup.speed));
     let rise = sorted.windows(2).map(|w| w[1].residual() - w[0].residual()).fold(f64::INFINITY, f64::min);
@@ -93,7 +93,7 @@ pub fn of_curve(outcomes: &[Outcome]) -> Vec<Check> {
     checks
 }
 
-/// Of the same shot on grids that get finer.
+/// Check the same shot on successively finer grids.
 pub fn of_grids(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks = Vec::new();
     for outcome in outcomes {
@@ -116,7 +116,7 @@ pub fn of_grids(outcomes: &[Outcome]) -> Vec<Check> {
     checks
 }
 
-/// Of what every run must keep.
+/// Check the balances of every run.
 pub fn of_books(outcomes: &[&Outcome]) -> Vec<Check> {
     let errors = || outcomes.iter().flat_map(|o| &o.ledger).map(|e| e.energy_error);
     let (lost, gained) = (largest(errors().map(|e| -e)), largest(errors()));

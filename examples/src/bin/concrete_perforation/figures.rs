@@ -11,7 +11,7 @@ use mpm_core::output::{History, OutputError, ParticleSize, Snapshot};
 use crate::scene::Outcome;
 use crate::setup::{HALF_WIDTH, Model, ROD, SHOTS, THICKNESS};
 
-/// The slab cut through the axis at the moments of the snapshots, by damage.
+/// Draw the slab cut through the axis at the times of the snapshots, by damage.
 pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
     let title = format!("{:.0} m/s, {} particles", outcome.setup.speed, outcome.totals.particles);
     let mut panels = Panels::new(2).title(title);
@@ -30,7 +30,7 @@ pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Front and back of the slab at the last snapshot, by damage: radial cracks and craters.
+/// Draw front and back of the slab at the last snapshot, by damage: radial cracks and craters.
 pub fn cracks(outcome: &Outcome) -> Result<Option<Picture>, CaseError> {
     let Some(last) = outcome.snapshots.last().filter(|_| outcome.setup.model == Model::Quarter) else {
         return Ok(None);
@@ -38,7 +38,7 @@ pub fn cracks(outcome: &Outcome) -> Result<Option<Picture>, CaseError> {
     let h = outcome.setup.spacing();
     let mut panels = Panels::new(2);
     for (name, at) in [("front", -0.5 * h), ("back", 0.5 * h - THICKNESS)] {
-        // Two layers of particles; what flew off is not shown.
+        // Two layers of particles; ejecta are not shown.
         let flat = |[x, y, z]: [f64; 3]| ((z - at).abs() < 0.5 * h).then_some([x, y, 0.0]);
         let picture = field(560, 560, [Mirror::x(0.0), Mirror::y(0.0)])
             .axes("x", "y")
@@ -54,7 +54,7 @@ fn field<const N: usize>(width: usize, height: usize, mirrors: [Mirror; N]) -> F
     FieldPicture::new(width, height).colour_by(damage).mirrored(mirrors)
 }
 
-/// The particles that `flat` keeps, where it puts them.
+/// Gather the particles for which `flat` returns a position in the picture.
 fn section(
     outcome: &Outcome,
     snapshot: &Snapshot,
@@ -65,7 +65,7 @@ fn section(
     for ((&x, &body), &damage) in snapshot.positions().iter().zip(snapshot.bodies()).zip(damage) {
         if let Some(place) = flat(x) {
             places.push(place);
-            // The rod has none.
+            // The rod has no damage.
             values.push(if body == 0 { f64::NAN } else { damage });
         }
     }
@@ -73,7 +73,7 @@ fn section(
     Snapshot::new(2, snapshot.time(), snapshot.step(), places, size)?.with_scalar("damage", values)
 }
 
-/// The speed of the rod over the place of its tip, a line a run.
+/// Plot the speed of the rod over the depth of its tip, one line per run.
 pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 560)
         .x(Axis::new("depth of the tip").unit("mm", 1e3))
@@ -86,7 +86,7 @@ pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Residual speed over impact speed, beside the experiment.
+/// Plot the residual speed over the impact speed, with the experiment.
 pub fn curve(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let (v, found): (Vec<f64>, Vec<f64>) = outcomes.iter().map(|o| (o.setup.speed, o.residual())).unzip();
     let (shot, left): (Vec<f64>, Vec<f64>) = SHOTS.iter().map(|s| (s[0], s[1])).unzip();
@@ -102,7 +102,7 @@ pub fn curve(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Impact and residual speeds of all runs as CSV.
+/// Write impact and residual speeds of all runs as CSV.
 pub fn write_curve(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("impact speed", "m/s"),
@@ -122,7 +122,7 @@ pub fn write_curve(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError>
     Ok(())
 }
 
-/// The history of a run as CSV.
+/// Write the history of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

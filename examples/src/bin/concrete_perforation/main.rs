@@ -1,5 +1,5 @@
-//! An ogive rod of steel through a slab of concrete \[Ma2010\], \[Hanchak1992\]: how fast it comes out, against
-//! experiment, and how the slab cracks.
+//! Perforation of a slab of concrete by an ogive rod of steel \[Ma2010\], \[Hanchak1992\]: residual speed against
+//! experiment, and cracks of the slab.
 
 mod checks;
 mod figures;
@@ -74,7 +74,7 @@ struct Options {
     frames: bool,
 }
 
-/// The usual edge of the rod's elements is a cell, and at most this, m: three to its radius.
+/// Upper limit of the default edge of the rod's elements (a cell), m: three elements on the radius.
 const EDGE: f64 = 4.0e-3;
 
 impl Options {
@@ -149,7 +149,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     Report::new("concrete_perforation", resolution, settings, &totals, found).finish(&options.common, &folder)
 }
 
-/// One shot; pictures of the slab if it is to be shown.
+/// Run one shot; write pictures of the slab if it is to be shown.
 fn shot(
     setup: &Setup,
     folder: &Path,
@@ -157,7 +157,7 @@ fn shot(
     frames: bool,
     restart: &Restart,
 ) -> Result<Outcome, CaseError> {
-    // Ways of the tip of a rod that is not slowed: in the slab, through most of it, and out.
+    // Travel of the tip of an undecelerated rod: in the slab, through most of it, and out.
     let ways = [0.3, 0.7, 1.2].map(|part| part * THICKNESS);
     let ways = if shown { &ways[..] } else { &[] };
     let outcome = scene::shoot(setup, ways, (shown && frames).then_some(folder), restart)?;

@@ -1,4 +1,4 @@
-//! The rod, in each of the ways it can be computed.
+//! Rod as particles, rigid body or finite elements.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -10,14 +10,14 @@ use mpm_materials::{LinearElastic, Moduli};
 
 use crate::setup::{MASS, ROD, Rod, Setup, YOUNG};
 
-/// What it is made of, and how it lies in space.
+/// Particles or mesh of the rod, and its model.
 pub struct RodOf<const D: usize> {
     parts: Parts<D>,
     /// Axes of planes of symmetry.
     planes: Vec<usize>,
-    /// A scene of elements without any.
+    /// Constructor of an empty scene of elements.
     empty: fn() -> Fem<D>,
-    /// How a rigid one is held.
+    /// Constraints of a rigid rod.
     held: fn(Rigid<D>) -> Rigid<D>,
 }
 
@@ -27,7 +27,7 @@ enum Parts<const D: usize> {
 }
 
 impl RodOf<3> {
-    /// A quarter of it between two planes of symmetry.
+    /// Build a quarter of the rod between two planes of symmetry.
     pub fn quarter(setup: &Setup) -> Result<Self, CaseError> {
         let tip = [0.0, 0.0, 0.25 * setup.spacing()];
         let parts = if setup.rod == Rod::Fem {
@@ -42,7 +42,7 @@ impl RodOf<3> {
 }
 
 impl RodOf<2> {
-    /// Half a plane of revolution.
+    /// Build the rod in the half plane of revolution.
     pub fn revolved(setup: &Setup) -> Result<Self, CaseError> {
         let tip = 0.25 * setup.spacing();
         let parts = if setup.rod == Rod::Fem {
@@ -55,12 +55,12 @@ impl RodOf<2> {
 }
 
 impl<const D: usize> RodOf<D> {
-    /// Planes of symmetry of the scene.
+    /// Return the planes of symmetry of the scene.
     pub fn planes(&self) -> impl Iterator<Item = Boundary<D>> {
         self.planes.iter().map(|&axis| Boundary::Symmetry { axis, at: 0.0, side: Side::Above })
     }
 
-    /// Add it to a scene, flying at the slab.
+    /// Add the rod to a scene, with its impact velocity.
     pub fn add(&self, setup: &Setup, mpm: &mut Mpm<D>) -> Result<(), CaseError> {
         let density = MASS / ROD.volume()?;
         let steel = || LinearElastic::new(density, Moduli::young_poisson(YOUNG, 0.3)?);

@@ -1,7 +1,7 @@
-//! Rod, slab and the run.
+//! Scene of rod and slab, and its run.
 //!
-//! The slab is normal to z and lies at -thickness < z < 0; the rod comes from above along -z, on the axis. A quarter of
-//! it all is computed, or its half plane of revolution; the slab's edges are free.
+//! The slab is normal to z at -thickness < z < 0; the rod comes from above along -z, on the axis. The model is a quarter,
+//! or the half plane of revolution; the slab's edges are free.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -24,17 +24,17 @@ use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the concrete, m/s, for the memory of the blend.
 const SOUND: f64 = 3830.0;
-/// What counts as small strain, and the time between two looks at it, s.
+/// Limit of small strain, and time between two checks of it, s.
 const SMALL: (f64, f64) = (0.05, 20.0e-6);
-/// Between two rows of a history, s.
+/// Time between two rows of a history, s.
 const HISTORY: f64 = 4.0e-6;
 
-/// What came of a run.
+/// Result of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
     pub snapshots: Vec<Snapshot>,
-    /// Did the rod come through?
+    /// True if the rod perforated the slab.
     pub through: bool,
     pub totals: Totals,
     /// Energy and momentum over time.
@@ -42,23 +42,23 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The last row.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
-    /// Speed behind the slab, m/s; 0 if the rod stayed in it or came back.
+    /// Residual speed, m/s; 0 if the rod stayed in the slab or rebounded.
     pub fn residual(&self) -> f64 {
         if self.through { self.last().speed } else { 0.0 }
     }
-    /// Most of the slab ever found deeper than half a cell inside the rod, over the volume of the hole.
+    /// Largest volume of slab more than half a cell inside the rod, over the volume of the hole.
     pub fn overlap(&self) -> f64 {
         let most = self.rows.iter().map(|r| r.inside).fold(0.0, f64::max);
         most / (PI * ROD.radius().powi(2) * THICKNESS)
     }
 }
 
-/// Shoot; snapshots at the given ways of a rod that is not slowed, m, and at the end, if there are any ways; and ParaView
-/// frames in a folder.
+/// Run a shot, with snapshots at the given travels of an undecelerated rod, m, and at the end, if there are any travels;
+/// and ParaView frames in a folder.
 pub fn shoot(
     setup: &Setup,
     ways: &[f64],
@@ -94,7 +94,7 @@ struct Task<'a> {
     restart: &'a Restart,
 }
 
-/// The rod, the seeds of the slab, and planes of symmetry.
+/// Lattice, rod, and seeds of the slab.
 struct Bodies<const D: usize> {
     lattice: Lattice<D>,
     rod: RodOf<D>,
@@ -151,7 +151,7 @@ fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -
         None => None,
     };
     let mut simulation = restart.scene(setup.name())?;
-    // A rod that is still in the slab after eight times as long as at full speed stays there.
+    // A rod that is still in the slab after eight times the transit time at full speed stays there.
     let through = (ROD.length + THICKNESS) / setup.speed;
     let looks: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
     let mut ends = looks.clone();
@@ -162,7 +162,7 @@ fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
         simulation.until(&mut mpm, observers, end)?;
         let over = track.through() || track.stopped();
-        // The last one is of what is left of the slab.
+        // The last snapshot shows the remaining slab.
         if looks.contains(&end) || (over && !looks.is_empty()) {
             simulation.keep(|| mpm.snapshot())?;
         }

@@ -1,10 +1,10 @@
-//! What a run is made of.
+//! Parameters of a run.
 
 use clap::ValueEnum;
 use examples::{Coupling, Ogive};
 use serde::Serialize;
 
-/// The rod \[Hanchak1992\]: diameter and nose as in its summary, the length \[M\].
+/// Rod \[Hanchak1992\]: diameter and nose as in its summary, the length \[M\].
 pub const ROD: Ogive = Ogive { diameter: 25.4e-3, length: 143.7e-3, crh: 3.0 };
 /// Mass of the whole rod, kg; its density follows.
 pub const MASS: f64 = 0.50;
@@ -12,7 +12,7 @@ pub const MASS: f64 = 0.50;
 pub const THICKNESS: f64 = 0.178;
 /// Half the edge of the slab of \[Ma2010\], m: from its number of particles.
 pub const HALF_WIDTH: f64 = 0.305;
-/// Young's modulus of the rod \[Ma2010\], Pa; Poisson's ratio is not printed.
+/// Young's modulus of the rod \[Ma2010\], Pa; the paper does not state Poisson's ratio.
 pub const YOUNG: f64 = 212.42e9;
 
 /// Impact and residual speeds of the shots at 48 MPa, m/s \[Hanchak1992\], from memory of the literature \[M\].
@@ -73,7 +73,7 @@ pub enum Kernel {
 }
 
 impl Model {
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Model::Quarter => "quarter",
@@ -82,10 +82,10 @@ impl Model {
     }
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
-    /// Of impact, m/s.
+    /// Impact speed, m/s.
     pub speed: f64,
     pub model: Model,
     pub rod: Rod,
@@ -100,10 +100,10 @@ pub struct Setup {
     pub half_width: f64,
     pub friction: f64,
     pub kernel: Kernel,
-    /// FLIP forgets what the nodes do not see while sound crosses this many cells.
+    /// Memory of FLIP: decay time of velocities that the nodes do not resolve, in transits of a cell by sound.
     pub memory: f64,
     pub detection: Detection,
-    /// Of the time step.
+    /// Courant factor of the time step.
     pub factor: f64,
     pub threads: usize,
 }
@@ -117,14 +117,14 @@ impl Setup {
     pub fn edge(&self) -> f64 {
         self.spacing() / f64::from(self.parts)
     }
-    /// How many of the model make the whole.
+    /// Ratio of the whole to the model.
     pub fn copies(&self) -> f64 {
         match self.model {
             Model::Quarter => 4.0,
             Model::Axisymmetric => std::f64::consts::TAU,
         }
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> String {
         format!("{}_{:.0}_{}", self.model.name(), self.speed, self.cells)
     }

@@ -1,58 +1,57 @@
-//! Where the rod is and how fast.
+//! Position and speed of the rod.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{ROD, Setup, THICKNESS};
 
-/// A rod is through when the force on it, for as long as it takes to leave the slab, would take less than this part of
-/// the impact speed.
+/// Criterion of perforation: part of the impact speed that the force on the rod could still take while the rod leaves the slab.
 const DONE: f64 = 2.0e-3;
 
-/// The rod at one moment.
+/// State of the rod at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// Velocity of the centre of mass into the slab, m/s.
     pub speed: f64,
     /// Height of the tip above the front of the slab, m.
     pub tip: f64,
-    /// Force of the slab on the whole rod, mean since the row before, N.
+    /// Mean force of the slab on the whole rod since the previous row, N.
     pub force: f64,
-    /// Part of the slab that is fully damaged.
+    /// Fully damaged part of the slab.
     pub damaged: f64,
-    /// Volume of the slab more than half a cell inside the rod, m^3: in the whole model.
+    /// Volume of slab more than half a cell inside the rod, m^3, scaled from the model to the whole.
     pub inside: f64,
 }
 
-/// Follows the rod.
+/// Observer of the rod.
 pub struct Track {
     pace: Pace,
     setup: Setup,
-    /// From the tip to the centre of mass, m.
+    /// Distance from the tip to the centre of mass, m.
     arm: Option<f64>,
     pub rows: Vec<Row>,
 }
 
 impl Track {
-    /// For this run.
+    /// Create the observer of a run.
     pub fn new(pace: Pace, setup: &Setup) -> Self {
         Track { pace, setup: *setup, arm: None, rows: Vec::new() }
     }
 
-    /// Did the rod come through?
+    /// True if the rod perforated the slab.
     pub fn through(&self) -> bool {
         let Some(row) = self.rows.last() else { return false };
         let left = (row.tip + ROD.length + THICKNESS).max(0.0);
-        // The force falls as the slab opens: its mean since the nose came out bounds what is still to come.
+        // The force falls as the slab opens: its recent mean bounds the remaining loss.
         let mass = crate::setup::MASS;
         let recent = self.rows.iter().rev().take(10);
         let force = recent.fold(0.0, |sum: f64, r| sum + r.force) / 10.0;
         let loss = force / mass * left / row.speed.max(1e-9);
         row.speed > 0.0 && row.tip < -THICKNESS - ROD.nose() && loss < DONE * self.setup.speed
     }
-    /// Did it come to rest, or turn back?
+    /// True if the rod stopped or rebounded.
     pub fn stopped(&self) -> bool {
         self.rows.last().is_some_and(|row| row.speed <= 0.0)
     }
@@ -65,7 +64,7 @@ impl Observer for Track {
 
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let [rod, slab] = now.bodies()[..] else { return Ok(()) };
-        // The last one.
+        // Axis of flight: the last one.
         let axis = now.solver().dimensions() - 1;
         let (mut mass, mut z, mut v) = (0.0, 0.0, 0.0);
         rod.for_each(&mut |p| {

@@ -1,4 +1,4 @@
-//! What decides.
+//! Checks of the runs.
 
 use examples::Check;
 
@@ -7,14 +7,14 @@ use crate::scene::Outcome;
 use crate::setup::{END, Plate, SHOCK, SPEED, THICKNESS};
 
 const STATE_TOLERANCE: f64 = 0.01;
-/// Of one particle beside the axis, whose front is some particles wide.
+/// Tolerance of the peak pressure near the axis: the front is some particles wide.
 const PEAK_TOLERANCE: f64 = 0.03;
-/// Particles at surfaces have the volumes that lie inside, by quadrature.
+/// Tolerance of the mass: particles at surfaces have the volume inside, by quadrature.
 const SHAPE_TOLERANCE: f64 = 1e-6;
 const ENERGY_TOLERANCE: f64 = 0.02;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 
-/// The state behind a plane shock in cells of this size.
+/// Check the state behind a plane shock in cells of this size.
 pub fn of_plane(row: &Plane) -> Vec<Check> {
     let theory = plane::shocked();
     let hugoniot = "Hugoniot [C], shock line [V]";
@@ -33,7 +33,7 @@ pub fn of_plane(row: &Plane) -> Vec<Check> {
     ]
 }
 
-/// Of one cloud.
+/// Check one cloud.
 pub fn of_cloud(outcome: &Outcome) -> Vec<Check> {
     let theory = plane::shocked();
     let name = |what: &str| {
@@ -107,12 +107,12 @@ pub fn of_cloud(outcome: &Outcome) -> Vec<Check> {
 
 const ALONE: &str = "cells of the cloud that touch no other";
 
-/// Part of the cells of the cloud that touch no other.
+/// Fraction of the cells of the cloud without a neighbour.
 fn alone(outcome: &Outcome) -> f64 {
     outcome.parts.alone as f64 / outcome.parts.cells as f64
 }
 
-/// Of both clouds: splitting is what keeps a cloud together.
+/// Compare both clouds: splitting keeps a cloud together.
 pub fn of_both(outcomes: &[Outcome]) -> Vec<Check> {
     let [whole, split] = outcomes else { return Vec::new() };
     if split.setup.method == Plate::Afemp {
@@ -128,12 +128,12 @@ pub fn of_both(outcomes: &[Outcome]) -> Vec<Check> {
     )]
 }
 
-/// Layers from which on the cloud of a plate says something.
+/// Number of layers from which the cloud of a plate is judged.
 const FINE: u32 = 8;
 const DEAR: &str =
     "0.89 and 0.78 with 8 layers on plates of 80 and 160 mm: sphere and cloud are particles in both";
 
-/// A plate of elements that become particles beside one of particles.
+/// Compare a plate of elements that become particles with one of particles.
 fn of_elements(particles: &Outcome, elements: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("plate of elements: {what}");
     let beside = "a plate of particles";

@@ -12,7 +12,7 @@ use crate::plane::{self, Row as Plane};
 use crate::scene::Outcome;
 use crate::setup::{RADIUS, SPEED, THICKNESS};
 
-/// A wedge along the axis at the moments of the snapshots.
+/// Draw a wedge along the axis at the times of the snapshots.
 pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
     let title = format!(
         "Lead sphere at 6.58 km/s on a lead plate, a quarter: {} particles",
@@ -25,7 +25,7 @@ pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// The particles within 15 degrees of the plane z = 0, turned about the axis into it: the cloud is one of revolution.
+/// Draw the particles within 15 degrees of the plane z = 0, rotated about the axis into it: the cloud is one of revolution.
 fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let half = 0.5 * outcome.setup.spacing();
     let velocity = snapshot.vector("velocity")?;
@@ -51,7 +51,7 @@ fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         .draw(&flat)
 }
 
-/// The front of the cloud over time, with its bounds.
+/// Plot the front of the cloud over time, with its bound.
 pub fn front(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(820, 540)
         .x(Axis::new("time").unit("µs", 1e6))
@@ -73,7 +73,7 @@ pub fn front(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.series(line.stroke(Stroke::Dashed).colour([60; 3])).draw()?)
 }
 
-/// Pressure along the row of the plane impact.
+/// Plot the pressure along the row of the plane impact.
 pub fn profile(row: &Plane) -> Result<Picture, CaseError> {
     let (x, p): (Vec<f64>, Vec<f64>) = row.profile.iter().map(|p| (p[0], p[1])).unzip();
     let plane = plane::shocked();
@@ -86,7 +86,7 @@ pub fn profile(row: &Plane) -> Result<Picture, CaseError> {
         .draw()?)
 }
 
-/// The history of a run as CSV.
+/// Write the history of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

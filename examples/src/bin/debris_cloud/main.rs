@@ -1,6 +1,6 @@
-//! Debris cloud: a lead sphere of 15 mm hits a lead plate of 6.36 mm at 6.58 km/s in three dimensions (the MPM3D deck
-//! `LeadHypervelocityImpact`, after Anderson et al. 1990): the state at impact, the front of the cloud and the books,
-//! with and without splitting of particles.
+//! Debris cloud of a lead sphere of 15 mm that hits a lead plate of 6.36 mm at 6.58 km/s, in three dimensions (the MPM3D
+//! deck `LeadHypervelocityImpact`, after Anderson et al. 1990): state at impact, front of the cloud and balances, with and
+//! without splitting of particles.
 
 mod checks;
 mod figures;
@@ -114,7 +114,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let mut found = checks::of_plane(&row);
     found.extend(outcomes.iter().flat_map(checks::of_cloud));
     found.extend(checks::of_both(&outcomes));
-    // Totals are those of the clouds; the row is next to nothing beside them.
+    // Totals are those of the clouds; the row of cells is negligible.
     let totals = outcomes.iter().fold(Totals::default(), |sum, o| sum.plus(&o.totals));
     let settings = serde_json::json!({
         "runs": setups,

@@ -1,4 +1,4 @@
-//! How many pieces the cloud is in, as the grid sees it: cells with particles that touch belong together.
+//! Connected pieces of the cloud on the grid: neighbouring cells with particles belong together.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -6,18 +6,18 @@ use mpm_core::output::Snapshot;
 
 use crate::setup::THICKNESS;
 
-/// Pieces of what is behind the plate.
+/// Pieces of the material behind the plate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
-    /// Pieces, by faces, edges or corners of cells.
+    /// Number of pieces, connected by faces, edges or corners of cells.
     pub pieces: usize,
-    /// Cells with particles.
+    /// Number of cells with particles.
     pub cells: usize,
-    /// Cells without a neighbour.
+    /// Number of cells without a neighbour.
     pub alone: usize,
 }
 
-/// Of a snapshot.
+/// Count the pieces of a snapshot on cells of size `h`, m.
 pub fn parts(snapshot: &Snapshot, h: f64) -> Parts {
     let mut cells: BTreeSet<[i64; 3]> = BTreeSet::new();
     for x in snapshot.positions().iter().filter(|x| x[0] > THICKNESS) {

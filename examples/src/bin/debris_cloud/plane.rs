@@ -1,5 +1,4 @@
-//! What plane waves say: the state behind the shock, measured on a row of cells as wide as those of the cloud, and how
-//! fast a free surface may fly.
+//! Plane shock: state behind it, measured on a row of cells as wide as those of the cloud, and highest speed of a free surface.
 
 use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
@@ -12,12 +11,12 @@ use crate::setup::{SHOCK, SPEED, Setup, equation_of_state, lead};
 
 /// Cells along each of the two plates of the row.
 const CELLS: f64 = 80.0;
-/// The state is a mean over the target from here, a part of the front's way (next to the plane of impact the start has
-/// left heat), to this many cells behind the front.
+/// Averaging range of the state in the target: from this part of the front's path (the start leaves heat next to the plane
+/// of impact) to this many cells behind the front.
 const FROM: f64 = 0.4;
 const BEHIND: f64 = 15.0;
 
-/// Behind a plane shock of like on like: particle speed, m/s, front, m/s, pressure, Pa, rho0/rho.
+/// State behind a plane shock between like materials: particle speed, m/s, front, m/s, pressure, Pa, rho0/rho.
 #[derive(Clone, Copy, Debug)]
 pub struct Shocked {
     pub particle: f64,
@@ -26,7 +25,7 @@ pub struct Shocked {
     pub volume_ratio: f64,
 }
 
-/// By the relations of Rankine and Hugoniot, with the shock line of lead.
+/// Compute the state by the Rankine-Hugoniot relations, with the Hugoniot line of lead.
 pub fn shocked() -> Shocked {
     let [density, sound, slope] = SHOCK;
     let particle = 0.5 * SPEED;
@@ -34,8 +33,8 @@ pub fn shocked() -> Shocked {
     Shocked { particle, front, pressure: density * front * particle, volume_ratio: 1.0 - particle / front }
 }
 
-/// Speed of a free surface after the shock, m/s: u + int sqrt(-dp dV) along the isentrope of lead's equation of state,
-/// from the state behind the shock to where it bears no pressure. Released metal that is this hot is faster than 2 u.
+/// Speed of a free surface after the shock, m/s: u + int sqrt(-dp dV) along the isentrope of lead's equation of state, from
+/// the state behind the shock to zero pressure. Released metal that is this hot is faster than 2 u.
 pub fn free_surface() -> f64 {
     const STEPS: usize = 200_000;
     let metal = equation_of_state();
@@ -51,7 +50,7 @@ pub fn free_surface() -> f64 {
     let mut speed = from.particle;
     let step = 4.0 / STEPS as f64;
     while p > 0.0 && ratio < 4.0 {
-        // Trapezium, the pressure at its end with the energy that the old one leaves.
+        // Trapezoidal rule; the end pressure uses the energy by the old pressure.
         let guess = pressure(ratio + step, energy - p * step);
         energy -= 0.5 * (p + guess) * step;
         ratio += step;
@@ -62,18 +61,18 @@ pub fn free_surface() -> f64 {
     speed
 }
 
-/// The row at its end.
+/// Result of the row of cells.
 #[derive(Clone, Debug)]
 pub struct Row {
-    /// Mean pressure and rho0/rho behind the front.
+    /// Mean pressure, Pa, and rho0/rho behind the front.
     pub pressure: f64,
     pub volume_ratio: f64,
-    /// Place over the front's way, pressure over that of the theory.
+    /// Position over the front's path, pressure over that of the theory.
     pub profile: Vec<[f64; 2]>,
     pub totals: Totals,
 }
 
-/// Lead on lead at the case's speed.
+/// Run a plane impact of lead on lead at the speed of the case.
 pub fn row(setup: &Setup, restart: &Restart) -> Result<Row, CaseError> {
     let theory = shocked();
     let h = setup.spacing();

@@ -1,7 +1,7 @@
-//! Sphere, plate and the run.
+//! Scene of sphere and plate, and its run.
 //!
 //! The sphere flies along x into the plate, 0 < x < thickness, and touches it at t = 0. A quarter is computed: y = 0 and
-//! z = 0 are planes of symmetry. As in the deck, both move in one velocity field: lead on lead is glued where it meets.
+//! z = 0 are planes of symmetry. As in the deck, both move in one velocity field: lead sticks to lead in contact.
 
 use std::path::Path;
 
@@ -21,13 +21,13 @@ use crate::parts::{Parts, parts};
 use crate::setup::{END, HALF_WIDTH, Plate, RADIUS, SHOCK, SPEED, Setup, THICKNESS, lead};
 use crate::track::{Row, Track};
 
-/// When pictures are taken, s.
+/// Times of pictures, s.
 pub const LOOKS: [f64; 4] = [2.0e-6, 10.0e-6, 20.0e-6, END];
-/// Between two rows of a history, s, while the shock is in the plate and later.
+/// Time between two rows of a history, s: while the shock is in the plate, and later.
 const EARLY: f64 = 0.02e-6;
 const HISTORY: f64 = 0.5e-6;
 
-/// What came of a run.
+/// Result of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
@@ -37,23 +37,23 @@ pub struct Outcome {
     pub cuts: SplitBook,
     /// Mass at the end over that at the start, and over that of the shapes.
     pub mass: [f64; 2],
-    /// What is behind the plate at the end, in pieces.
+    /// Pieces of the material behind the plate at the end.
     pub parts: Parts,
     pub totals: Totals,
     /// Energy at the start, J.
     pub energy: f64,
-    /// Of a plate of elements, which became particles.
+    /// Conversion book of a plate of elements.
     pub converted: Option<ConversionBook>,
 }
 
 impl Outcome {
-    /// The last row.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
 }
 
-/// Shoot, with ParaView frames at the looks in a folder.
+/// Run the impact, with ParaView frames in a folder.
 pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
     let mut mpm = Mpm::new(setup.method(FullSpace)?, BlockGrid::new(lattice));

@@ -1,4 +1,4 @@
-//! Sizes, and what to run.
+//! Dimensions and parameters of a run.
 
 use examples::CaseError;
 use mpm_core::{Blend, CpGimp, Method, Musl};
@@ -16,16 +16,16 @@ pub const HALF_WIDTH: f64 = 80.03e-3;
 pub const SPEED: f64 = 6580.0;
 /// End of a run, s.
 pub const END: f64 = 30.0e-6;
-/// Of lead: density, kg/m^3, c0, m/s, s, as the deck has them.
+/// Constants of lead as in the deck: density, kg/m^3, c0, m/s, s.
 pub const SHOCK: [f64; 3] = [11350.0, 2092.0, 1.45];
 /// Plastic strain at which lead fails in the deck.
 const FAILURE_STRAIN: f64 = 3.0;
 
-/// Tension that lead bears at these rates, Pa \[M\]. The deck prints none; its release log says that tensile failure sets the
-/// pressure to zero.
+/// Spall strength of lead at these rates, Pa \[M\]. The deck states none; its release log says that tensile failure sets
+/// the pressure to zero.
 const SPALL: f64 = 0.4e9;
 
-/// The law of both bodies.
+/// Law of both bodies.
 pub type Lead = Solid<
     JohnsonCook<f64>,
     Expanding<f64>,
@@ -33,13 +33,13 @@ pub type Lead = Solid<
     BulkViscosity<f64>,
 >;
 
-/// Lead of the library; in expansion gamma is constant instead of rho gamma, so that a cloud that is a hundred times
-/// thinner has lost its thermal pressure, too.
+/// Return the equation of state of lead from the library; in expansion gamma is constant instead of rho gamma, so that a
+/// cloud of a hundredth of the density has lost its thermal pressure, too.
 pub fn equation_of_state() -> Expanding<f64> {
     Expanding::new(*library::lead().eos())
 }
 
-/// That and the strength of lead, failing as in the deck, and in tension.
+/// Return the law of lead: equation of state, strength, failure by plastic strain as in the deck, failure in tension.
 pub fn lead(viscosity: [f64; 2]) -> Result<Lead, CaseError> {
     let [linear, quadratic] = viscosity;
     let failure = (PlasticStrainLimit::new(FAILURE_STRAIN)?, TensilePressure::new(SPALL)?);
@@ -48,12 +48,12 @@ pub fn lead(viscosity: [f64; 2]) -> Result<Lead, CaseError> {
         .with_bulk_viscosity(linear, quadratic)?)
 }
 
-/// How the stretch of particles is met.
+/// Splitting of stretched particles.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Cutting {
-    /// Stretch to split at.
+    /// Stretch at which a particle is split.
     pub stretch: f64,
-    /// Most cuts of a seed.
+    /// Maximum number of splits of a seed.
     pub generations: u32,
 }
 
@@ -67,29 +67,29 @@ pub enum Plate {
     Afemp,
 }
 
-/// What to run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Setup {
-    /// Particles across the plate.
+    /// Number of particles across the plate.
     pub layers: u32,
     /// Half the edge of the plate, m.
     pub half_width: f64,
-    /// What the plate is made of.
+    /// Discretisation of the plate.
     pub method: Plate,
-    /// Splitting, if any.
+    /// Splitting of particles, if any.
     pub cutting: Option<Cutting>,
     /// Linear and quadratic coefficient of the bulk viscosity.
     pub viscosity: [f64; 2],
-    /// FLIP's memory, in transits of a cell by sound at rest.
+    /// Memory of FLIP, in transits of a cell by sound at rest.
     pub memory: f64,
-    /// Of the time step.
+    /// Courant factor of the time step.
     pub factor: f64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
 }
 
 impl Setup {
-    /// Distance of seeds, m.
+    /// Spacing of seeds, m.
     pub fn edge(&self) -> f64 {
         THICKNESS / f64::from(self.layers)
     }
@@ -97,12 +97,12 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         2.0 * self.edge()
     }
-    /// The method, in any space. (Linear shape functions miss the state behind the shock by 2 % in cells in which this does by 0.6 %.)
+    /// Return the method, in any space. In the same cells linear shape functions have an error of 2 % behind the shock, CPGIMP 0.6 %.
     pub fn method<E>(&self, space: E) -> Result<Method<CpGimp, Blend<f64>, Musl, E>, CaseError> {
         let blend = Blend::new(self.memory * self.spacing() / SHOCK[1])?;
         Ok(Method::new(CpGimp, blend, Musl, space))
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> &'static str {
         match (self.method, self.cutting) {
             (Plate::Afemp, _) => "afemp",

@@ -1,14 +1,14 @@
-//! What is followed in time.
+//! History of the cloud.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{RADIUS, Setup, THICKNESS};
 
-/// Rings in which the plate's hole is looked for, an edge of a seed wide.
+/// Number of rings for the radius of the hole, each as wide as the edge of a seed.
 const RINGS: usize = 80;
 
-/// The cloud at a moment. Lengths are from the front face of the plate; a quarter of masses and momenta.
+/// State of the cloud at one time. Lengths are from the front face of the plate; masses and momenta are of a quarter.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     /// Time, s.
@@ -22,19 +22,19 @@ pub struct Row {
     /// Mass more than a cell behind the plate, kg, and its momentum along x, kg m/s.
     pub mass: f64,
     pub momentum: f64,
-    /// Radius within which less than half of the plate's mass is left in its place, m.
+    /// Radius within which less than half of the plate's mass remains in place, m.
     pub hole: f64,
     /// Mean pressure of the seeds near the axis in the middle of the plate, Pa.
     pub pressure: f64,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
 }
 
-/// Follows the cloud.
+/// Observer of the cloud.
 pub struct Track {
     pub pace: Pace,
     edge: f64,
-    /// Which seeds of the plate are those whose pressure is followed.
+    /// Marks of the seeds of the plate whose pressure is recorded.
     gauge: Vec<bool>,
     pub rows: Vec<Row>,
 }

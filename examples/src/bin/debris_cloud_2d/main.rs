@@ -1,5 +1,5 @@
-//! Debris cloud: an aluminium disc of 2 mm hits a plate of 1 mm at 5 km/s, in plane strain (case 3 of Feng 2014), by the
-//! particle-contact meshfree method. The shock, its arrival and the front of the cloud against theory.
+//! Debris cloud of an aluminium disc of 2 mm that hits a plate of 1 mm at 5 km/s, in plane strain (case 3 of Feng 2014), by
+//! the particle-contact meshfree method: shock pressure, arrival time and front of the cloud against theory.
 
 mod figures;
 mod scene;
@@ -28,14 +28,15 @@ struct Options {
     frames: u32,
 }
 
-/// Of the shock, from so many particles across the plate on: the front takes some of them.
+/// Tolerance of the shock pressure, from so many particles across the plate on: the front takes some of them.
 const PRESSURE_TOLERANCE: [(u32, f64); 2] = [(21, 0.01), (10, 0.03)];
-/// The front is two spacings wide, and the disc round: its shock slows down.
+/// Tolerance of the arrival: the front is two spacings wide, and the shock of the round disc slows down.
 const ARRIVAL_TOLERANCE: f64 = 0.06;
-/// A disc and the strip of plate as wide as it: the plate beside it takes part, and the rim of the disc flies past.
+/// Tolerance of the mean velocity of a disc and the strip of plate as wide as it: the plate beside it takes part, and the
+/// rim of the disc flies past.
 const CLOUD_TOLERANCE: f64 = 0.1;
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
-/// What revisions do not explain.
+/// Tolerance of the energy that revisions do not explain.
 const ENERGY_TOLERANCE: f64 = 0.02;
 const ADDED_TOLERANCE: f64 = 0.02;
 
@@ -65,15 +66,15 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
 }
 
 fn checks_of(outcome: &Outcome, layers: u32) -> Vec<Check> {
-    // Like on like: half the speed behind the shock.
+    // Like materials: the particle speed behind the shock is half the impact speed.
     let [density, sound, slope, _] = SHOCK;
     let particle = 0.5 * SPEED;
     let wave = sound + slope * particle;
     let pressure = density * wave * particle;
     let hugoniot = "Hugoniot [C]";
-    // Release cannot more than double the speed of the particles: the rear face follows at most so.
+    // Release at most doubles the particle speed: upper bound of the rear face.
     let reach = 2.0 * particle * (END - PLATE[0] / wave) + PLATE[0];
-    // Disc, and the strip of plate as wide as it, together.
+    // Momentum balance of the disc and the strip of plate as wide as it.
     let disc = std::f64::consts::FRAC_PI_4 * scene::DIAMETER * scene::DIAMETER;
     let mean = SPEED * disc / (disc + scene::DIAMETER * PLATE[0]);
     let free = "conservation";

@@ -1,4 +1,4 @@
-//! The disc, the plate and the run.
+//! Scene of disc and plate, and its run.
 
 use std::path::Path;
 
@@ -24,40 +24,40 @@ pub const SPEED: f64 = 5000.0;
 pub const END: f64 = 2.68e-6;
 /// Density, kg/m^3, bulk sound speed, m/s, slope of the Hugoniot, Grueneisen gamma.
 pub const SHOCK: [f64; 4] = [2703.0, 5350.0, 1.34, 1.97];
-/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; the paper states none.
 const BULK_VISCOSITY: [f64; 2] = [0.1, 1.5];
-/// Tension that aluminium bears at these rates, Pa \[M\]; the paper prints no failure.
+/// Spall strength of aluminium at these rates, Pa \[M\]; the paper states no failure.
 const SPALL: f64 = 1.2e9;
 /// Time between two entries of the history, s.
 const HISTORY: f64 = 0.01e-6;
-/// Steps between two revisions.
+/// Number of steps between two revisions.
 const EVERY: u64 = 2;
-/// Half width of the strip around the axis in which the shock is looked at, m.
+/// Half width of the strip around the axis in which the shock is measured, m.
 const STRIP: f64 = 0.2e-3;
 
-/// Disc and plate.
+/// Solver of disc and plate.
 type Scene = Pcmm<2, Method<PlaneStrain, LocalDelaunay, OverlapWeighted, StartOfStep, OfParticles>>;
 
-/// What came of the run.
+/// Result of the run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Pressure behind the shock in the plate near the axis, Pa: the median over the particles two to five spacings behind
-    /// its face of the largest each had. (The disc is round: pressure falls at once behind the front, and with its way.)
+    /// Shock pressure in the plate near the axis, Pa: median of the peak pressures of the particles two to five spacings
+    /// behind its face. (The disc is round: pressure falls right behind the front, and along its path.)
     pub shock: f64,
-    /// When the last layer of the plate near the axis moved at 1 km/s, s after impact.
+    /// Time at which the last layer of the plate near the axis moved at 1 km/s, s after impact.
     pub arrival: f64,
-    /// Mean place of the particles of the last layer near the axis, before impact, m.
+    /// Mean position of the particles of the last layer near the axis, before impact, m.
     pub rear: f64,
-    /// Largest distance behind the front face of the plate of a particle as near to the axis as half the disc's radius, m:
-    /// what the rim of the contact throws out as a jet is faster than any shock drives it.
+    /// Front of the cloud, m behind the front face of the plate: particles within half the disc's radius of the axis. The
+    /// jet from the rim of the contact is faster than any shock-driven material.
     pub front: f64,
-    /// Mass of the particles faster than the impact, of all.
+    /// Mass fraction of particles faster than the impact.
     pub jet: f64,
     /// Largest speed of a particle, m/s.
     pub fastest: f64,
-    /// Mean velocity of what came through: all matter more than a plate's thickness behind the plate, m/s.
+    /// Mean velocity of the material more than a plate's thickness behind the plate, m/s.
     pub cloud: f64,
-    /// Particles in elements at the end, of all.
+    /// Fraction of particles in elements at the end.
     pub bound: f64,
     pub audit: Audit,
     /// Kinetic energy at the start, J.
@@ -68,7 +68,7 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-/// The disc flies along x into the plate, whose front face is x = 0.
+/// Run the impact: the disc flies along x into the plate, whose front face is x = 0.
 pub fn impact(
     spacing: f64,
     threads: usize,
@@ -81,7 +81,7 @@ pub fn impact(
         .with_failure(TensilePressure::new(SPALL)?)
         .with_bulk_viscosity(linear, quadratic)?;
 
-    // Every particle is moved at random by up to a quarter of a spacing.
+    // Random displacement of every particle by up to a quarter of a spacing.
     let lattice = Lattice::new([0.0; 2], spacing)?;
     let plate = Cuboid::new([0.0, -0.5 * PLATE[1]], [PLATE[0], 0.5 * PLATE[1]])?;
     let disc = Ball::new([-0.5 * DIAMETER, 0.0], 0.5 * DIAMETER)?;
@@ -96,7 +96,7 @@ pub fn impact(
     scene.set_revision_interval(EVERY)?;
 
     let near_axis = |x: &[f64; 2]| x[1].abs() < STRIP;
-    // Behind the shock and away from the layer between disc and plate.
+    // Particles behind the shock and away from the layer between disc and plate.
     let middle: Vec<usize> = (0..packing.positions.len())
         .filter(|&n| {
             let x = &packing.positions[n];
@@ -165,11 +165,11 @@ pub fn impact(
     })
 }
 
-/// The largest pressure that each of some particles had before a wave can come back to them.
+/// Observer of the peak pressure of some particles before a wave can return to them.
 struct Shock {
     pace: Pace,
     middle: Vec<usize>,
-    /// Pa.
+    /// Peak pressures, Pa.
     highest: Vec<f64>,
 }
 
@@ -192,11 +192,11 @@ impl Observer for Shock {
     }
 }
 
-/// When some particles moved at 1 km/s in the mean.
+/// Observer of the time at which the mean speed of some particles exceeds 1 km/s.
 struct Arrival {
     pace: Pace,
     rear: Vec<usize>,
-    /// s; not a number before.
+    /// Time, s; NaN before.
     time: f64,
 }
 

@@ -8,7 +8,7 @@ use mpm_core::output::{History, OutputError, ParticleSize, Snapshot};
 
 use crate::scene::{Outcome, RADIUS};
 
-/// All clouds at their ends.
+/// Draw all clouds at their ends.
 pub fn clouds(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let title = "Aluminium sphere of 9.53 mm on an aluminium plate of 2.2 mm: particles and elements";
     let mut panels = Panels::new(2).title(title);
@@ -19,7 +19,7 @@ pub fn clouds(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// What lies within a cell of the plane z = 0.
+/// Draw the points within a cell or 10 degrees of the plane z = 0, rotated about the axis into it.
 fn cut(outcome: &Outcome) -> Result<Picture, OutputError> {
     let snapshot = &outcome.snapshot;
     let velocity = snapshot.vector("velocity")?;
@@ -45,7 +45,7 @@ fn cut(outcome: &Outcome) -> Result<Picture, OutputError> {
         .draw(&flat)
 }
 
-/// The clouds over time.
+/// Write the histories of the clouds.
 pub fn write(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     for outcome in outcomes {
         let columns = [("time", "s"), ("front", "m"), ("mass", "kg"), ("momentum", "kg m/s")];

@@ -1,5 +1,5 @@
-//! Debris clouds of aluminium: a sphere of 9.53 mm on a plate of 2.2 mm at 5 and 7 km/s, a quarter of both in three dimensions, by particles
-//! alone and with a plate of elements that become particles (AFEMP).
+//! Debris clouds of an aluminium sphere of 9.53 mm that hits a plate of 2.2 mm at 5 and 7 km/s, a quarter of both in three
+//! dimensions: particles alone, and a plate of elements that become particles (AFEMP).
 
 mod figures;
 mod scene;
@@ -48,13 +48,13 @@ enum Methods {
     Both,
 }
 
-/// Of the cloud of one plate beside that of the other.
+/// Tolerance between the clouds of the two plates.
 const BESIDE: f64 = 0.03;
-/// Of which particles alone are to cost more.
+/// Limit of the cost, over that of particles alone.
 const COST: f64 = 0.6;
 const DEAR: &str = "0.72 and 0.65 on two threads at 7 km/s on plates of 12 and 16 radii, 0.57 on one on the larger one: the sphere and its cloud are \
                     particles in both";
-/// Cells across the plate from which on its cost is judged.
+/// Number of cells across the plate from which the cost is judged.
 const THICK: u32 = 4;
 const ENERGY_TOLERANCE: f64 = 0.03;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
@@ -101,11 +101,11 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     Report::new("debris_cloud_3d", common.resolution, settings, &totals, checks).finish(common, &folder)
 }
 
-/// A cloud against momentum and the Hugoniot.
+/// Check a cloud against momentum and the Hugoniot.
 fn of_cloud(outcome: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("{}: {what}", outcome.setup.name());
     let speed = outcome.setup.speed;
-    // Like on like: half the speed behind the shock, and release at most doubles it.
+    // Like materials: half the impact speed behind the shock, and release at most doubles it.
     let [_, sound, slope] = SHOCK;
     let wave = sound + slope * 0.5 * speed;
     let reach = THICKNESS + speed * (outcome.time - THICKNESS / wave);
@@ -127,7 +127,7 @@ fn of_cloud(outcome: &Outcome) -> Vec<Check> {
     ]
 }
 
-/// A plate of elements that become particles beside one of particles.
+/// Compare a plate of elements that become particles with one of particles.
 fn beside(particles: &Outcome, elements: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("{} beside particles: {what}", elements.setup.name());
     let [a, b] = [elements, particles].map(Outcome::last);

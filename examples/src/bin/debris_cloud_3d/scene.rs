@@ -1,5 +1,5 @@
-//! Sphere, plate and the run: the sphere flies along x and touches the plate, 0 < x < thickness, at t = 0; y = 0 and z = 0 are planes of
-//! symmetry. Both move in one velocity field.
+//! Scene of sphere and plate, and its run: the sphere flies along x and touches the plate, 0 < x < thickness, at t = 0;
+//! y = 0 and z = 0 are planes of symmetry. Both move in one velocity field.
 
 use std::path::Path;
 
@@ -20,22 +20,22 @@ use mpm_materials::{Constitutive, IntoMaterial, TensilePressure, library};
 pub const RADIUS: f64 = 4.765e-3;
 /// Thickness of the plate, m.
 pub const THICKNESS: f64 = 2.2e-3;
-/// Of aluminium: density, kg/m^3, sound speed, m/s, slope of the Hugoniot.
+/// Constants of aluminium: density, kg/m^3, sound speed, m/s, slope of the Hugoniot.
 pub const SHOCK: [f64; 3] = [2703.0, 5350.0, 1.34];
-/// Tension that aluminium bears at these rates, Pa \[M\].
+/// Spall strength of aluminium at these rates, Pa \[M\].
 const SPALL: f64 = 1.2e9;
 /// Linear and quadratic coefficient of the bulk viscosity \[M\].
 const BULK_VISCOSITY: [f64; 2] = [0.1, 1.5];
-/// End of a run: the way of the sphere if nothing slowed it, radii.
+/// End of a run: travel of an undecelerated sphere, radii.
 const WAY: f64 = 10.0;
-/// FLIP forgets what the nodes do not see while sound crosses this many cells.
+/// Memory of FLIP: decay time of velocities that the nodes do not resolve, in transits of a cell by sound.
 const MEMORY: f64 = 100.0;
-/// Of the time step.
+/// Courant factor of the time step.
 const FACTOR: f64 = 0.3;
-/// Rows of a history.
+/// Number of history rows.
 const ROWS: f64 = 100.0;
 
-/// What the plate is made of.
+/// Discretisation of the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Plate {
@@ -43,7 +43,7 @@ pub enum Plate {
     Afemp,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Setup {
     pub plate: Plate,
@@ -61,25 +61,25 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         THICKNESS / f64::from(self.cells)
     }
-    /// As in tables and the names of files.
+    /// Name in tables, and label of the run.
     pub fn name(&self) -> String {
         let plate = if self.plate == Plate::Afemp { "afemp" } else { "mpm" };
         format!("{plate} at {} m/s", self.speed)
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn file(&self) -> String {
         self.name().replace([' ', '/'], "_")
     }
 }
 
-/// The cloud at a moment: what is more than a cell behind the plate, a quarter of it.
+/// State of the cloud at one time: a quarter of the material more than a cell behind the plate.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// Largest x of a point, m.
     pub front: f64,
-    /// kg, and kg m/s along x.
+    /// Mass, kg, and momentum along x, kg m/s.
     pub mass: f64,
     pub momentum: f64,
 }
@@ -91,12 +91,12 @@ impl Row {
     }
 }
 
-/// What came of a run.
+/// Result of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
     pub snapshot: Snapshot,
-    /// Of the end, s.
+    /// Time at the end, s.
     pub time: f64,
     /// Mass at the end over that at the start.
     pub mass: f64,
@@ -118,10 +118,10 @@ fn aluminium() -> Result<impl IntoMaterial<f64>, CaseError> {
     Ok(law.with_bulk_viscosity(linear, quadratic)?.compiled())
 }
 
-/// Shoot, with ParaView frames in a folder.
+/// Run the impact, with ParaView frames in a folder.
 pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
-    // As the lead of `debris_cloud`: what a cloud loses by the affine transfer is more, 6 % in cells of half the plate.
+    // Method of the lead in `debris_cloud`: the affine transfer loses more energy of a cloud, 6 % in cells of half the plate.
     let blend = Blend::new(MEMORY * setup.spacing() / SHOCK[1])?;
     let method = Method::new(CpGimp, blend, Musl, FullSpace);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -183,10 +183,10 @@ pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
     })
 }
 
-/// Follows the cloud.
+/// Observer of the cloud.
 struct Track {
     pace: Pace,
-    /// What is further than this along x is of the cloud, m.
+    /// Lower limit of x of the cloud, m.
     behind: f64,
     rows: Vec<Row>,
 }

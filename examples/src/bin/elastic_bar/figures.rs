@@ -1,4 +1,4 @@
-//! The chart of the bar.
+//! Charts of the bar.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use mpm_core::output::picture::{Axis, Chart, Panels, Series, Stroke, palette};
 use crate::due;
 use crate::scene::{END, Entry, Outcome, SPEED};
 
-/// Draw everything.
+/// Draw all charts.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     Panels::new(2)
         .title("Elastic bar on a rigid wall, 50 m/s")

@@ -1,5 +1,5 @@
-//! Elastic bar, 1 mm x 20 mm, hits a rigid wall at 50 m/s (case 1 of Feng 2014), by the particle-contact meshfree
-//! method in plane strain. The velocity at half the length against the exact solution.
+//! Impact of an elastic bar, 1 mm x 20 mm, on a rigid wall at 50 m/s (case 1 of Feng 2014), by the particle-contact
+//! meshfree method in plane strain: velocity at half the length against the exact solution.
 
 mod figures;
 mod scene;
@@ -46,13 +46,13 @@ enum Methods {
 const WAVES: &str =
     "3.3 % of it stay in waves along and across the wide bar, which the exact solution does not have";
 const ARRIVAL_TOLERANCE: f64 = 0.01;
-/// m/s
+/// Tolerance of a plateau, m/s.
 const PLATEAU_TOLERANCE: f64 = 1.0;
-/// Of the kinetic energy after the rebound: the bulk viscosity heats by half a per cent, and a narrow bar keeps 1 % in waves.
+/// Tolerance of the kinetic energy after the rebound: the bulk viscosity heats by half a per cent, and a narrow bar keeps 1 % in waves.
 const REBOUND_TOLERANCE: f64 = 0.02;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 const MASS_TOLERANCE: f64 = 1e-12;
-/// Velocities and stresses lie half a step apart in the sum, and the viscosity heats.
+/// Tolerance of the energy: velocities and stresses are half a step apart in the sum, and the viscosity heats.
 const ENERGY_TOLERANCE: f64 = 0.005;
 
 fn main() -> ExitCode {
@@ -93,24 +93,25 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     Report::new("elastic_bar", common.resolution, settings, &totals, checks).finish(common, &folder)
 }
 
-/// Times at which the middle is first at rest and then moves back, s.
+/// Return the times at which the middle first comes to rest and then moves back, s.
 fn due() -> [f64; 2] {
     let transit = LENGTH / scene::wave_speed();
     [0.5 * transit, 1.5 * transit]
 }
 
-/// The same for half the height of a front that lateral inertia has spread, s. A strip in plane strain has waves of
+/// Return the arrival time of half the height of a front spread by lateral inertia, s. A strip in plane strain has waves of
 /// speed c (1 - (nu' k)^2 W^2 / 24), nu' = nu / (1 - nu) (Love's rod): at x the front is the integral of Airy's function
-/// over (c t - x) / (3 alpha x)^(1/3), alpha = (nu' W)^2 / 24, and a half 0.4097 widths after c t = x.
+/// over (c t - x) / (3 alpha x)^(1/3), alpha = (nu' W)^2 / 24, with half height 0.4097 widths after c t = x.
 fn due_at_half_height(x: f64, width: f64) -> f64 {
     let poisson = scene::POISSON / (1.0 - scene::POISSON);
     let alpha = (poisson * width).powi(2) / 24.0;
     (x + 0.4097 * (3.0 * alpha * x).cbrt()) / scene::wave_speed()
 }
 
-/// When the two fronts arrive at the middle, s: the mean times of its two changes of velocity, weighted by the change. That is
-/// the group delay of the longest waves, x / c, however inertia, viscosity and the spacing spread a front. Found from
-/// the way of the middle while it rests after the first front, and while it moves back after the second.
+/// Return the arrival times of the two fronts at the middle, s: mean times of its two changes of velocity, weighted by the
+/// change. They are the group delay of the longest waves, x / c, independent of the spread of a front by inertia, viscosity
+/// and spacing, and follow from the displacement of the middle while it rests after the first front and while it moves back
+/// after the second.
 fn arrivals(outcome: &Outcome, rests: [f64; 2], returns: [f64; 2]) -> [f64; 2] {
     let (mut way, mut before): (f64, Option<&Entry>) = (0.0, None);
     let (mut first, mut second) = (Vec::new(), Vec::new());
@@ -127,7 +128,7 @@ fn arrivals(outcome: &Outcome, rests: [f64; 2], returns: [f64; 2]) -> [f64; 2] {
     [first, back - first]
 }
 
-/// When the velocity of the middle first passes `level` on its way down, s; NaN if it never does.
+/// Return the time at which the velocity of the middle first falls to `level`, s; NaN if it never does.
 fn passes(outcome: &Outcome, level: f64) -> f64 {
     for pair in outcome.history.windows(2) {
         let [a, b] = [pair[0], pair[1]];
@@ -150,7 +151,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
     let theory = "exact, strip in plane strain [C]";
     let [stop, back] = due();
     let half = 0.5 * SPEED;
-    // The front has a width; plateaus are taken between the middle half of what lies between the fronts.
+    // Fronts have a width: plateaus are averages over the middle half between them.
     let quarter = 0.25 * (back - stop);
     let first = plateau(outcome, stop + quarter, back - quarter);
     let second = plateau(outcome, back + quarter, scene::END);

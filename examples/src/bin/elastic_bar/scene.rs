@@ -1,4 +1,4 @@
-//! The bar, the wall and the run.
+//! Scene of bar and wall, and its run.
 
 use std::path::Path;
 
@@ -17,18 +17,18 @@ pub const WIDTH: f64 = 1.0e-3;
 pub const LENGTH: f64 = 20.0e-3;
 /// Impact speed, m/s.
 pub const SPEED: f64 = 50.0;
-/// End of the run, s: the bar is off the wall from 7.45 us on.
+/// End of the run, s; the bar leaves the wall at 7.45 us.
 pub const END: f64 = 9.0e-6;
 const DENSITY: f64 = 7850.0;
 const YOUNG: f64 = 206e9;
 /// Poisson's ratio.
 pub const POISSON: f64 = 0.3;
-/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; the paper states none.
 const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Time between two entries of a history, s.
 const HISTORY: f64 = 0.02e-6;
 
-/// Speed of a longitudinal wave in a strip with free sides in plane strain, sqrt(E / (1 - nu^2) rho), m/s.
+/// Longitudinal wave speed in a strip with free sides in plane strain, sqrt(E / (1 - nu^2) rho), m/s.
 pub fn wave_speed() -> f64 {
     (YOUNG / ((1.0 - POISSON * POISSON) * DENSITY)).sqrt()
 }
@@ -46,7 +46,7 @@ pub enum Which {
 }
 
 impl Which {
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Which::Printed => "printed",
@@ -60,32 +60,32 @@ impl Which {
     }
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub which: Which,
-    /// Particles across the width, less one.
+    /// Number of particles across the width, less one.
     pub cells: u32,
     /// Impact speed, m/s.
     pub speed: f64,
     pub threads: usize,
 }
 
-/// An entry of the history.
+/// Entry of the history.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     pub time: f64,
     /// Mean velocity towards the wall at half the length, m/s.
     pub middle: f64,
-    /// Of what the particles had at the start.
+    /// Kinetic energy over that at the start.
     pub kinetic: f64,
-    /// Likewise.
+    /// Internal energy over the kinetic energy at the start.
     pub internal: f64,
-    /// Of the particles stopped by the wall, likewise.
+    /// Energy of the particles stopped by the wall, over the kinetic energy at the start.
     pub lost: f64,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
@@ -96,10 +96,10 @@ pub struct Outcome {
     pub deleted: u64,
 }
 
-/// Run the bar into the wall.
+/// Run the impact.
 pub fn impact(setup: &Setup, folder: &Path, frames: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.which.width() / f64::from(setup.cells);
-    // The diagonals of the lattice touch: 0.414 h and a little more.
+    // Particles are in contact along the diagonals of the lattice: 0.414 h and a little more.
     let tolerance = 0.45 * h;
     let moduli = Moduli::young_poisson(YOUNG, POISSON)?;
     let [linear, quadratic] = BULK_VISCOSITY;

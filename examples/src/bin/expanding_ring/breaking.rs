@@ -1,6 +1,6 @@
-//! The whole ring in three dimensions, with sections of scattered strength, thrown so fast that it breaks.
+//! Fragmentation of a fast ring in three dimensions, with sections of scattered strength.
 //!
-//! Half of it is computed, above the plane of symmetry z = 0.
+//! The half above the plane of symmetry z = 0 is computed.
 
 use std::path::Path;
 
@@ -13,30 +13,30 @@ use mpm_materials::{Constitutive, PlasticStrainLimit};
 
 use crate::setup::{Break, law};
 
-/// How often pictures are taken and pieces counted.
+/// Number of pictures and counts of pieces.
 pub const LOOKS: usize = 12;
-/// What particles of one piece are apart at most, in the distance that the mean stretch puts between neighbours along the ring: the next
-/// but one is twice as far.
+/// Largest distance of particles of one piece, over that of neighbours along the ring at the mean stretch; the next but one
+/// is twice as far.
 const REACH: f64 = 1.6;
 
-/// The ring at a moment.
+/// State of the ring at one time.
 #[derive(Clone, Copy, Debug)]
 pub struct Row {
     pub time: f64,
     /// Mean radius, m.
     pub radius: f64,
-    /// Pieces heavier than a cube of the section's edge.
+    /// Number of pieces heavier than a cube of the section's edge.
     pub pieces: usize,
-    /// Mass of what failed, over the whole.
+    /// Mass of failed particles, over the whole.
     pub failed: f64,
 }
 
-/// What came of it.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Break,
     pub rows: Vec<Row>,
-    /// Places, masses and what failed.
+    /// Snapshots of positions, masses and failure.
     pub snapshots: Vec<Snapshot>,
     /// Masses of the pieces at the end, kg, of the whole ring.
     pub masses: Vec<f64>,
@@ -45,12 +45,12 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-/// The strain at which each section breaks.
+/// Return the failure strain of each section.
 pub fn strains(setup: &Break) -> Vec<f64> {
     mott_strains(setup.strain, setup.scatter, setup.seed, setup.sections())
 }
 
-/// Throw the ring until `end`, s.
+/// Run the ring until `end`, s.
 pub fn burst(setup: &Break, end: f64, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let (h, r0, t) = (setup.spacing(), setup.radius, setup.thickness);
     let lattice = Lattice::new([0.0; 3], h)?;
@@ -61,7 +61,7 @@ pub fn burst(setup: &Break, end: f64, files: Option<&Path>, restart: &Restart) -
     let strains = strains(setup);
     let most = strains.iter().fold(0.0_f64, |a, &b| a.max(b));
     let metal = law(&setup.metal)?.with_failure(PlasticStrainLimit::new(most)?);
-    // Without hardening what has flowed before changes nothing but what is left until a point fails.
+    // Without hardening an initial plastic strain affects only the strain left until a point fails.
     let weakened = |x: [f64; 3]| {
         let turn = x[1].atan2(x[0]) / std::f64::consts::TAU;
         let section = ((turn - turn.floor()) * strains.len() as f64) as usize;
@@ -93,7 +93,7 @@ pub fn burst(setup: &Break, end: f64, files: Option<&Path>, restart: &Restart) -
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
         simulation.until(&mut mpm, observers, end * look as f64 / LOOKS as f64)?;
         let snapshot = simulation.keep(|| taken(&mpm, 0.5 * h))?;
-        // What is kept comes from the checkpoint where the run is resumed.
+        // Snapshots come from the checkpoint if the run is resumed.
         let (masses, failed) = (snapshot.scalar("mass")?, snapshot.scalar("failed")?);
         let whole = masses.iter().sum::<f64>();
         let radius =
@@ -120,14 +120,14 @@ pub fn burst(setup: &Break, end: f64, files: Option<&Path>, restart: &Restart) -
     })
 }
 
-/// In what pieces the ring is when its mean radius is this, m.
+/// Group the ring into pieces at this mean radius, m.
 pub fn pieces(setup: &Break, snapshot: &Snapshot, radius: f64) -> Result<Fragments, CaseError> {
     let holds: Vec<bool> = snapshot.scalar("failed")?.iter().map(|&f| f == 0.0).collect();
     let reach = REACH * 0.5 * setup.spacing() * radius / setup.radius;
     Ok(Fragments::new(snapshot.positions(), snapshot.scalar("mass")?, &holds, reach))
 }
 
-/// Places, masses, and which failed.
+/// Take a snapshot of positions, masses and failure.
 fn taken(mpm: &Mpm<3>, size: f64) -> Result<Snapshot, CaseError> {
     let (mut places, mut masses, mut failed) = (Vec::new(), Vec::new(), Vec::new());
     mpm.bodies()[0].for_each(&mut |p| {

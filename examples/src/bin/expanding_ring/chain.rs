@@ -1,5 +1,5 @@
-//! The ring once more, without grid or elements of the library: masses on a circle, joined by bars of uniaxial stress, elastic and perfectly
-//! plastic. A bar is as long as a cell, and breaks at the strain of its section of the ring.
+//! Reference ring without grid or elements of the library: masses on a circle, joined by bars of uniaxial stress, elastic
+//! and perfectly plastic. A bar is as long as a cell, and breaks at the failure strain of its section of the ring.
 
 use crate::setup::{Break, POISSON};
 
@@ -9,7 +9,7 @@ struct Bar {
     broken: bool,
 }
 
-/// How many pieces there are at `end`, s, of sections that bear these strains.
+/// Count the pieces at `end`, s, for sections with these failure strains.
 pub fn pieces(setup: &Break, strains: &[f64], end: f64) -> usize {
     let parts = setup.cells as usize;
     let strains: Vec<f64> = strains.iter().flat_map(|&s| std::iter::repeat_n(s, parts)).collect();

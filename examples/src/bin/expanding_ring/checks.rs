@@ -1,4 +1,4 @@
-//! What decides.
+//! Checks of the runs.
 
 use examples::Check;
 
@@ -7,26 +7,29 @@ use crate::scene::Outcome;
 use crate::setup::Means;
 use crate::theory::{elastic, mott, rigid};
 
-/// Off a thin ring by this part of (thickness over radius)^2: 0.011 and 0.017 were found of the radius, 0.055 of the time, on the finest grids.
+/// Tolerances of radius and time off a thin ring, over (thickness over radius)^2: 0.011 and 0.017 were found for the radius,
+/// 0.055 for the time, on the finest grids.
 const THICKNESS: [f64; 2] = [0.02, 0.07];
-/// Of the limit of a thin ring: what is left of the fourth order in the thickness, and of the grid, was 5e-6 and 3e-5 with eight cells.
+/// Tolerances of the limit of a thin ring: errors of fourth order in the thickness, and of the grid, were 5e-6 and 3e-5
+/// with eight cells.
 const LIMIT: [f64; 2] = [1e-5, 5e-5];
-/// What is of the fourth order in the thickness took up to 0.12 from the order.
+/// Tolerance of the order in the thickness: terms of fourth order took up to 0.12 from it.
 const ORDER: f64 = 0.2;
-/// Of the stress: 1e-4 was found of material points.
+/// Tolerance of the stress: 1e-4 was found for material points.
 const STRESS: f64 = 1e-3;
-/// Of the kinetic energy at the start, of material points: what AFLIP takes falls with the cell, 8e-5 with eight of them.
+/// Tolerance of the energy of material points, over the kinetic energy at the start: the dissipation of AFLIP falls with
+/// the cell, 8e-5 with eight of them.
 const ENERGY: f64 = 2e-4;
-/// The same of elements, which keep it to the square of the step: 1e-9 was found.
+/// Tolerance of the energy of elements, which conserve it to second order in the step: 1e-9 was found.
 const ELEMENTS_ENERGY: f64 = 1e-8;
-/// Of both methods at the same size: 1e-6 was found.
+/// Tolerance between both methods at the same size: 1e-6 was found.
 const METHODS: f64 = 1e-5;
 const MASS: f64 = 5e-3;
 const MOMENTUM: f64 = 1e-12;
-/// Of what there was: 1 % with two cells, 0.7 % with four.
+/// Tolerance of the energy of a breaking ring, over that at the start: 1 % with two cells, 0.7 % with four.
 const BROKEN_ENERGY: f64 = 0.015;
 
-/// Of the thin ring and of the one twice as thick, both of the same method.
+/// Check the thin ring, and its limit extrapolated with the one twice as thick, by the same method.
 pub fn of_rest(thin: &Outcome, thick: &Outcome) -> Vec<Check> {
     let setup = thin.setup;
     let (metal, r0) = (&setup.metal, setup.radius);
@@ -35,7 +38,7 @@ pub fn of_rest(thin: &Outcome, thick: &Outcome) -> Vec<Check> {
     let square = (setup.thickness / r0).powi(2);
     let formula = "rigid thin ring, r0 exp(rho v^2 / 2 Y) [C]";
     let with = "elastic thin ring [C]";
-    // What elasticity does is known; what thickness does was measured.
+    // The effect of elasticity is known; that of the thickness was measured.
     let allowed = |limit: f64, exact: f64, part: f64| (exact / limit - 1.0).abs() + part * square;
     let extrapolated = |thin: f64, thick: f64| (4.0 * thin - thick) / 3.0;
     let off = |o: &Outcome| (o.rest.radius / exact.radius - 1.0).abs();
@@ -92,7 +95,7 @@ pub fn of_rest(thin: &Outcome, thick: &Outcome) -> Vec<Check> {
     ]
 }
 
-/// Of a softer ring.
+/// Check a softer ring.
 pub fn of_soft(soft: &Outcome) -> Vec<Check> {
     let setup = soft.setup;
     let (metal, r0) = (&setup.metal, setup.radius);
@@ -108,7 +111,7 @@ pub fn of_soft(soft: &Outcome) -> Vec<Check> {
     ]
 }
 
-/// Of two methods.
+/// Compare two methods.
 pub fn of_methods(one: &Outcome, other: &Outcome) -> Check {
     Check::gate(
         format!(
@@ -125,7 +128,7 @@ pub fn of_methods(one: &Outcome, other: &Outcome) -> Check {
     )
 }
 
-/// Of a ring that breaks; `chain` is how many pieces it has as a chain of bars.
+/// Check a ring that breaks; `chain` is the number of its pieces as a chain of bars.
 pub fn of_break(outcome: &breaking::Outcome, chain: usize) -> Vec<Check> {
     let setup = &outcome.setup;
     let name = |what: &str| format!("{:.0} m/s: {what}", setup.metal.speed);
@@ -174,7 +177,7 @@ pub fn of_break(outcome: &breaking::Outcome, chain: usize) -> Vec<Check> {
     ]
 }
 
-/// The faster, the more.
+/// Check that a faster ring has more pieces.
 pub fn of_speeds(outcomes: &[breaking::Outcome]) -> Option<Check> {
     let (first, last) = (outcomes.first()?, outcomes.last()?);
     let pieces = |o: &breaking::Outcome| o.rows.last().map_or(0.0, |r| r.pieces as f64);

@@ -13,7 +13,7 @@ use crate::scene::Outcome;
 use crate::setup::Means;
 use crate::theory;
 
-/// The radius over time, and where it should end.
+/// Plot the radius over time, and the theoretical one at rest.
 pub fn radius(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 540)
         .title("Rings that are thrown outwards")
@@ -24,7 +24,7 @@ pub fn radius(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
         let (t, r): (Vec<f64>, Vec<f64>) = outcome.rows.iter().map(|r| (r.time, r.radius)).unzip();
         let stroke = if means == Means::Mpm { Stroke::Solid } else { Stroke::Dashed };
         let name = format!("{}, {}", metal.name, means.name());
-        // Both lie on each other.
+        // Both curves coincide.
         let colour = if means == Means::Mpm { palette(n) } else { [20; 3] };
         chart = chart.series(Series::new(name, &t, &r)?.colour(colour).stroke(stroke));
         if means == Means::Mpm || outcomes.len() == 1 {
@@ -36,7 +36,7 @@ pub fn radius(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Off the thin ring over the thickness, and the grid.
+/// Plot the error of the radius at rest over the thickness.
 pub fn convergence(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(760, 520)
         .title("Radius at rest off that of the elastic thin ring")
@@ -61,7 +61,7 @@ pub fn convergence(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.series(Series::slope("second order", 2.0, (0.1, 1e-4), (0.025, 0.1))).draw()?)
 }
 
-/// The ring at four moments, coloured by pieces.
+/// Draw the ring at four times, coloured by pieces.
 pub fn pieces(outcome: &breaking::Outcome) -> Result<Picture, CaseError> {
     let setup = &outcome.setup;
     let count = outcome.rows.last().map_or(0, |r| r.pieces);
@@ -75,7 +75,7 @@ pub fn pieces(outcome: &breaking::Outcome) -> Result<Picture, CaseError> {
     for look in [last / 4, last / 3 + 1, last / 2 + 1, last].map(|n| n.saturating_sub(1)) {
         let (snapshot, row) = (&outcome.snapshots[look], &outcome.rows[look]);
         let found = breaking::pieces(setup, snapshot, row.radius)?;
-        // Neighbours on the list of masses are rarely neighbours on the ring; failed points are dark.
+        // Pieces of similar mass are rarely neighbours on the ring; failed points are dark.
         let colour = |piece: &Option<usize>| piece.map_or(0.0, |p| 2.0 + (p * 5 % 11) as f64);
         let colours = found.of.iter().map(colour).collect();
         let flat = snapshot.positions().iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
@@ -90,7 +90,7 @@ pub fn pieces(outcome: &breaking::Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// How it broke as CSV.
+/// Write the history and the masses of pieces as CSV.
 pub fn write(outcome: &breaking::Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [("time", "s"), ("radius", "m"), ("pieces", "-"), ("mass that failed", "-")];
     let name = outcome.setup.name();

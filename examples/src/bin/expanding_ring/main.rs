@@ -1,6 +1,6 @@
-//! Thin rings are thrown outwards and come to rest where rho v^2 / 2 has gone into Y ln(r / r0), by material points and by finite elements
-//! around the axis, against the exact radius and time; and thrown faster, in three dimensions and with sections of scattered strength, they
-//! break.
+//! Expansion of thin rings until they rest where rho v^2 / 2 has gone into Y ln(r / r0), by material points and by finite
+//! elements, axisymmetric, against the exact radius and time; and fragmentation of faster rings in three dimensions, with
+//! sections of scattered strength.
 
 mod breaking;
 mod chain;
@@ -74,7 +74,7 @@ struct Options {
 
 /// Young's modulus of aluminium and copper, Pa \[M\]: that of the soft rings, and of those that break.
 const SOFT: [f64; 2] = [130e9, 70e9];
-/// Way of a ring that breaks, over its radius.
+/// Travel of a ring that breaks, over its radius.
 const WAY: f64 = 0.4;
 
 impl Options {

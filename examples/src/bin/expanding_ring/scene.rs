@@ -1,4 +1,4 @@
-//! The ring of square section around its axis, by material points or by finite elements.
+//! Axisymmetric ring of square section, by material points or by finite elements.
 
 use std::path::Path;
 
@@ -12,34 +12,34 @@ use mpm_core::{Axisymmetric, BlockGrid, Body, Method, Mpm, Solver, Team};
 use crate::setup::{Means, Setup, law};
 use crate::theory::{self, Rest};
 
-/// Rows of a history until the ring rests.
+/// Number of history rows until the ring rests.
 const ROWS: f64 = 400.0;
-/// End of a run over the time at which it rests by the theory.
+/// End of a run over the theoretical time to rest.
 const END: f64 = 1.1;
 
-/// A row of a history.
+/// Row of a history.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     pub time: f64,
-    /// Radius, m: r0 exp(<ln r / r0>), the mean by mass.
+    /// Radius, m: r0 exp(<ln r / r0>), mean by mass.
     pub radius: f64,
-    /// Mean velocity along the radius, m/s.
+    /// Mean radial velocity, m/s.
     pub speed: f64,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
-    /// Where it came to rest.
+    /// Radius and time at rest.
     pub rest: Rest,
-    /// Hoop stress at nine tenths of the time, a mean by mass over the yield stress.
+    /// Hoop stress at nine tenths of the time, mean by mass over the yield stress.
     pub hoop: f64,
     pub totals: Totals,
 }
 
-/// Throw the ring, with ParaView frames in a folder.
+/// Run the ring, with ParaView frames in a folder.
 pub fn expand(
     setup: &Setup,
     files: Option<&Path>,
@@ -48,7 +48,7 @@ pub fn expand(
 ) -> Result<Outcome, CaseError> {
     let (r0, t, v) = (setup.radius, setup.thickness, setup.metal.speed);
     let section = Cuboid::new([r0 - 0.5 * t, 0.0], [r0 + 0.5 * t, 0.5 * t])?;
-    // What a ring under hoop tension does: it gets thinner both ways by half of what it gets longer. The mean square of the speed is v^2.
+    // Initial velocity of a ring under hoop tension: it thins both ways by half of its elongation. The mean square of the speed is v^2.
     let slope = 0.5 / r0;
     let motion = move |[r, z]: [f64; 2]| [v * (1.0 - slope * (r - r0)), -v * slope * z];
     let scaled = move |x: [f64; 2]| {
@@ -80,7 +80,7 @@ pub fn expand(
     }
 }
 
-/// Mean logarithm of the radius, mean speed along it, mean hoop stress.
+/// Return the means by mass of logarithm of the radius, radial speed and hoop stress.
 fn means(body: &dyn Body) -> [f64; 3] {
     let (mut mass, mut sums) = (0.0, [0.0; 3]);
     body.for_each(&mut |p| {
@@ -128,7 +128,7 @@ fn run(
     Ok(Outcome { setup: *setup, rest: rest(&rows), rows, hoop, totals })
 }
 
-/// Where the mean speed first falls through zero.
+/// Return radius and time at which the mean speed first falls through zero.
 fn rest(rows: &[Row]) -> Rest {
     for pair in rows.windows(2) {
         let [a, b] = [pair[0], pair[1]];

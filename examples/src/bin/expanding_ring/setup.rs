@@ -1,4 +1,4 @@
-//! Sizes, metals, and what to run.
+//! Dimensions, metals and parameters of a run.
 
 use clap::ValueEnum;
 use examples::CaseError;
@@ -8,10 +8,10 @@ use serde::Serialize;
 /// Poisson's ratio of all rings.
 pub const POISSON: f64 = 0.3;
 
-/// Numbers of a thin ring.
+/// Constants of a thin ring.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Metal {
-    /// As in the names of files.
+    /// Name in files.
     pub name: &'static str,
     /// Density, kg/m^3.
     pub density: f64,
@@ -23,8 +23,7 @@ pub struct Metal {
     pub young: f64,
 }
 
-/// A heavy ring that is thrown slowly and a light one that is thrown fast. Young's modulus is some eight times that of metals: the limit is
-/// a rigid one.
+/// A heavy slow ring and a light fast one. Young's modulus is some eight times that of metals: the reference is the rigid limit.
 pub const METALS: [Metal; 2] = [
     Metal { name: "heavy", density: 8930.0, yields: 400e6, speed: 100.0, young: 1e12 },
     Metal { name: "light", density: 2700.0, yields: 300e6, speed: 200.0, young: 1e12 },
@@ -41,7 +40,7 @@ pub enum Means {
 }
 
 impl Means {
-    /// As in tables.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Means::Mpm => "mpm",
@@ -53,9 +52,9 @@ impl Means {
 /// A ring of square section that expands and comes to rest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
-    /// What of.
+    /// Metal of the ring.
     pub metal: Metal,
-    /// By what.
+    /// Method of computation.
     pub means: Means,
     /// Radius of the middle of the section, m.
     pub radius: f64,
@@ -63,7 +62,7 @@ pub struct Setup {
     pub thickness: f64,
     /// Cells or elements across the section.
     pub cells: u32,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
 }
 
@@ -72,7 +71,7 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         self.thickness / f64::from(self.cells)
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> String {
         format!(
             "{}_{}_{:.0}um_{}_{:.0}gpa",
@@ -88,7 +87,7 @@ impl Setup {
 /// A ring in three dimensions that breaks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Break {
-    /// What of.
+    /// Metal of the ring.
     pub metal: Metal,
     /// Radius of the middle of the section, m.
     pub radius: f64,
@@ -96,13 +95,13 @@ pub struct Break {
     pub thickness: f64,
     /// Cells across the section, an even number.
     pub cells: u32,
-    /// Largest plastic strain that a section bears.
+    /// Plastic strain near which most sections fail.
     pub strain: f64,
-    /// How the strains of sections are scattered: the rate g of Mott's hazard, proportional to exp(g eps).
+    /// Scatter of the failure strains: rate g of Mott's hazard, proportional to exp(g eps).
     pub scatter: f64,
-    /// Of the scatter.
+    /// Seed of the scatter.
     pub seed: u64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
 }
 
@@ -111,17 +110,17 @@ impl Break {
     pub fn spacing(&self) -> f64 {
         self.thickness / f64::from(self.cells)
     }
-    /// Sections that have a strength of their own: as long as the ring is thick.
+    /// Number of sections with their own strength, each as long as the ring is thick.
     pub fn sections(&self) -> usize {
         (std::f64::consts::TAU * self.radius / self.thickness).round() as usize
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> String {
         format!("break_{:.0}_{}", self.metal.speed, self.cells)
     }
 }
 
-/// Elastic, perfectly plastic.
+/// Return the law: elastic, perfectly plastic.
 pub fn law(metal: &Metal) -> Result<Solid<J2<f64>, LogarithmicBulk<f64>>, CaseError> {
     let shear = metal.young / (2.0 * (1.0 + POISSON));
     let bulk = metal.young / (3.0 * (1.0 - 2.0 * POISSON));

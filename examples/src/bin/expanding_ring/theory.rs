@@ -1,8 +1,8 @@
-//! What a thin ring does. Its hoop bears the stress sigma, and nothing else does: rho r'' = -sigma / r.
+//! Theory of a thin ring, in which only the hoop stress sigma acts: rho r'' = -sigma / r.
 
 use crate::setup::{Metal, POISSON};
 
-/// Where and when a ring comes to rest.
+/// Radius and time of a ring at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
     /// Radius, m.
@@ -11,10 +11,10 @@ pub struct Rest {
     pub time: f64,
 }
 
-/// Of a rigid, perfectly plastic ring: r_f = r0 exp(rho v^2 / (2 Y)), as the kinetic energy rho v^2 / 2 goes into Y ln(r / r0); and the
-/// time, the integral of dr / sqrt(v^2 - (2 Y / rho) ln(r / r0)).
+/// Compute the rest of a rigid, perfectly plastic ring: r_f = r0 exp(rho v^2 / (2 Y)), since the kinetic energy rho v^2 / 2
+/// goes into Y ln(r / r0); the time is the integral of dr / sqrt(v^2 - (2 Y / rho) ln(r / r0)).
 pub fn rigid(metal: &Metal, radius: f64) -> Rest {
-    // With the speed w for the variable: ln(r / r0) = rho (v^2 - w^2) / (2 Y), and dt = -(rho / Y) r dw.
+    // Integrate over the speed w: ln(r / r0) = rho (v^2 - w^2) / (2 Y), and dt = -(rho / Y) r dw.
     const STEPS: usize = 20_000;
     let stretch = |w: f64| metal.density * (metal.speed * metal.speed - w * w) / (2.0 * metal.yields);
     let dw = metal.speed / STEPS as f64;
@@ -23,8 +23,8 @@ pub fn rigid(metal: &Metal, radius: f64) -> Rest {
     Rest { radius: radius * stretch(0.0).exp(), time }
 }
 
-/// Of an elastic, perfectly plastic one: sigma = E eps up to Y, with the strain eps = ln(r / r0) less what has flowed; the section is that
-/// of the volume ratio exp((1 - 2 nu) sigma / E). Midpoint rule.
+/// Compute the rest of an elastic, perfectly plastic ring: sigma = E eps up to Y, with the strain eps = ln(r / r0) less the
+/// plastic strain; the section follows the volume ratio exp((1 - 2 nu) sigma / E). Midpoint rule.
 pub fn elastic(metal: &Metal, radius: f64) -> Rest {
     let (from, to) = course(metal, radius);
     let part = from[2] / (from[2] - to[2]);
@@ -32,7 +32,7 @@ pub fn elastic(metal: &Metal, radius: f64) -> Rest {
     Rest { radius: from[1] + 0.5 * time * from[2], time: from[0] + time }
 }
 
-/// The last time at which that ring moves outwards, s, its radius, m, and speed, m/s, and those a step later.
+/// Integrate the elastic ring: last time at which it moves outwards, s, radius, m, and speed, m/s, and those a step later.
 fn course(metal: &Metal, radius: f64) -> ([f64; 3], [f64; 3]) {
     const STEPS: f64 = 200_000.0;
     let dt = rigid(metal, radius).time / STEPS;

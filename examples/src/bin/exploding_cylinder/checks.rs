@@ -1,4 +1,4 @@
-//! What decides.
+//! Checks of the runs.
 
 use examples::{Check, Resolution};
 
@@ -6,18 +6,20 @@ use crate::gurney;
 use crate::scene::Outcome;
 use crate::setup::{CHARGE, DENSITY, GURNEY, HARDENING};
 
-/// By resolution: with 16, 40 and 80 cells on the radius of the charge the worst of six runs was 3.5, 1.2 and 0.6 % slow.
+/// Tolerances of the speed by resolution: with 16, 40 and 80 cells on the radius of the charge the worst of six runs was
+/// 3.5, 1.2 and 0.6 % slow.
 const SPEED_TOLERANCE: [f64; 3] = [0.04, 0.015, 0.008];
-/// A tenth of what the coarsest run is allowed beside it.
+/// Tolerance of the finite differences with half the zones, small against [`SPEED_TOLERANCE`].
 const ZONES_TOLERANCE: f64 = 0.001;
-/// The estimate knows of no waves in the products. Finite differences are up to 3.4 % off it, either way, and runs slower as above.
+/// Tolerances of the estimate, which neglects waves in the products: finite differences are up to 3.4 % off it, either way,
+/// and runs are slower as above.
 const GURNEY_TOLERANCE: [f64; 3] = [0.06, 0.05, 0.045];
 const ENERGY_TOLERANCE: f64 = 0.01;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
-/// Particles that surfaces cut have what is inside.
+/// Tolerance of the masses: particles that surfaces cut have the volume inside.
 const MASS_TOLERANCE: f64 = 1e-3;
 
-/// Of a case that keeps whole.
+/// Check a case that stays whole.
 pub fn of_speed(outcome: &Outcome, resolution: Resolution) -> Vec<Check> {
     let (setup, last) = (&outcome.setup, outcome.last());
     let ratio = setup.mass_ratio();
@@ -91,7 +93,7 @@ fn of_books(outcome: &Outcome, name: &dyn Fn(&str) -> String) -> Vec<Check> {
     ]
 }
 
-/// Of a case that breaks: how many pieces at each look, and what of it holds at the end.
+/// Check a case that breaks: numbers of pieces at all looks, speed against a case that stays whole, balances.
 pub fn of_pieces(outcome: &Outcome, pieces: &[usize], whole: Option<&Outcome>) -> Vec<Check> {
     let name = |what: &str| format!("case that breaks: {what}");
     let most = pieces.iter().copied().max().unwrap_or(0);
@@ -108,7 +110,7 @@ pub fn of_pieces(outcome: &Outcome, pieces: &[usize], whole: Option<&Outcome>) -
         Check::at_least(name("pieces"), most as f64, "-", 2.0, "it breaks"),
     ];
     if let Some(breaks) = setup.breaks {
-        // Where most sections fail, in plane strain.
+        // Radius at which most sections fail, in plane strain.
         let growth = (0.5 * 3f64.sqrt() * breaks.strain).exp();
         let radius = growth * (CHARGE + 0.5 * setup.case);
         let speed =

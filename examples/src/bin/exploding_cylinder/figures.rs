@@ -10,7 +10,7 @@ use crate::gurney;
 use crate::scene::{self, Outcome};
 use crate::setup::{CHARGE, GURNEY, Lit, Setup};
 
-/// Speed of the cases over the expansion of the products.
+/// Plot the speed of the cases over the expansion of the products.
 pub fn speeds(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(900, 600)
         .title("Cases of copper around TNT")
@@ -37,7 +37,7 @@ pub fn speeds(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Speed at the end over the mass ratio.
+/// Plot the speed at the end over the mass ratio.
 pub fn ratios(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(820, 560)
         .x(Axis::new("mass of the case over that of the charge"))
@@ -80,7 +80,7 @@ pub fn ratios(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// The case that breaks, its pieces in colours, in the gas.
+/// Draw the case that breaks, coloured by pieces, in the gas.
 pub fn pieces(outcome: &Outcome, counts: &[usize]) -> Result<Picture, CaseError> {
     let setup = &outcome.setup;
     let title = format!(
@@ -93,7 +93,7 @@ pub fn pieces(outcome: &Outcome, counts: &[usize]) -> Result<Picture, CaseError>
     for (look, snapshot) in outcome.snapshots.iter().enumerate() {
         let found = scene::pieces(outcome, look)?;
         let parts = snapshot.scalar("part")?;
-        // Gas is lightest, then what failed, then pieces; neighbours in mass are rarely neighbours on the case.
+        // Gas is lightest, then failed points, then pieces; pieces of similar mass are rarely neighbours on the case.
         let colour = |(piece, &part): (&Option<usize>, &f64)| match piece {
             Some(p) => 3.0 + (p * 5 % 11) as f64,
             None if part > 0.5 => 1.5,

@@ -1,5 +1,5 @@
-//! Long cylinders of TNT in cases of copper of several thicknesses: how fast the case flies, against finite differences along the radius and
-//! Gurney's estimate with the energy that the products have given off; and a case that breaks.
+//! Long cylinders of TNT in cases of copper of several thicknesses: speed of the case against finite differences along the
+//! radius and Gurney's estimate with the energy released by the products; and fragmentation of a case.
 
 mod checks;
 mod figures;
@@ -95,7 +95,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     figures::ratios(&outcomes)?.save(folder.join("ratios.png"))?;
     let mut found: Vec<_> = outcomes.iter().flat_map(|o| checks::of_speed(o, common.resolution)).collect();
 
-    // The thickest breaks into the largest pieces.
+    // The thickest case breaks into the largest pieces.
     let Some(thickest) = cases.last().zip(options.lit.first()) else {
         return Err(CaseError::Other("case = none is not allowed; there must be one".into()));
     };
@@ -104,7 +104,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let whole = outcomes.iter().find(|o| o.setup == base);
     let setup = Setup { breaks: Some(breaks), expansion: options.break_expansion, ..base };
     let broken = scene::burst(&setup, files, &folder, restart)?;
-    // Heavier than a square of half the thickness.
+    // Pieces count if heavier than a square of half the thickness.
     let least = setup::DENSITY[1] * 0.25 * base.case * base.case;
     let counts = (0..broken.snapshots.len()).map(|look| Ok(scene::pieces(&broken, look)?.heavier(least)));
     let counts: Vec<usize> = counts.collect::<Result<_, CaseError>>()?;

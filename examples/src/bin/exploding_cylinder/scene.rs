@@ -1,7 +1,7 @@
-//! Charge, case and the run, in plane strain.
+//! Scene of charge and case in plane strain, and its run.
 //!
-//! Both bodies move in one velocity field: the gas pushes along the normal of the case, and would slip along it by nothing. A quarter between
-//! planes of symmetry, but the whole where the case breaks.
+//! Both bodies move in one velocity field: the gas pushes along the normal of the case and does not slip along it. A
+//! quarter between planes of symmetry is computed, the whole if the case breaks.
 
 use std::path::Path;
 
@@ -17,40 +17,40 @@ use mpm_materials::{Constitutive, Detonation, Explosive, JohnsonCookDamage, libr
 
 use crate::setup::{CHARGE, DENSITY, Lit, Setup};
 
-/// Width of the burn, cells.
+/// Width of the burn front, cells.
 const BURN_WIDTH: f64 = 4.0;
-/// Rows of a history.
+/// Number of history rows.
 const ROWS: f64 = 200.0;
-/// When pictures are taken, parts of the time.
+/// Times of pictures, over the end time.
 pub const LOOKS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Strains to failure grow by these b exp(-c s*) with the triaxiality s*; c is that of copper \[M\].
+/// Growth of failure strains with the triaxiality s*, b exp(-c s*): b, and c of copper \[M\].
 const PRESSED: [f64; 2] = [0.3, 3.0];
-/// What particles of one piece are apart at most, in the distance that the mean stretch puts between neighbours along the case.
+/// Largest distance of particles of one piece, over that of neighbours along the case at the mean stretch.
 const REACH: f64 = 1.6;
 
-/// A row of a history.
+/// Row of a history.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     pub time: f64,
-    /// Mean speed of the case away from the axis, m/s.
+    /// Mean radial speed of the case, m/s.
     pub speed: f64,
-    /// Mean radius of the case, m.
+    /// Root mean square radius of the case, m.
     pub radius: f64,
-    /// Volume of the products over that of the charge, by the place of the case, which keeps its section.
+    /// Volume of the products over that of the charge, from the position of the case, which keeps its section.
     pub volume: f64,
     /// Kinetic energy of gas and case, J/m.
     pub kinetic: [f64; 2],
-    /// Internal energy of both, J/m.
+    /// Internal energy of gas and case, J/m.
     pub internal: f64,
 }
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
     pub snapshots: Vec<Snapshot>,
-    /// By finite differences: rows of time, s, speed, m/s, growth of the outer radius; and the speed at the end with half the zones.
+    /// Finite differences: rows of time, s, speed, m/s, growth of the outer radius; and the speed at the end with half the zones.
     pub alone: (Vec<[f64; 3]>, f64),
     /// Mass of gas and case as seeded, over that of the shapes.
     pub masses: [f64; 2],
@@ -60,16 +60,16 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The last row.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
 }
 
-/// No run takes longer, s.
+/// Upper limit of the end time, s.
 const LONGEST: f64 = 60.0e-6;
 
-/// Finite differences until the products have expanded so far, at about `guess`, s.
+/// Run finite differences until the products reach the expansion of the run, at about `guess`, s.
 fn alone(setup: &Setup, zones: usize, guess: f64) -> Vec<[f64; 3]> {
     let cased = Cased { charge: CHARGE, case: setup.case, from_axis: setup.lit == Lit::Axis, zones };
     let mut end = guess;
@@ -84,7 +84,7 @@ fn alone(setup: &Setup, zones: usize, guess: f64) -> Vec<[f64; 3]> {
     }
 }
 
-/// Light the charge and let the case fly.
+/// Run the detonation and the flight of the case.
 pub fn burst(
     setup: &Setup,
     files: Option<&Path>,
@@ -105,7 +105,7 @@ pub fn burst(
     let lit = |[x, y]: [f64; 2]| {
         let time = match setup.lit {
             Lit::Axis => wave.arrival([x, y, 0.0]),
-            // Long ago.
+            // Burnt long before the start.
             Lit::All => Some(-1.0),
         };
         time.and_then(|t| charge.lit_after(t).ok()).unwrap_or_else(|| charge.virgin())
@@ -126,7 +126,7 @@ pub fn burst(
         Some(breaks) => {
             let strains = mott_strains(breaks.strain, breaks.scatter, breaks.seed, setup.sections());
             let most = strains.iter().fold(0.0_f64, |a, &b| a.max(b));
-            // They hold in tension; under the pressure of the gas, where the triaxiality is negative, strains to failure are several times as large.
+            // Failure strains in tension; at the negative triaxiality under the pressure of the gas they are several times as large.
             let failure = [most, PRESSED[0] * most, -PRESSED[1], 0.0, 0.0];
             let failure = JohnsonCookDamage::new(failure, 1.0)?;
             let law = case.with_failure(failure).with_bulk_viscosity(linear, quadratic)?;
@@ -204,7 +204,7 @@ pub fn burst(
 /// Chemical energy of TNT, J/m^3.
 const CHEMICAL: f64 = 6.993e9;
 
-/// Mean speed away from the axis, and mean square of the radius, by mass.
+/// Return the mean radial speed and the mean square of the radius, by mass.
 fn mean_of(body: &dyn mpm_core::Body) -> [f64; 2] {
     let (mut mass, mut sums) = (0.0, [0.0; 2]);
     body.for_each(&mut |p| {
@@ -217,7 +217,7 @@ fn mean_of(body: &dyn mpm_core::Body) -> [f64; 2] {
     sums.map(|s| s / mass)
 }
 
-/// Places, masses, speeds; which body, and what failed.
+/// Take a snapshot of positions, masses, speeds, numbers of bodies and failure.
 fn taken(mpm: &Mpm<2>) -> Result<Snapshot, CaseError> {
     let (mut places, mut sizes) = (Vec::new(), Vec::new());
     let mut columns = [const { Vec::new() }; 4];
@@ -237,7 +237,7 @@ fn taken(mpm: &Mpm<2>) -> Result<Snapshot, CaseError> {
     Ok(snapshot)
 }
 
-/// In what pieces the case is: the gas holds nothing.
+/// Group the case into pieces; particles of the gas connect to no other.
 pub fn pieces(outcome: &Outcome, look: usize) -> Result<Fragments, CaseError> {
     let snapshot = &outcome.snapshots[look];
     let (bodies, failed) = (snapshot.scalar("part")?, snapshot.scalar("failed")?);

@@ -1,4 +1,4 @@
-//! Sizes, and what to run.
+//! Dimensions and parameters of a run.
 
 use serde::Serialize;
 
@@ -6,7 +6,7 @@ use serde::Serialize;
 pub const CHARGE: f64 = 10.0e-3;
 /// Density of TNT and of the case, kg/m^3.
 pub const DENSITY: [f64; 2] = [1630.0, 8900.0];
-/// A, Pa, n: hardening of the case, A + B eps^n.
+/// Hardening of the case, A + B eps^n: A, Pa, B, Pa, n.
 pub const HARDENING: [f64; 3] = [90e6, 392e6, 0.5];
 /// Gurney's constant of TNT, m/s, from two sources \[M\].
 pub const GURNEY: [f64; 2] = [2370.0, 2440.0];
@@ -22,7 +22,7 @@ pub enum Lit {
 }
 
 impl Lit {
-    /// As in tables.
+    /// Name in tables.
     pub fn words(self) -> &'static str {
         match self {
             Lit::Axis => "along its axis",
@@ -31,12 +31,12 @@ impl Lit {
     }
 }
 
-/// What to run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     /// Thickness of the case, m.
     pub case: f64,
-    /// Where the charge is lit.
+    /// Initiation of the charge.
     pub lit: Lit,
     /// Cells along the radius of the charge.
     pub cells: u32,
@@ -44,24 +44,24 @@ pub struct Setup {
     pub expansion: f64,
     /// Linear and quadratic coefficient of the bulk viscosity.
     pub viscosity: [f64; 2],
-    /// FLIP's memory, in transits of a cell by the detonation.
+    /// Memory of FLIP, in transits of a cell by the detonation.
     pub memory: f64,
-    /// Of the time step.
+    /// Courant factor of the time step.
     pub factor: f64,
-    /// Does the case break, and how?
+    /// Fragmentation of the case, if any.
     pub breaks: Option<Breaks>,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
 }
 
-/// How a case breaks.
+/// Fragmentation of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Breaks {
     /// Plastic strain at which most sections fail in tension.
     pub strain: f64,
-    /// How these are scattered: rate g of the hazard exp(g eps).
+    /// Scatter of the failure strains: rate g of the hazard exp(g eps).
     pub scatter: f64,
-    /// Of the scatter.
+    /// Seed of the scatter.
     pub seed: u64,
 }
 
@@ -70,7 +70,7 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         CHARGE / f64::from(self.cells)
     }
-    /// Zones along the radius of the charge in one dimension.
+    /// Number of zones along the radius of the charge in one dimension.
     pub fn zones(&self) -> usize {
         if self.cells < 40 { 200 } else { 400 }
     }
@@ -82,15 +82,15 @@ impl Setup {
     pub fn mass_ratio(&self) -> f64 {
         DENSITY[1] * (self.outer().powi(2) - CHARGE * CHARGE) / (DENSITY[0] * CHARGE * CHARGE)
     }
-    /// Volume of the products over that of the charge when the outer radius has grown so much, of a case that keeps its section.
+    /// Volume of the products over that of the charge at this growth of the outer radius, of a case that keeps its section.
     pub fn volume(&self, growth: f64) -> f64 {
         ((growth * self.outer()).powi(2) - self.outer().powi(2)) / (CHARGE * CHARGE) + 1.0
     }
-    /// Sections of the case that have a strength of their own: half as long as it is thick.
+    /// Number of sections of the case with their own strength, each half as long as the case is thick.
     pub fn sections(&self) -> usize {
         (std::f64::consts::TAU * (CHARGE + 0.5 * self.case) / (0.5 * self.case)).round() as usize
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> String {
         let lit = match self.lit {
             Lit::Axis => "axis",

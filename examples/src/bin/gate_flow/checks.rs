@@ -1,4 +1,4 @@
-//! What the runs are held against.
+//! Checks of the runs.
 
 use examples::{Check, Coupling, largest};
 
@@ -7,31 +7,32 @@ use crate::setup::{COLUMN, Gate, WATER};
 use crate::theory::{Beam, CONTRACTION, FRONT, hydrostatic, outflow};
 use crate::track::Row;
 
-/// Weight gives many times the largest momentum over a run, and ten thousands of impulses are rounded by 1e-16 each.
+/// Tolerance of the momentum: gravity adds many times the largest momentum over a run, and ten thousands of impulses are
+/// rounded by 1e-16 each.
 const MOMENTUM: f64 = 2e-11;
-/// Of the potential energy of the water.
+/// Limit of the energy gain, over the potential energy of the water.
 const GAIN: f64 = 0.01;
-/// Of a distance of particles: what contact lets a particle sink in.
+/// Limit of the penetration of a particle in contact, over the particle spacing.
 const DEPTH: f64 = 0.05;
-/// Elements through the gate, and cells over the width of the water, from which on statics are judged.
+/// Numbers of elements through the gate, and of cells over the width of the water, from which statics are judged.
 const THIN: u32 = 4;
 const FINE: u32 = 20;
-/// Four elements through a beam bend 2 % too far, and so does a load that is 1.4 % too large.
+/// Tolerance of the deflection: four elements through a beam bend 2 % too far, and so does a load that is 1.4 % too large.
 const BEND: f64 = 0.05;
-/// Length of a run, s, from which on water flows as through a gap.
+/// Length of a run, s, from which the outflow is judged.
 const LONG: f64 = 0.3;
 const CHOKED: &str = "gaps of four cells and less choke: contact on the near face of the gate holds back what shares its nodes";
 const NOISY: &str = "12.7 % with 10 cells, 9.2 % with 20: the gate makes several steps in one of the water, and with one in one it was 6.3 %";
-/// Inviscid flow is ahead of water behind a gate that is pulled \[V\].
+/// Tolerance of the front: inviscid flow is ahead of water behind a gate that is pulled \[V\].
 const AHEAD: f64 = 0.12;
 const EXPERIMENT: &str = "experiment, Martin and Moyce 1952 [V]";
 const LET_GO: &str = "inviscid water let go at once is ahead of water behind a gate that is pulled, by 20, 40 and 80 cells alike";
-/// Times at which it is not.
+/// Times at which the front is within the tolerance.
 const WITHIN: [f64; 5] = [0.41, 2.32, 2.65, 2.98, 3.11];
 /// Front of a dam break on a dry bed, 2 sqrt(g H) with H = 2 a, over sqrt(2 g a).
 const RITTER: f64 = 2.0;
 
-/// Of one run.
+/// Check one run.
 pub fn of(outcome: &Outcome) -> Vec<Check> {
     let name = outcome.setup.name();
     let mut checks = match outcome.setup.gate {
@@ -50,7 +51,7 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// The tip of the gate; nothing is in the gate.
+/// Check the tip of the gate, and that no particle is in the gate.
 fn opening(outcome: &Outcome) -> Vec<Check> {
     let of = |what: &str| format!("{}: {what}", outcome.setup.name());
     let tip = |d: usize| outcome.rows.iter().map(move |r| (r.tip[d], r.time));
@@ -93,7 +94,7 @@ fn opening(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// What flows out at least through gaps as wide as the tip is high, of all.
+/// Lower bound of the outflow, through gaps as wide as the tip is high, over all the water.
 fn least_outflow(outcome: &Outcome) -> f64 {
     let [width, height] = WATER;
     let flow = |pair: &[Row]| {
@@ -107,7 +108,7 @@ fn inside(outcome: &Outcome) -> Vec<Check> {
     let of = |what: &str| format!("{}: {what}", outcome.setup.name());
     let count = outcome.rows.iter().map(|r| r.inside).max().unwrap_or(0) as f64;
     let deepest = outcome.rows.iter().map(|r| r.depth).fold(f64::NEG_INFINITY, f64::max);
-    // Centres stand off by half a particle.
+    // Particle surfaces are half a spacing from their centres.
     let overlap = deepest / outcome.setup.particle() + 0.5;
     let depth =
         Check::at_most(of("deepest particle in the gate, of its size"), overlap, "-", DEPTH, "contact");
@@ -122,7 +123,7 @@ fn inside(outcome: &Outcome) -> Vec<Check> {
     vec![Check::at_most(count_name, count, "-", 0.0, "contact"), depth]
 }
 
-/// The gate that swings about its static bend: means over whole periods.
+/// Check the gate that oscillates about its static deflection: means over whole periods.
 fn statics(outcome: &Outcome) -> Vec<Check> {
     let of = |what: &str| format!("{}: {what}", outcome.setup.name());
     let beam = Beam::of(&outcome.setup);
@@ -168,7 +169,7 @@ fn statics(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// The front of a column of water without a gate.
+/// Check the front of a column of water without a gate.
 fn collapse(outcome: &Outcome) -> Vec<Check> {
     let of = |what: &str| format!("{}: {what}", outcome.setup.name());
     let row = |[time, place]: [f64; 2]| {
@@ -178,7 +179,7 @@ fn collapse(outcome: &Outcome) -> Vec<Check> {
     };
     let count = FRONT.len() as f64;
     let mean = FRONT.iter().map(|[time, place]| front(outcome, *time) / place - 1.0).sum::<f64>() / count;
-    // How much later the experiment's front is where the run's was, and what is left once its clock is moved by that.
+    // Mean lag of the experiment's front at equal positions, and largest error once its clock is shifted by that.
     let late = FRONT.iter().map(|[time, place]| time - when(outcome, *place)).sum::<f64>() / count;
     let moved = |[time, place]: [f64; 2]| front(outcome, time - late) / place - 1.0;
     let moved = largest(FRONT[1..].iter().map(|row| moved(*row).abs()));
@@ -205,22 +206,22 @@ fn collapse(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// Times over sqrt(a / (2 g)) and places over the width of the column.
+/// Return times over sqrt(a / (2 g)) and positions of the front over the width of the column.
 fn path(outcome: &Outcome) -> impl Iterator<Item = [f64; 2]> {
     outcome.fronts.iter().map(|[time, place]| [time / outcome.setup.second(), place / COLUMN])
 }
 
-/// Place of the front over the width of the column, at a time over sqrt(a / (2 g)).
+/// Position of the front over the width of the column, at a time over sqrt(a / (2 g)).
 pub fn front(outcome: &Outcome, time: f64) -> f64 {
     between(path(outcome), time)
 }
 
-/// That time, by place.
+/// Time over sqrt(a / (2 g)) at which the front reaches a position.
 fn when(outcome: &Outcome, place: f64) -> f64 {
     between(path(outcome).map(|[time, place]| [place, time]), place)
 }
 
-/// The second number where the first one comes to `x`; not a number where it does not.
+/// Interpolate the second number where the first one reaches `x`; NaN if it does not.
 fn between(rows: impl Iterator<Item = [f64; 2]>, x: f64) -> f64 {
     let mut before: Option<[f64; 2]> = None;
     for [at, value] in rows {

@@ -13,7 +13,7 @@ use crate::scene::Outcome;
 use crate::setup::{COLUMN, Gate, WALL, WATER};
 use crate::theory::FRONT;
 
-/// The water at the moments of the snapshots, by pressure.
+/// Draw the water at the times of the snapshots, by pressure.
 pub fn water(outcome: &Outcome) -> Result<Picture, CaseError> {
     let [width, height] = outcome.setup.size();
     let bounds = match outcome.setup.gate {
@@ -37,7 +37,7 @@ pub fn water(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Way of the tip over time, a line a direction.
+/// Plot the displacement of the tip over time, one line per direction.
 pub fn tip(outcome: &Outcome) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 460)
         .x(Axis::new("time").unit("s", 1.0))
@@ -50,7 +50,7 @@ pub fn tip(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Place of the front over time beside the experiment, without units as there.
+/// Plot the position of the front over time with the experiment, dimensionless as there.
 pub fn fronts(outcome: &Outcome) -> Result<Picture, CaseError> {
     let (t, z): (Vec<f64>, Vec<f64>) =
         outcome.fronts.iter().map(|[t, x]| (t / outcome.setup.second(), x / COLUMN)).unzip();
@@ -65,7 +65,7 @@ pub fn fronts(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// The histories of a run as CSV.
+/// Write the histories of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let name = outcome.setup.name();
     if outcome.setup.gate == Gate::None {

@@ -1,4 +1,5 @@
-//! Water behind an elastic gate that it opens \[Antoci2007\], the gate's static bend, and a dam break without gate \[MartinMoyce1952\].
+//! Elastic gate opened by the water behind it \[Antoci2007\], static deflection of the gate, and a dam break without gate
+//! \[MartinMoyce1952\].
 
 mod checks;
 mod figures;
@@ -66,7 +67,7 @@ struct Options {
 impl Options {
     fn setup(&self, gate: Gate) -> Setup {
         let choose = |smoke, standard, paper| self.common.resolution.choose(smoke, standard, paper);
-        // Steps are those of the gate; the column without one has long ones.
+        // The gate limits the time step; that of the column without a gate is longer.
         let finer = if gate == Gate::None { 2 } else { 1 };
         let cells = self.cells.unwrap_or_else(|| finer * choose(10, 20, 40));
         let layers = self.layers.unwrap_or_else(|| choose(2, 4, 4));

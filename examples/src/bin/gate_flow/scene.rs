@@ -1,4 +1,4 @@
-//! Tank, water, gate and the run.
+//! Scene of tank, water and gate, and its run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,18 +15,18 @@ use mpm_materials::{LinearElastic, Moduli};
 use crate::setup::{GATE, GRAVITY, Gate, RUBBER, Setup, WALL, WATER};
 use crate::track::{Fronts, Row, Track};
 
-/// Rows of a history over a run.
+/// Number of history rows of a run.
 const ROWS: f64 = 200.0;
 
-/// What came of a run.
+/// Result of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub snapshots: Vec<Snapshot>,
-    /// Of the gate.
+    /// History of the gate.
     pub rows: Vec<Row>,
-    /// Mean forces of the water on the gate since the row before, N/m.
+    /// Mean forces of the water on the gate since the previous row, N/m.
     pub forces: Vec<[f64; 2]>,
-    /// Time, s, and place of the front, m, where there is no gate.
+    /// Time, s, and position of the front, m, without a gate.
     pub fronts: Vec<[f64; 2]>,
     /// Mass at the end over that at the start.
     pub mass: f64,
@@ -35,7 +35,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Energy that the method took or gave, over the potential energy of the water.
+    /// Energy lost and energy gained by the method, over the potential energy of the water.
     pub fn energy_errors(&self) -> [f64; 2] {
         let first = self.ledger.first().map_or(f64::NAN, |e| e.total);
         let errors = || self.ledger.iter().map(|e| (e.total - first) / self.setup.potential());
@@ -47,7 +47,7 @@ fn floor() -> Boundary<2> {
     Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 }
 }
 
-/// The gate, and above its clamp the wall it hangs from, as long as it is high.
+/// Mesh the gate and, above its clamp, the wall that carries it, up to its height.
 fn mesh(setup: &Setup) -> Result<ElementMesh<2>, CaseError> {
     let edge = GATE[1] / f64::from(setup.layers);
     let [free, held] = [GATE[0], WALL - GATE[0]].map(|length| (length / edge).round() as usize);
@@ -62,7 +62,7 @@ fn mesh(setup: &Setup) -> Result<ElementMesh<2>, CaseError> {
     Ok(mesh.with_node_set("clamped", clamped)?)
 }
 
-/// The scene of the gate.
+/// Build the scene of the gate.
 fn gate(setup: &Setup) -> Result<Fem<2>, CaseError> {
     let moduli = Moduli::young_poisson(setup.young(), setup.poisson)?;
     let rubber = LinearElastic::new(setup.scale() * RUBBER, moduli)?;
@@ -80,7 +80,7 @@ fn gate(setup: &Setup) -> Result<Fem<2>, CaseError> {
     Ok(fem)
 }
 
-/// The scene, at rest.
+/// Build the scene at rest.
 fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let water = setup.water();
@@ -107,7 +107,7 @@ fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
     Ok(mpm)
 }
 
-/// Open the gate; snapshots at these times, s.
+/// Run a scene, with snapshots at these times, s, and at the end.
 pub fn run(
     setup: &Setup,
     times: &[f64],

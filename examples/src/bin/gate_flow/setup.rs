@@ -1,4 +1,4 @@
-//! What a run is made of \[Antoci2007\].
+//! Parameters of a run \[Antoci2007\].
 
 use std::f64::consts::SQRT_2;
 
@@ -6,7 +6,7 @@ use clap::ValueEnum;
 use examples::{Coupling, Transfer, Water};
 use serde::Serialize;
 
-/// m/s^2.
+/// Gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
 /// Width and height of the water behind the gate, m.
 pub const WATER: [f64; 2] = [0.100, 0.140];
@@ -14,7 +14,7 @@ pub const WATER: [f64; 2] = [0.100, 0.140];
 pub const GATE: [f64; 2] = [0.079, 0.005];
 /// Density of the rubber, kg/m^3.
 pub const RUBBER: f64 = 1100.0;
-/// Upper end of the wall that the gate hangs from, m.
+/// Height of the upper end of the wall that carries the gate, m.
 pub const WALL: f64 = 0.160;
 /// Width of the column of water of \[MartinMoyce1952\], m; it is twice as high.
 pub const COLUMN: f64 = 0.05715;
@@ -31,7 +31,7 @@ pub enum Gate {
     None,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub gate: Gate,
@@ -44,9 +44,9 @@ pub struct Setup {
     /// Young's modulus of the rubber, Pa, and its Poisson's ratio.
     pub young: f64,
     pub poisson: f64,
-    /// Does the floor hold the gate's lower end up?
+    /// True if the floor supports the gate's lower end.
     pub seated: bool,
-    /// Sound speed over that of free fall from the height of the water.
+    /// Sound speed over the speed of free fall from the height of the water.
     pub sound: f64,
     /// End of the run, s.
     pub end: f64,
@@ -54,7 +54,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// How much stiffer and heavier than the rubber the gate is: its waves are as fast.
+    /// Ratio of stiffness and of density of the gate to those of the rubber; its wave speed is the same.
     pub fn scale(&self) -> f64 {
         if self.gate == Gate::Stiff { 1000.0 } else { 1.0 }
     }
@@ -78,11 +78,11 @@ impl Setup {
     pub fn fall(&self) -> f64 {
         (2.0 * GRAVITY * self.size()[1]).sqrt()
     }
-    /// The water.
+    /// Return the water.
     pub fn water(&self) -> Water {
         Water::of(self.sound * self.fall())
     }
-    /// Pressure at rest at this height over the floor, Pa.
+    /// Hydrostatic pressure at this height over the floor, Pa.
     pub fn pressure(&self, height: f64) -> f64 {
         Water::DENSITY * GRAVITY * (self.size()[1] - height).max(0.0)
     }
@@ -91,11 +91,11 @@ impl Setup {
         let [width, height] = self.size();
         0.5 * Water::DENSITY * GRAVITY * height.powi(2) * width
     }
-    /// Seconds to one of the times T = t sqrt(2 g / a) of \[MartinMoyce1952\].
+    /// Unit of the times T = t sqrt(2 g / a) of \[MartinMoyce1952\], s.
     pub fn second(&self) -> f64 {
         (COLUMN / GRAVITY).sqrt() / SQRT_2
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> String {
         match self.gate {
             Gate::Elastic => format!("elastic_{}_{}", self.coupling.name(), self.cells),

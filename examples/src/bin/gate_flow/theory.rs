@@ -1,4 +1,4 @@
-//! What a gate under water and a column of water do, by beams and by experiment.
+//! References of a gate under water and of a column of water: beams and experiment.
 
 use std::f64::consts::PI;
 
@@ -6,19 +6,19 @@ use examples::Water;
 
 use crate::setup::{GATE, GRAVITY, RUBBER, Setup, WATER};
 
-/// A cantilever in plane strain, clamped at its upper end.
+/// Cantilever in plane strain, clamped at its upper end.
 #[derive(Clone, Copy, Debug)]
 pub struct Beam {
     /// Bending stiffness E t^3 / (12 (1 - nu^2)), N m.
     bending: f64,
-    /// Stiffness against shear 5/6 G t, N/m.
+    /// Shear stiffness 5/6 G t, N/m.
     shear: f64,
-    /// Mass a length, kg/m^2.
+    /// Mass per length, kg/m^2.
     mass: f64,
 }
 
 impl Beam {
-    /// The gate.
+    /// Create the beam of the gate.
     pub fn of(setup: &Setup) -> Self {
         let (young, poisson, [_, thickness]) = (setup.young(), setup.poisson, GATE);
         Beam {
@@ -28,7 +28,8 @@ impl Beam {
         }
     }
 
-    /// How far its free end is bent by water at rest, m (Timoshenko): the load grows from rho g (H - L) at the clamp by rho g L to the end.
+    /// Deflection of the free end under water at rest, m (Timoshenko): the load grows from rho g (H - L) at the clamp by
+    /// rho g L to the end.
     pub fn bend(&self) -> f64 {
         let ([length, _], weight) = (GATE, Water::DENSITY * GRAVITY);
         let (even, rising) = (weight * (WATER[1] - length), weight * length);
@@ -36,26 +37,27 @@ impl Beam {
         bending + (even / 2.0 + rising / 3.0) * length.powi(2) / self.shear
     }
 
-    /// Period of its first mode in air, s: the root 1.8751 of cos(x) cosh(x) = -1 (Euler and Bernoulli).
+    /// Period of the first mode in air, s: the root 1.8751 of cos(x) cosh(x) = -1 (Euler and Bernoulli).
     pub fn period(&self) -> f64 {
         2.0 * PI * (GATE[0] / 1.875_104_068_7).powi(2) * (self.mass / self.bending).sqrt()
     }
 }
 
-/// Force of water at rest on gate and wall, N/m.
+/// Hydrostatic force on gate and wall, N/m.
 pub fn hydrostatic() -> f64 {
     0.5 * Water::DENSITY * GRAVITY * WATER[1].powi(2)
 }
 
-/// Speed of outflow under a gap, m/s, by the depth of the water, m (Torricelli).
+/// Speed of outflow under a gap, m/s, at a depth of the water, m (Torricelli).
 pub fn outflow(depth: f64) -> f64 {
     (2.0 * GRAVITY * depth.max(0.0)).sqrt()
 }
 
-/// Part of the gap under an upright gate that its jet fills, pi / (pi + 2) (Kirchhoff); under an inclined one it fills more.
+/// Contraction coefficient of the jet under an upright gate, pi / (pi + 2) (Kirchhoff); it is larger under an inclined one.
 pub const CONTRACTION: f64 = PI / (PI + 2.0);
 
-/// Front of the column of water, experiment \[MartinMoyce1952\], a = 57.15 mm, height 2 a: times T = t sqrt(2 g / a), places Z = x / a.
+/// Front of the column of water, experiment \[MartinMoyce1952\], a = 57.15 mm, height 2 a: times T = t sqrt(2 g / a),
+/// positions Z = x / a.
 pub const FRONT: [[f64; 2]; 15] = [
     [0.41, 1.11],
     [0.84, 1.22],

@@ -1,4 +1,4 @@
-//! Where the gate's tip is, what pushes the gate, and what is beyond it.
+//! Observers of the gate (tip displacement, load, leakage) and of the front.
 
 use examples::{Heap, Inside, Outline};
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
@@ -7,26 +7,26 @@ use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{GATE, Gate, Setup, WATER};
 
-/// The gate at one moment.
+/// State of the gate at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
-    /// How far the middle of the free end is from where it was, to the right and up, m.
+    /// Displacement of the middle of the free end, to the right and up, m.
     pub tip: [f64; 2],
-    /// Impulse of the water on gate and wall so far, N s/m.
+    /// Impulse of the water on gate and wall since the start, N s/m.
     pub impulse: [f64; 2],
-    /// Water that is through, of all.
+    /// Fraction of the water that is through.
     pub out: f64,
-    /// Particles of water with their centre in the gate, how deep the deepest centre is, m.
+    /// Number of particles of water with their centre in the gate, and depth of the deepest centre, m.
     pub inside: usize,
     pub depth: f64,
-    /// Root of the mean square of the pressure less that at rest, and of the change of density.
+    /// Root mean square of the pressure less that at rest, Pa, and of the relative change of density.
     pub pressure: f64,
     pub density: f64,
 }
 
-/// Follows the gate.
+/// Observer of the gate.
 pub struct Track {
     pace: Pace,
     setup: Setup,
@@ -38,7 +38,7 @@ impl Track {
         Track { pace, setup: *setup, rows: Vec::new() }
     }
 
-    /// Mean force of the water on gate and wall between two moments, N/m.
+    /// Mean force of the water on gate and wall since the previous row, N/m.
     pub fn force(&self, n: usize) -> [f64; 2] {
         let (Some(before), row) = (n.checked_sub(1).map(|n| self.rows[n]), self.rows[n]) else {
             return [0.0; 2];
@@ -46,7 +46,7 @@ impl Track {
         [0, 1].map(|d| (row.impulse[d] - before.impulse[d]) / (row.time - before.time))
     }
 
-    /// The water: what is through, and how far its pressure and density are from those at rest.
+    /// Measure the water: fraction that is through, and deviations of pressure and density from those at rest.
     fn look_at(&self, water: &dyn Body, row: &mut Row) {
         let (mut mass, mut out, mut pressure, mut density) = (0.0, 0.0, 0.0, 0.0f64);
         water.for_each(&mut |p| {
@@ -62,7 +62,7 @@ impl Track {
     }
 }
 
-/// Middle of the free end, m: the lower edges of the first row of elements.
+/// Middle of the free end, m: mean of the lower corners of the first row of elements.
 fn tip(gate: &dyn Body, layers: u32) -> [f64; 2] {
     let mut sum = [0.0; 2];
     gate.for_each(&mut |element| {
@@ -107,11 +107,11 @@ impl Observer for Track {
     }
 }
 
-/// Follows the front of water without a gate.
+/// Observer of the front of water without a gate.
 pub struct Fronts {
     pace: Pace,
     setup: Setup,
-    /// Time, s, and place, m.
+    /// Time, s, and position, m.
     pub rows: Vec<[f64; 2]>,
 }
 
@@ -126,7 +126,7 @@ impl Observer for Fronts {
         &mut self.pace
     }
 
-    /// Where the water ends to the right: half a particle high at least.
+    /// Record the right end of the water: at least half a particle high.
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         if self.setup.gate == Gate::None {
             let ([width, _], cell) = (self.setup.size(), self.setup.spacing());

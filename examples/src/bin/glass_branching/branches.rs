@@ -1,31 +1,31 @@
-//! How many branches a crack has, and since when.
+//! Number of branches of a crack, and time of branching.
 
 use fpm::Crack;
 
 use crate::setup::{SIZE, TIP};
 
-/// Width of the strips of the plate that are looked at, m.
+/// Width of the strips across the plate, m.
 const STRIP: f64 = 1e-3;
-/// Faces of a strip that are farther apart than this, m, are of different branches.
+/// Distance of faces in a strip, m, beyond which they belong to different branches.
 const APART: f64 = 2e-3;
-/// So many strips after each other with two branches are a branching: what is shorter is a try that came to nothing.
+/// Number of successive strips with two branches that make a branching; shorter branches are arrested attempts.
 const LASTS: usize = 6;
-/// How far behind a branching both branches are when it is complete, m.
+/// Length of both branches when a branching is complete, m.
 const COMPLETE: f64 = 0.01;
 
-/// A crack that runs from the end of the notch to the right, seen in strips across its way.
+/// Branches of a crack that runs to the right from the tip of the notch, counted in strips across its path.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Branches {
-    /// Where the first branching is, m from the end of the notch, and when the crack was there, s.
+    /// First branching: distance from the tip of the notch, m, and arrival time of the crack there, s.
     pub first: Option<(f64, f64)>,
-    /// When two branches had gone on by 10 mm, s.
+    /// Time at which two branches had grown by 10 mm, s.
     pub complete: Option<f64>,
-    /// The most branches beside each other.
+    /// Maximum number of branches beside each other.
     pub most: usize,
 }
 
 impl Branches {
-    /// Of the faces that bear nothing any more.
+    /// Count the branches of faces without traction.
     pub fn of(cracks: &[Crack<2>]) -> Self {
         let strips = (((SIZE[0] - TIP[0]) / STRIP).round() as usize).max(1);
         let mut faces: Vec<Vec<[f64; 2]>> = vec![Vec::new(); strips];
@@ -35,7 +35,7 @@ impl Branches {
                 faces[strip as usize].push([crack.reference[1], time]);
             }
         }
-        // Of each strip, its branches: when each came there.
+        // Arrival times of the branches in each strip.
         let branches: Vec<Vec<f64>> = faces
             .into_iter()
             .map(|mut faces| {

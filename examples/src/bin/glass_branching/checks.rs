@@ -1,4 +1,4 @@
-//! What is judged.
+//! Checks of the runs.
 
 use examples::cracks::{Softening, fastest};
 use examples::{Check, largest};
@@ -9,7 +9,7 @@ use crate::setup::RAYLEIGH;
 const PHAST: &str = "phase field, read off a picture [V1]";
 const COARSE: &str = "cells wider than half a millimetre";
 const OTHER: &str = "references are of 1 MPa";
-/// Cells up to this wide are judged, m.
+/// Largest width of cells that are judged, m.
 const FINE: f64 = 0.5e-3;
 
 const MET_AHEAD: &str =
@@ -25,7 +25,7 @@ const NONE: &str =
 
 const BENDS: &str = "from 0.3 to 0.5 MPa both arms bend, and the crack forks towards their edges; under 0.25 MPa none runs in 80 us";
 
-/// All rows.
+/// Assemble all rows.
 pub fn of(runs: &[Run]) -> Vec<Check> {
     let mut rows: Vec<Check> = runs.iter().flat_map(of_run).collect();
     rows.extend(of_sweep(runs));
@@ -54,7 +54,7 @@ fn of_run(run: &Run) -> Vec<Check> {
     }
     let begun = outcome.parted.tips().iter().find(|tip| tip.distance > 2e-3);
     let start = begun.map_or(f64::NAN, |tip| 1e6 * tip.time);
-    // What did not come within the run came at its end at the soonest.
+    // Events that did not occur in the run count at its end, the earliest possible time.
     let end = setup.end;
     let within = |what: &str, time: Option<f64>| match time {
         Some(time) => (name(what), 1e6 * time),
@@ -92,7 +92,7 @@ fn of_run(run: &Run) -> Vec<Check> {
     rows.into_iter().filter(|row| row.pass().is_some() || row.value.is_finite()).collect()
 }
 
-/// One crack under the smallest load, more branches under larger ones.
+/// Check for one crack under the smallest load, and more branches under larger ones.
 fn of_sweep(runs: &[Run]) -> Vec<Check> {
     let mut swept: Vec<&Run> = runs.iter().filter(|run| run.setup.cracks.has_energy()).collect();
     let Some(first) = swept.first().map(|run| run.setup) else { return Vec::new() };

@@ -8,7 +8,7 @@ use mpm_core::output::picture::{Axis, Chart, FieldPicture, Panels, Quantity, Ser
 use crate::Run;
 use crate::setup::RAYLEIGH;
 
-/// Cracks, speeds of tips, energies.
+/// Draw cracks; plot speeds of tips and energies.
 pub fn draw(runs: &[Run], folder: &Path) -> Result<(), CaseError> {
     let mut panels = Panels::new(2).title("A notched plate of glass under tension");
     let mut speeds = Chart::new(900, 560)

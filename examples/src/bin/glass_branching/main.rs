@@ -1,4 +1,4 @@
-//! A plate of glass with a notch under a sudden tension, by fragile points: the crack runs, and branches.
+//! Crack propagation and branching in a notched plate of glass under a sudden tension, by fragile points.
 
 mod branches;
 mod checks;
@@ -76,7 +76,7 @@ impl Options {
         };
         let mut setups = Vec::new();
         for &cracks in &cracks {
-            // What follows the cells is run in cells of half the width, too.
+            // Cracks that follow the cells are run in cells of half the width, too.
             let halves = if cracks.has_energy() || !self.spacing.is_empty() { 1 } else { 2 };
             let loads =
                 if cracks.has_energy() || self.load.len() == 1 { &self.load[..] } else { &[REFERENCE] };
@@ -106,10 +106,10 @@ impl Options {
     }
 }
 
-/// The load that references are of, MPa.
+/// Load of the references, MPa.
 const REFERENCE: f64 = 1.0;
 
-/// A run, and what came of it.
+/// Run with its result.
 struct Run {
     setup: Setup,
     outcome: cracks::Outcome,

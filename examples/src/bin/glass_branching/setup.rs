@@ -1,4 +1,4 @@
-//! The plate and what pulls it.
+//! Plate and load.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -10,16 +10,16 @@ use fpm::{Cells, Domain, Notch};
 use mpm_materials::{LinearElastic, Moduli};
 use serde::Serialize;
 
-/// Length and height, m, and where the notch ends.
+/// Length and height, m, and tip of the notch, m.
 pub const SIZE: [f64; 2] = [0.1, 0.04];
 pub const TIP: [f64; 2] = [0.05, 0.02];
 const YOUNG: f64 = 32e9;
 const POISSON: f64 = 0.2;
 const DENSITY: f64 = 2450.0;
-/// Speed of Rayleigh waves, m/s.
+/// Rayleigh wave speed, m/s.
 pub const RAYLEIGH: f64 = 2119.0;
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub cracks: CrackOption,
@@ -31,30 +31,30 @@ pub struct Setup {
     /// Width of cells, m.
     pub spacing: f64,
     pub seed: u64,
-    /// Pa, and J/m^2.
+    /// Strength, Pa, and fracture energy, J/m^2.
     pub strength: f64,
     pub energy: f64,
     pub eta: f64,
-    /// s.
+    /// End time, s.
     pub end: f64,
     #[serde(skip)]
     pub threads: usize,
 }
 
 impl Setup {
-    /// Its label, and name in files.
+    /// Label of the run, and name in files.
     pub fn name(&self) -> String {
         self.words().replace(", ", "_").replace(' ', "_")
     }
 
-    /// In tables.
+    /// Name in tables.
     pub fn words(&self) -> String {
         let (load, mm) = (self.load / 1e6, 1e3 * self.spacing);
         let (cracks, plane) = (self.cracks.words(), self.plane.words());
         format!("{cracks}, {load} MPa, {plane}, {mm:.3} mm, seed {}", self.seed)
     }
 
-    /// Random cells, all about as wide.
+    /// Build random cells of about equal width.
     pub fn cells(&self) -> Result<Cells<2>, CaseError> {
         let refused = |e: fpm::CellsError| CaseError::Other(e.to_string());
         let domain = Domain::cuboid([0.0; 2], SIZE).map_err(refused)?;
@@ -62,7 +62,7 @@ impl Setup {
         random_cells(&domain, &notch, self.seed, |_| self.spacing, self.spacing)
     }
 
-    /// The plate of these cells.
+    /// Set up the plate of these cells.
     pub fn torn<'a>(
         &self,
         cells: &'a Cells<2>,

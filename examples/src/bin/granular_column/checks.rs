@@ -1,23 +1,24 @@
-//! What the runs are held against.
+//! Checks of the runs.
 
 use examples::{Check, largest};
 
 use crate::scene::Outcome;
 
-/// Way of the front over width and aspect of low columns in the plane: sand, rice, sugar \[Lube2005\]; glass beads
-/// \[Lajeunesse2005\]; a continuum with a friction law \[Lagree2011\]. The fits are said to hold for any angle of
-/// friction that was tried; their spread is that of materials and walls.
+/// Run-out over width and aspect of low columns in the plane: sand, rice, sugar \[Lube2005\]; glass beads
+/// \[Lajeunesse2005\]; a continuum with a friction law \[Lagree2011\]. The fits are reported for any angle of friction that
+/// was tried; their spread is that of materials and walls.
 const RUN_OUT: [(f64, &str); 3] =
     [(1.2, "fit, sand [V]"), (1.8, "fit, glass beads [V]"), (2.2, "fit, continuum [V]")];
-/// Weight gives ten times the largest momentum over a run, and ten thousand impulses are rounded by 1e-16 each.
+/// Tolerance of the momentum: gravity adds ten times the largest momentum over a run, and ten thousand impulses are rounded
+/// by 1e-16 each.
 const MOMENTUM: f64 = 2e-11;
-/// Of the potential energy.
+/// Limit of the kinetic energy at the end, over the potential energy.
 const REST: f64 = 1e-4;
-/// No dilatancy, and an elastic compression of the column by rho g h / K = 0.4 %; but matter torn at the front keeps the
-/// gap in its volume, a particle deep along a front as long as the column is high at twenty cells.
+/// Tolerance of the area: no dilatancy, and an elastic compression of the column by rho g h / K = 0.4 %; but matter torn at
+/// the front keeps the gap in its volume, a particle deep along a front as long as the column is high at twenty cells.
 const AREA: f64 = 0.02;
 
-/// Of the same column on grids that get finer.
+/// Check the same column on successively finer grids.
 pub fn of_grids(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks: Vec<Check> = outcomes.iter().flat_map(run_out).collect();
     if let [.., a, b] = outcomes {
@@ -37,7 +38,7 @@ pub fn of_grids(outcomes: &[Outcome]) -> Vec<Check> {
     let angle = (3.0 * tangent / (9.0 + 12.0 * tangent * tangent).sqrt()).asin();
     let steepest = finest.heap.steepest(0.4 * setup.height, 0.05 * setup.height).to_degrees();
     let source = "angle of friction in plane strain [C]";
-    // A line fitted to columns a cell wide, each uncertain by half a particle, over two fifths of the height.
+    // Tolerance of a line fitted to columns a cell wide, each uncertain by half a particle, over two fifths of the height.
     let allowed = angle.to_degrees() + 3.0;
     let fall = Check::at_most("steepest fall of the deposit", steepest, "degrees", allowed, source);
     checks.push(fall.judged_if(
@@ -55,10 +56,10 @@ pub fn of_grids(outcomes: &[Outcome]) -> Vec<Check> {
     checks
 }
 
-/// From so many cells over the height on a deposit is resolved.
+/// Number of cells over the height from which a deposit is resolved.
 const RESOLVED: u32 = 20;
 
-/// Why bars come further.
+/// Reason for the larger run-out of bars.
 const SMOOTH: &str = "bars of 19.8 degrees are smoother than what any of the fits is of: 2.36 to 2.50";
 
 fn run_out(outcome: &Outcome) -> Vec<Check> {
@@ -73,7 +74,7 @@ fn run_out(outcome: &Outcome) -> Vec<Check> {
         |check: Check| check.judged_if(setup.cells >= RESOLVED, "less than 20 cells over the height");
     let least = Check::at_least(name.clone(), value, "-", low, sand);
     if degrees > 29.5 {
-        // Sand comes further than the fit of sand and less far than glass beads.
+        // The run-out of sand lies between the fit of sand and that of glass beads.
         vec![least, resolved(Check::at_most(name, value, "-", middle, beads))]
     } else {
         let most = resolved(Check::at_most(name, value, "-", high, continuum));
@@ -81,12 +82,12 @@ fn run_out(outcome: &Outcome) -> Vec<Check> {
     }
 }
 
-/// Of other columns.
+/// Check other columns.
 pub fn of_columns(outcomes: &[Outcome]) -> Vec<Check> {
     outcomes.iter().flat_map(run_out).collect()
 }
 
-/// Of what every run must keep.
+/// Check the balances of every run.
 pub fn of_books(outcomes: &[&Outcome]) -> Vec<Check> {
     let worst = |of: &dyn Fn(&Outcome) -> f64| largest(outcomes.iter().map(|o| of(o)));
     let change = |o: &Outcome| (o.heap.area / (o.setup.height * o.setup.width()) - 1.0).abs();

@@ -10,7 +10,7 @@ use mpm_core::output::picture::{
 
 use crate::scene::Outcome;
 
-/// The column at the moments of the snapshots, by plastic strain.
+/// Draw the column at the times of the snapshots, by plastic strain.
 pub fn column(outcome: &Outcome) -> Result<Picture, CaseError> {
     let setup = outcome.setup;
     let far = setup.width() * (1.0 + 2.4 * setup.aspect);
@@ -30,7 +30,7 @@ pub fn column(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// The deposits, a line a run.
+/// Plot the deposits, one line per run.
 pub fn deposits(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 460)
         .x(Axis::new("distance from the wall").unit("mm", 1e3))
@@ -50,7 +50,7 @@ pub fn deposits(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Way of the front over time, a line a run.
+/// Plot the run-out over time, one line per run.
 pub fn fronts(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 460)
         .x(Axis::new("time").unit("s", 1.0))
@@ -63,7 +63,7 @@ pub fn fronts(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Front over time and the deposit of a run as CSV.
+/// Write the front over time and the deposit of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let name = outcome.setup.name();
     let mut file =

@@ -1,4 +1,4 @@
-//! A column of aluminium bars collapses on a floor \[Bui2008\]: run-out and deposit, against published experiments.
+//! Collapse of a column of aluminium bars on a floor \[Bui2008\]: run-out and deposit against published experiments.
 
 mod checks;
 mod figures;
@@ -45,7 +45,7 @@ struct Options {
 const SAND: f64 = 30.0;
 
 impl Options {
-    /// The first column on all grids.
+    /// Return the set-ups of the first column on all grids.
     fn setups(&self) -> Vec<Setup> {
         let choose = |low: Vec<u32>, middle, high| self.common.resolution.choose(low, middle, high);
         let mut cells = self.cells.clone();
@@ -88,7 +88,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     for &aspect in &aspects[1..] {
         columns.push(scene::collapse(&Setup { aspect, ..second }, &[], None, restart)?);
     }
-    // Columns of what the published fits are of.
+    // Columns of sand, the material of the published fits.
     for aspect in aspects {
         columns.push(scene::collapse(
             &Setup { aspect, friction: SAND.to_radians(), ..second },

@@ -1,4 +1,4 @@
-//! Floor, wall, column and the run.
+//! Scene of floor, wall and column, and its run.
 
 use std::path::Path;
 
@@ -13,16 +13,16 @@ use mpm_materials::strength::{Cone, DruckerPrager};
 use mpm_materials::{Ground, Moduli};
 use serde::Serialize;
 
-/// m/s^2.
+/// Gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
-/// Of the bars \[Bui2008\]: density, kg/m^3, Young's modulus, Pa, and Poisson's ratio.
+/// Constants of the bars \[Bui2008\]: density, kg/m^3, Young's modulus, Pa, and Poisson's ratio.
 const DENSITY: f64 = 2650.0;
 const YOUNG: f64 = 0.84e6;
 const POISSON: f64 = 0.3;
-/// Rows of a history over a run.
+/// Number of history rows of a run.
 const ROWS: f64 = 200.0;
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     /// Height of the column, m.
@@ -51,40 +51,40 @@ impl Setup {
     pub fn fall(&self) -> f64 {
         (self.height / GRAVITY).sqrt()
     }
-    /// As in the names of files.
+    /// Name in files.
     pub fn name(&self) -> String {
         format!("{:.1}_{:.1}deg_{}", self.aspect, self.friction.to_degrees(), self.cells)
     }
 }
 
-/// What came of a run.
+/// Result of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub snapshots: Vec<Snapshot>,
-    /// Time, s, and place of the front, m.
+    /// Time, s, and position of the front, m.
     pub fronts: Vec<[f64; 2]>,
-    /// The deposit at the end.
+    /// Deposit at the end.
     pub heap: Heap,
     pub totals: Totals,
     pub ledger: Vec<LedgerEntry>,
 }
 
 impl Outcome {
-    /// Way of the front, in widths of the column.
+    /// Run-out of the front, in widths of the column.
     pub fn run_out(&self) -> f64 {
         let last = self.fronts.last().map_or(f64::NAN, |f| f[1]);
         last / self.setup.width() - 1.0
     }
-    /// Kinetic energy at the end, over the potential energy that the column had.
+    /// Kinetic energy at the end, over the potential energy at the start.
     pub fn unrest(&self) -> f64 {
         let kinetic = self.ledger.last().map_or(f64::NAN, |e| e.kinetic);
         kinetic / self.potential()
     }
-    /// Over the floor, J/m.
+    /// Potential energy at the start over the floor, J/m.
     fn potential(&self) -> f64 {
         0.5 * DENSITY * GRAVITY * self.setup.height.powi(2) * self.setup.width()
     }
-    /// Energy that the method took or gave, over the potential energy.
+    /// Energy lost and energy gained by the method, over the potential energy.
     pub fn energy_errors(&self) -> [f64; 2] {
         let first = self.ledger.first().map_or(f64::NAN, |e| e.total);
         let errors = || self.ledger.iter().map(|e| (e.total - first) / self.potential());
@@ -92,7 +92,7 @@ impl Outcome {
     }
 }
 
-/// The height that the deposit must have to count, m: half a particle.
+/// Smallest height of the deposit that counts, m: half a particle.
 fn least(setup: &Setup) -> f64 {
     0.25 * setup.spacing()
 }
@@ -101,7 +101,7 @@ fn heap(setup: &Setup, snapshot: &Snapshot) -> Heap {
     Heap::new(snapshot, [0.0, setup.width() * (2.0 + 6.0 * setup.aspect)], setup.spacing())
 }
 
-/// Let the column go; snapshots at the given times over sqrt(height / g).
+/// Run the collapse, with snapshots at the given times over sqrt(height / g) and at the end.
 pub fn collapse(
     setup: &Setup,
     times: &[f64],
@@ -116,7 +116,7 @@ pub fn collapse(
     let elastic = Moduli::young_poisson(YOUNG, POISSON)?;
     let bars = DruckerPrager::matching(DENSITY, elastic, Cone::PlaneStrain, setup.friction, 0.0, 0.0)?;
     mpm.add("column", Ground::new(bars), &seeds, |_| [0.0; 2])?;
-    // A smooth wall on the left, a floor that holds on.
+    // Smooth wall on the left, no-slip floor.
     mpm.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 })?;
     mpm.bound(Boundary::Fixed { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.set_body_force(|_| [0.0, -GRAVITY]);

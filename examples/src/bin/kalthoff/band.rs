@@ -1,27 +1,27 @@
-//! A band of shear: cells that yielded until they bore no shear any more.
+//! Adiabatic shear band: cells whose plastic strain exceeds the limit of shear strength.
 
 use examples::CaseError;
 use mpm_core::output::Snapshot;
 
 use crate::setup::{ROOM, Setup, TIP};
 
-/// A band from the end of the notch.
+/// Shear band that starts at the notch tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
-    /// How far its farthest cell ahead of the notch is from the end of that, m; zero without a band.
+    /// Distance of the farthest band cell ahead of the notch tip, m; zero without a band.
     pub length: f64,
-    /// Where that is seen from the notch, degrees above the line of the notch.
+    /// Angle of that cell as seen from the notch tip, degrees above the line of the notch.
     pub angle: f64,
-    /// Largest rise of the temperature, K.
+    /// Largest temperature rise, K.
     pub rise: f64,
 }
 
 impl Band {
-    /// Of a plate.
+    /// Find the shear band in a plate.
     pub fn of(setup: &Setup, snapshot: &Snapshot) -> Result<Self, CaseError> {
         let (strain, heat) = (snapshot.scalar("plastic_strain")?, snapshot.scalar("temperature")?);
         let rise = heat.iter().copied().fold(ROOM, f64::max) - ROOM;
-        // Where the end of the notch is now: above it matter hardly moves.
+        // Current position of the notch tip: the matter above it hardly moves.
         let mut band = Band { length: 0.0, angle: f64::NAN, rise };
         for (x, strain) in snapshot.positions().iter().zip(strain) {
             let way = [x[0] - TIP[0], x[1] - TIP[1]];

@@ -1,4 +1,4 @@
-//! What is judged.
+//! Checks of cracks, shear bands and fracture energy.
 
 use std::collections::BTreeMap;
 
@@ -15,18 +15,18 @@ const OTHER: &str = "references are of 33 m/s, 1773 MPa and 22.13 kJ/m2";
 const FALLS: &str = "56 us in the paper, after 57 us by peridynamics [C]";
 const ENERGY: &str = "fracture energy that is given";
 
-/// Points from which on a run is judged: as printed.
+/// Minimum number of points for the checks to be evaluated, that of the paper.
 const POINTS: u32 = 6516;
-/// The speed that references are of, m/s.
+/// Projectile speed of the references, m/s.
 const SPEED: f64 = 33.0;
-/// How far a crack is when it has begun, m, and when its chord is taken.
+/// Crack lengths, m, at which a crack has started and at which its chord is measured.
 const BEGUN: f64 = 2e-3;
 const CHORD_AT: f64 = 0.06;
-/// A tip falls below this part of its mean speed until then.
+/// Fraction of the mean speed below which a crack tip counts as slowed down.
 const FALL: f64 = 0.8;
-/// Of the energy that an area of crack takes.
+/// Tolerance of the dissipated energy per crack area.
 const WORK: f64 = 0.1;
-/// Of one crack: times, s, angles, degrees, and speed, m/s; not a number of what it never did.
+/// Crack data: times of start and slow-down, s, angles of chord and first centimetre, degrees, largest speed, m/s; NaN for missing events.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen {
     pub start: f64,
@@ -36,7 +36,7 @@ pub struct Seen {
     pub fall: f64,
 }
 
-/// Angle of a place seen from the notch, degrees.
+/// Angle of a position as seen from the notch tip, degrees.
 fn angle(x: [f64; 2]) -> f64 {
     (x[1] - TIP[1]).atan2(x[0] - TIP[0]).to_degrees()
 }
@@ -59,7 +59,7 @@ impl Seen {
     }
 }
 
-/// All rows.
+/// Return all checks.
 pub fn of(runs: &[Run]) -> Vec<Check> {
     let mut rows = Vec::new();
     for run in runs {
@@ -74,7 +74,7 @@ pub fn of(runs: &[Run]) -> Vec<Check> {
     rows
 }
 
-/// Why a run is not judged.
+/// Return the reason for not evaluating a run.
 fn unjudged(setup: &Setup) -> Option<&'static str> {
     match () {
         () if setup.points < POINTS => Some(COARSE),
@@ -125,7 +125,7 @@ fn of_crack(run: &Run) -> Vec<Check> {
     rows
 }
 
-/// Numbers of the rows of a crack that are known to be missed, and why.
+/// Return the indices of crack checks that are known to fail, with reasons.
 fn known_misses(setup: &Setup) -> Vec<(&'static [usize], &'static str)> {
     let printed = "faces open by what the penalty adds to the traction, at a tenth of the fracture energy; the paper's penalty is lost";
     let guided = "cells guide the crack: 62.6 to 70.0 degrees over eight sets of points";
@@ -145,7 +145,7 @@ fn known_misses(setup: &Setup) -> Vec<(&'static [usize], &'static str)> {
     }
 }
 
-/// Of a steel that yields: a crack, or a band of shear.
+/// Check the failure mode of a yielding steel: crack or shear band.
 fn of_mode(run: &Run) -> Vec<Check> {
     let Some(band) = run.band else { return Vec::new() };
     let (seen, setup) = (Seen::of(run), &run.setup);
@@ -193,7 +193,8 @@ fn chord(run: &Run, distance: f64) -> f64 {
     run.outcome.reached(distance).map_or(f64::NAN, |(_, x)| angle(x))
 }
 
-/// Of cohesive cracks, how the energy of an area differs between numbers of points, each the mean over the seeds.
+/// Check the mesh dependence of the energy per crack area of cohesive cracks: means over the seeds for the smallest and largest number of
+/// points.
 fn of_work(runs: &[Run]) -> Vec<Check> {
     let mut rows = Vec::new();
     for plane in [Plane::Strain, Plane::Stress] {

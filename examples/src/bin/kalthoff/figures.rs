@@ -8,7 +8,7 @@ use mpm_core::output::picture::{Axis, Chart, ColourMap, FieldPicture, Panels, Qu
 use crate::Run;
 use crate::setup::Steel;
 
-/// Cracks, bands, and speeds of tips.
+/// Draw cracks, shear bands, and speeds of crack tips.
 pub fn draw(runs: &[Run], folder: &Path) -> Result<(), CaseError> {
     let (bands, cracks): (Vec<&Run>, Vec<&Run>) =
         runs.iter().partition(|run| run.setup.steel == Steel::Yielding);
@@ -22,7 +22,7 @@ pub fn draw(runs: &[Run], folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// A panel a run: stress, or plastic strain of steel that yields, and cracks.
+/// Draw one panel per run: stress, or plastic strain of a yielding steel, and cracks.
 fn plates(runs: &[&Run], title: &str, path: impl AsRef<Path>) -> Result<(), CaseError> {
     let mut panels = Panels::new(runs.len().clamp(2, 4)).title(title);
     for Run { setup, outcome, .. } in runs {

@@ -1,5 +1,6 @@
-//! The plate of Kalthoff and Winkler by fragile points \[Shen2022\]: a plate with two notches is struck between them, and a crack runs off at
-//! some 70 degrees; at higher speeds, in a steel that yields and softens with heat, a band of shear goes ahead instead.
+//! Kalthoff-Winkler plate by the fragile points method \[Shen2022\]: a plate with two notches is struck between them, and a crack
+//! propagates at about 70 degrees; at higher speeds, in a yielding steel with thermal softening, a shear band forms ahead of the notch
+//! instead.
 
 mod band;
 mod checks;
@@ -146,7 +147,7 @@ impl Options {
                         eta: self.eta,
                         friction: self.friction,
                         collapse: self.collapse,
-                        // Sides that slide along each other by more than cells are wide shall not catch.
+                        // Sides that slide along each other by more than a cell width shall not interlock.
                         gap: if steel == S::Yielding { OPEN } else { 1e-3 * self.gap },
                         end: 1e-6 * self.end,
                         threads: self.common.threads(),
@@ -154,16 +155,16 @@ impl Options {
                 }
             }
         }
-        // What an option makes the same is run once.
+        // Identical setups are run once.
         setups.dedup_by(|a, b| a == b);
         setups
     }
 }
 
-/// A set of runs: what is different of them, and the numbers of points.
+/// Parameters of a group of runs, and the numbers of points.
 type Kind<'a> = (Steel, Joint, CrackOption, Plane, f64, &'a [u32]);
 
-/// A run, and what came of it.
+/// Run and its results.
 struct Run {
     setup: Setup,
     outcome: cracks::Outcome,

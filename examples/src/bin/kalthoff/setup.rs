@@ -1,4 +1,4 @@
-//! The plate and what strikes it.
+//! Plate, steel and loading.
 
 use std::sync::Arc;
 
@@ -12,20 +12,20 @@ use mpm_materials::{
 };
 use serde::Serialize;
 
-/// Edges of the half model, m; the notch and its height above the plane of symmetry.
+/// Edge length of the half model, length of the notch, and height of the notch above the plane of symmetry, m.
 pub const EDGE: f64 = 0.1;
 pub const NOTCH: f64 = 0.05;
 pub const HEIGHT: f64 = 0.025;
-/// Where the notch ends.
+/// Notch tip.
 pub const TIP: [f64; 2] = [NOTCH, HEIGHT];
 pub const YOUNG: f64 = 190e9;
 pub const POISSON: f64 = 0.3;
 pub const DENSITY: f64 = 8000.0;
-/// Of the edge that is struck, until it is as fast as the projectile lets it, s.
+/// Rise time of the velocity of the struck edge, s.
 const RAMP: f64 = 1e-6;
 
-/// Johnson-Cook strength of a maraging steel, **from memory of the literature**: A, B, Pa, n, C, and heat: a yield stress of 2 GPa that hardly
-/// hardens.
+/// Johnson-Cook strength of a maraging steel, **from memory of the literature**: A, B, Pa, n, C, and thermal constants: a yield stress of 2
+/// GPa with little hardening.
 const YIELD: f64 = 2000e6;
 const HARDENING: f64 = 100e6;
 const EXPONENT: f64 = 0.3;
@@ -34,19 +34,19 @@ const HEAT: Heat<f64> =
     Heat { room: ROOM, melt: 1700.0, exponent: 0.8, heat_capacity: 450.0, taylor_quinney: 0.9 };
 /// Slope of the shock line and Grueneisen's gamma, those of 4340 steel.
 const SHOCK: [f64; 2] = [1.92, 1.69];
-/// Temperature at the start, K.
+/// Initial temperature, K.
 pub const ROOM: f64 = 294.0;
 
-/// What the plate is made of.
+/// Steel of the plate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Steel {
     Elastic,
-    /// Johnson-Cook, with heat, which loses its strength at a plastic strain.
+    /// Johnson-Cook with thermal softening; loses its shear strength at a plastic strain.
     Yielding,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub steel: Steel,
@@ -54,29 +54,29 @@ pub struct Setup {
     pub cracks: CrackOption,
     pub softening: Softening,
     pub plane: Plane,
-    /// Points that are asked for; those along the notch come in place of others.
+    /// Requested number of points; points along the notch replace others.
     pub points: u32,
     pub seed: u64,
-    /// Of the projectile, m/s: the edge moves at half of it.
+    /// Projectile speed, m/s: the edge moves at half of it.
     pub speed: f64,
-    /// Pa, and J/m^2.
+    /// Tensile strength and shear strength, Pa, and fracture energy, J/m^2.
     pub strength: f64,
     pub shear_strength: f64,
     pub energy: f64,
     pub eta: f64,
     pub friction: f64,
-    /// Plastic strain at which a steel that yields bears no shear any more: where a band of shear goes.
+    /// Plastic strain at which a yielding steel loses its shear strength: marks a shear band.
     pub collapse: f64,
     /// Width of the notch, m.
     pub gap: f64,
-    /// s.
+    /// End of the run, s.
     pub end: f64,
     #[serde(skip)]
     pub threads: usize,
 }
 
 impl Setup {
-    /// Its label, and name in files.
+    /// Return the label, and name in files.
     pub fn name(&self) -> String {
         let Setup { points, seed, speed, .. } = self;
         let steel = if self.steel == Steel::Yielding { "yielding_" } else { "" };
@@ -84,7 +84,7 @@ impl Setup {
         format!("{steel}{}_{points}_{seed}_{speed}", words.replace(' ', "_"))
     }
 
-    /// In tables.
+    /// Return the name in tables.
     pub fn words(&self) -> String {
         let (flux, cracks, plane) = (self.flux.name(), self.cracks.words(), self.plane.words());
         let Setup { points, seed, speed, .. } = self;
@@ -94,20 +94,20 @@ impl Setup {
         }
     }
 
-    /// Is it as strong as references are of?
+    /// True if strength and fracture energy are those of the references.
     pub fn is_printed_steel(&self) -> bool {
         self.strength == 1773e6 && (!self.cracks.has_energy() || (self.energy - 22.13e3).abs() < 1.0)
     }
 
-    /// Speed of Rayleigh waves by Viktorov's fit, as the paper has it, m/s.
+    /// Return the Rayleigh wave speed by Viktorov's fit, as in the paper, m/s.
     pub fn rayleigh(&self) -> f64 {
         let shear = (YOUNG / (2.0 * (1.0 + POISSON) * DENSITY)).sqrt();
         shear * (0.862 + 1.14 * POISSON) / (1.0 + POISSON)
     }
 
-    /// The width of cells where they are smallest, m.
+    /// Return the smallest cell width, m.
     pub fn spacing(&self) -> f64 {
-        // How many there would be of width one: the middle of small squares is their mean.
+        // Number of cells of unit width, by the midpoint rule on small squares.
         const SQUARES: usize = 200;
         let edge = EDGE / SQUARES as f64;
         let place = |k: usize| (k as f64 + 0.5) * edge;
@@ -116,7 +116,7 @@ impl Setup {
         (count / f64::from(self.points)).sqrt()
     }
 
-    /// Random cells, smallest where the crack will run.
+    /// Generate random cells, smallest along the expected crack path.
     pub fn cells(&self) -> Result<Cells<2>, CaseError> {
         let refused = |e: fpm::CellsError| CaseError::Other(e.to_string());
         let domain = Domain::cuboid([0.0; 2], [EDGE; 2]).map_err(refused)?;
@@ -125,8 +125,8 @@ impl Setup {
         random_cells(&domain, &notch, self.seed, |x| h * self.grading(x), h)
     }
 
-    /// How wide cells are over the smallest: denser at the upper right, as printed, where the crack runs; or ahead of the notch, where a band
-    /// of shear does.
+    /// Return the cell width over the smallest one: dense at the upper right along the crack, as in the paper, or dense ahead of the notch
+    /// for a shear band.
     fn grading(&self, [x, y]: [f64; 2]) -> f64 {
         if self.steel == Steel::Yielding {
             let (along, across) =
@@ -154,7 +154,7 @@ impl Setup {
         }
     }
 
-    /// The plate of these cells.
+    /// Build the plate of these cells.
     pub fn torn<'a>(&self, cells: &'a Cells<2>, files: &Files<'a>) -> Result<Torn<'a>, CaseError> {
         let edge = 0.5 * self.speed;
         let strike = move |t: f64| [Some(edge * (t / RAMP).min(1.0)), None];
@@ -185,7 +185,7 @@ impl Setup {
     }
 }
 
-/// Where files go.
+/// Output folder and number of frames.
 #[derive(Clone, Copy, Debug)]
 pub struct Files<'a> {
     pub folder: &'a std::path::Path,

@@ -1,4 +1,4 @@
-//! What a run is held against.
+//! Checks of penetration, cost and conservation.
 
 use examples::{CaseError, Check, Coupling, largest, worst};
 
@@ -9,12 +9,12 @@ use crate::scene::Outcome;
 use crate::setup::{Kernel, RodFrame, Target};
 use crate::{EXPERIMENT, PAPER};
 
-/// Within which the residual speed is asked for, m/s: 3 % of the experiment below, 2 % above.
+/// Bounds of the residual speed, m/s: 3 % below and 2 % above the experiment.
 const ASKED: [f64; 2] = [441.0, 465.0];
-/// Impulses of three thousand steps pass through the sums, rounded by 1e-16 each; 1e-12 if all fall the same way.
+/// Rounding of 1e-16 per step over three thousand steps; 1e-12 if all errors have the same sign.
 const MOMENTUM: f64 = 1e-12;
-/// From this many cells through the plate on, half a cell is a tenth of the rod's radius and the error of second order is
-/// below 4 % and decides.
+/// Number of cells through the plate from which checks are evaluated: half a cell is a tenth of the rod's radius, and the error of second
+/// order is below 4 %.
 const RESOLVED: u32 = 20;
 const CAVITY: &str = "rigid rod, cavity expansion [C]";
 const SINKS: &str = "a rod in its reference configuration sinks in a little while others stop it";
@@ -22,22 +22,22 @@ const SPLINES: &str = "21.8, 13.5, 9.5, 7.6 % with 8, 12, 16, 20 cells by Method
 const ON_THE_GRID: &str = "29 % with 8 cells: the grid stops whole cells of elements and particles that share a node; by surface 10 %";
 const TREMBLES: &str = "linear shape functions with FLIP: the elastic rod trembles as it flies through the grid, after it is through the plate: 9, 40, 62 % with 20, 24, 28 cells";
 const NEAR: f64 = 0.04;
-/// Of the kinetic energy.
+/// Tolerance of the energy gain over the kinetic energy.
 const GAIN: f64 = 0.01;
-/// Of the volume of the hole, plate that may be more than half a cell inside the rod: debris of single particles.
+/// Tolerance of the plate volume deeper than half a cell inside the rod, over the volume of the hole: single debris particles.
 const OVERLAP: f64 = 0.01;
 
-/// The coarser of the last two grids of the paper.
+/// Number of cells through the plate on the coarser of the last two grids of the paper.
 const FINE: u32 = 24;
 
-/// Residual speed for cells of size zero, by the last two runs and an error of second order, m/s.
+/// Extrapolate the residual speed to cell size zero from the last two runs, with an error of second order, m/s.
 pub fn limit(outcomes: &[Outcome]) -> Option<f64> {
     let [.., a, b] = outcomes else { return None };
     let [x, y] = [a, b].map(|o| o.setup.spacing().powi(2));
     Some(b.residual() + (b.residual() - a.residual()) * y / (x - y))
 }
 
-/// Of the same shot on grids that get finer.
+/// Check one shot on successively finer grids.
 pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     let Some(finest) = outcomes.last() else { return Ok(Vec::new()) };
     let setup = finest.setup;
@@ -64,7 +64,7 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
             let change = value / before - 1.0;
             let change = Check::at_most("change of the last refinement", change, "-", 0.02, "asked");
             gates.push(change.judged_if(setup.cells >= FINE, "asked of the paper's grids"));
-            // The limit is a second number with an error of its own; the experiment's scatter is not known.
+            // The extrapolated value has an error of its own; the scatter of the experiment is not known.
             let name = "residual speed, cells of size 0";
             let limit = Check::gate(name, limit, "m/s", EXPERIMENT, 0.03, "experiment [S]");
             gates.push(limit.known_miss(
@@ -125,10 +125,10 @@ const NODES: &str =
     "twice of it: nodes and points of elements take memory, and particles alone are what is counted";
 const DEAR: &str = "1.28 and 0.72 on two threads with 12 cells through plates of 6 and 16 diameters, 1.18 and 0.54 on one: contact of the rod costs as \
                     much in both, and what is done between steps runs on one thread";
-/// Cells through the plate from which on its cost is judged.
+/// Number of cells through the plate from which its cost is evaluated.
 const THICK: u32 = 12;
 
-/// A plate of elements that become particles beside one of particles.
+/// Compare a plate of elements that convert to particles with a plate of particles.
 pub fn of_target(elements: &Outcome, particles: &Outcome) -> Vec<Check> {
     let cells = elements.setup.cells;
     let name = |what: &str| format!("plate of elements, {cells} cells: {what}");
@@ -156,20 +156,20 @@ fn rest(outcome: &Outcome) -> f64 {
     (whole - outcome.converted.as_ref().map_or(0.0, |book| book.mass)).max(0.0)
 }
 
-/// What contact of first order in the cell may take, of the kinetic energy: a layer of half a cell along the hole is
-/// stopped inelastically.
+/// Allowed loss of kinetic energy by contact of first order in the cell size: a layer of half a cell along the hole is stopped
+/// inelastically.
 fn lost_allowed(cells: u32) -> f64 {
     0.8 / f64::from(cells)
 }
 
-/// Of shots at several speeds.
+/// Check shots at several speeds.
 pub fn of_curve(points: &[Point], cells: u32) -> Vec<Check> {
     let name = |p: &Point| format!("residual speed, {:.0} m/s, {:.0} degrees", p.speed, p.angle.to_degrees());
     let check = |p: &Point| Check::gate(name(p), p.residual, "m/s", p.estimate, NEAR, CAVITY);
     points.iter().map(|p| resolved(check(p), cells)).collect()
 }
 
-/// What says something on fine grids alone.
+/// Evaluate the check on fine grids only.
 fn resolved(check: Check, cells: u32) -> Check {
     check.judged_if(cells >= RESOLVED, "half a cell is more than a tenth of the rod's radius")
 }

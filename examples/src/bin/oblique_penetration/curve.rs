@@ -1,4 +1,4 @@
-//! Residual speed over impact speed, straight and oblique, beside the estimate.
+//! Residual speed over impact speed, normal and oblique, with the estimate by cavity expansion.
 
 use std::path::Path;
 
@@ -9,23 +9,23 @@ use crate::estimate::Estimate;
 use crate::scene::{self, Outcome};
 use crate::setup::Setup;
 
-/// Impact speeds, m/s: about those of the experiments.
+/// Impact speeds, m/s: approximately those of the experiments.
 const SPEEDS: [f64; 5] = [350.0, 450.0, 575.0, 700.0, 850.0];
 
-/// One shot.
+/// Result of a shot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Point {
-    /// Radians.
+    /// Obliquity, rad.
     pub angle: f64,
-    /// Of impact, m/s.
+    /// Impact speed, m/s.
     pub speed: f64,
-    /// Behind the plate, m/s; 0 where the rod stayed or came back.
+    /// Residual speed, m/s; 0 if the rod stuck or rebounded.
     pub residual: f64,
-    /// The same by cavity expansion.
+    /// Residual speed by cavity expansion, m/s.
     pub estimate: f64,
 }
 
-/// Shoot at all speeds, at 0 degrees and at that of `setup`.
+/// Run all impact speeds, at 0 degrees and at the obliquity of `setup`.
 pub fn shoot(
     setup: &Setup,
     folder: &Path,

@@ -1,19 +1,19 @@
-//! A rigid rod through a plate, by cylindrical cavity expansion: an estimate that knows nothing of particles.
+//! Penetration of a plate by a rigid rod from cylindrical cavity expansion: an estimate independent of particle methods.
 //!
-//! A hole grown from nothing in an incompressible plate under plane strain takes a constant radial stress, for any flow
-//! curve sigma(eps): with x = (a/r)^2 of the hole's radius a, eps = -ln(1 - x)/sqrt(3) and
+//! The radial stress on a cylindrical hole that grows from zero radius in an incompressible plate under plane strain is constant, for any
+//! flow curve sigma(eps): with x = (a/r)^2, a the radius of the hole, eps = -ln(1 - x)/sqrt(3) and
 //!
 //! sigma_c = (1/sqrt(3)) int_0^1 sigma(eps(x)) dx / x,
 //!
-//! with sigma = min(3 G eps, flow stress). A rod with an ogive nose moving at v feels pi a^2 (sigma_c + rho B N v^2),
-//! N = (8 psi - 1)/(24 psi^2) for the calibre-radius-head psi and B = 3/2, the inertia of a spherical cavity
-//! (\[Forrestal1988\]; a cylindrical one has none that is finite). Over the way H = thickness / cos(obliquity)
+//! with sigma = min(3 G eps, flow stress). The resistance to a rod with an ogive nose moving at v is pi a^2 (sigma_c + rho B N v^2), N = (8
+//! psi - 1)/(24 psi^2) for the calibre-radius-head psi and B = 3/2, the inertia of a spherical cavity (\[Forrestal1988\]; a cylindrical one
+//! has no finite inertia). Over the path H = thickness / cos(obliquity)
 //!
 //! v_r^2 = (v_s^2 + s) exp(-2 pi a^2 rho B N H / m) - s, s = sigma_c/(rho B N).
 //!
-//! The rod does not turn, entry and exit are those of a hole through, friction multiplies sigma_c by
-//! 1 + 4 mu psi^2 (pi/2 - theta_0) - mu (2 psi - 1) sqrt(4 psi - 1), sin theta_0 = (2 psi - 1)/(2 psi), and the flow curve
-//! is isothermal: it is an estimate, of some per cent.
+//! Assumptions: the rod does not rotate, resistance at entry and exit equals that inside the plate, friction multiplies sigma_c by 1 + 4 mu
+//! psi^2 (pi/2 - theta_0) - mu (2 psi - 1) sqrt(4 psi - 1), sin theta_0 = (2 psi - 1)/(2 psi), and the flow curve is isothermal. The
+//! estimate is accurate to some per cent.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -21,28 +21,28 @@ use examples::{CaseError, Ogive};
 
 use crate::setup::{ROD, STEEL, Setup};
 
-/// What an estimate needs.
+/// Parameters of the estimate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub rod: Ogive,
-    /// Of the whole rod, kg.
+    /// Mass of the whole rod, kg.
     pub mass: f64,
-    /// Way through the plate, m.
+    /// Path length through the plate, m.
     pub way: f64,
     pub friction: f64,
-    /// Of the plate, kg/m^3.
+    /// Density of the plate, kg/m^3.
     pub density: f64,
     /// Cavity stress, Pa.
     pub cavity: f64,
 }
 
-/// Stress that opens a cylindrical hole, Pa, for shear modulus, Pa, and flow stress, Pa, over plastic strain.
+/// Return the cavity expansion stress of a cylindrical hole, Pa, for shear modulus, Pa, and flow stress, Pa, over plastic strain.
 pub fn cavity_stress(shear: f64, flow: impl Fn(f64) -> f64) -> f64 {
-    // x = exp(-u): the integrand falls like exp(-u) where it is elastic, and is smooth in between.
+    // Substitution x = exp(-u): the integrand decays like exp(-u) in the elastic range, and is smooth elsewhere.
     let steps = 4000;
     let width = 24.0 / f64::from(steps);
     let at = |u: f64| {
-        // ln(1 - x), with x = 1 left out by half a step.
+        // ln(1 - x); the half-step offset avoids x = 1.
         let strain = -(-(-u).exp()).ln_1p() / 3f64.sqrt();
         let flowing = flow((strain - flow(0.0) / (3.0 * shear)).max(0.0));
         (3.0 * shear * strain).min(flowing)
@@ -50,14 +50,14 @@ pub fn cavity_stress(shear: f64, flow: impl Fn(f64) -> f64) -> f64 {
     (0..steps).map(|n| at((f64::from(n) + 0.5) * width) * width).sum::<f64>() / 3f64.sqrt()
 }
 
-/// Rate of strain for the flow curve, 1/s: speed over radius is a few times 1e4.
+/// Strain rate for the flow curve, 1/s: speed over radius is a few times 1e4.
 const RATE: f64 = 1e4;
 
 impl Estimate {
-    /// Of a shot at the 6061-T6 of the library.
+    /// Create the estimate of a shot at 6061-T6 of the library.
     ///
     /// # Errors
-    /// Sizes that make no rod.
+    /// Invalid sizes of the rod.
     pub fn of(setup: &Setup) -> Result<Self, CaseError> {
         let flow = |strain: f64| (324e6 + 114e6 * strain.powf(0.42)) * (1.0 + 0.002 * RATE.ln());
         let cavity = cavity_stress(26e9, flow);
@@ -65,7 +65,7 @@ impl Estimate {
         Ok(Estimate { rod: ROD, mass, way: setup.way(), friction, density: 2700.0, cavity })
     }
 
-    /// Speed behind the plate, m/s, of a rod at `speed`; 0 if it does not come through.
+    /// Return the residual speed, m/s, of a rod with impact speed `speed`; 0 if it does not perforate.
     pub fn residual(&self, speed: f64) -> f64 {
         let psi = self.rod.crh;
         let area = PI * self.rod.radius() * self.rod.radius();

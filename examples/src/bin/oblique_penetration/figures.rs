@@ -13,10 +13,10 @@ use crate::scene::Outcome;
 use crate::setup::{ROD, RodFrame, THICKNESS};
 use crate::{EXPERIMENT, PAPER};
 
-/// Where the colours end.
+/// Upper end of the colour range, plastic strain.
 const MOST_STRAIN: f64 = 2.0;
 
-/// The cut through the plane of symmetry at the moments of the snapshots.
+/// Draw sections in the plane of symmetry at the times of the snapshots.
 pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
     let (speed, angle) = (outcome.setup.speed, outcome.setup.angle.to_degrees());
     let title = format!("{speed:.0} m/s, {angle:.0} degrees, {} particles", outcome.totals.particles);
@@ -27,7 +27,7 @@ pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// The particles within half a cell of the plane of symmetry.
+/// Draw the particles within half a cell of the plane of symmetry.
 fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let h = outcome.setup.spacing();
     let strain = snapshot.scalar("plastic_strain")?;
@@ -35,7 +35,7 @@ fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let elements = outcome.setup.rod == RodFrame::Fem;
     let all = snapshot.positions().iter().zip(snapshot.bodies()).zip(strain).enumerate();
     for (n, ((&[x, y, z], &body), &strain)) in all {
-        // The rod is elastic. Its elements are as large as they are.
+        // The rod is elastic. Its elements are drawn at their own size.
         let rod = body == 0;
         let size = if rod && elements { snapshot.size_of(n) } else { h / f64::from(outcome.setup.parts) };
         if y < size.max(0.5 * h) {
@@ -59,7 +59,7 @@ fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         .draw(&section)
 }
 
-/// The speed of the rod over time, a line a run.
+/// Draw the speed of the rod over time, one line per run.
 pub fn histories(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 520)
         .x(Axis::new("time").unit("µs", 1e6))
@@ -84,7 +84,7 @@ pub fn histories(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Residual speed over the square of the cell size: a straight line where the error is of second order.
+/// Draw the residual speed over the square of the cell size: a straight line for an error of second order.
 pub fn convergence(outcomes: &[&Outcome], limit: f64) -> Result<Picture, CaseError> {
     let mut points: Vec<(f64, f64)> =
         outcomes.iter().map(|o| (o.setup.spacing().powi(2), o.last().speed())).collect();
@@ -98,7 +98,7 @@ pub fn convergence(outcomes: &[&Outcome], limit: f64) -> Result<Picture, CaseErr
     Ok(chart.draw()?)
 }
 
-/// Residual speed over impact speed.
+/// Draw the residual speed over impact speed.
 pub fn curve(points: &[Point]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(760, 560)
         .x(Axis::new("impact speed").unit("m/s", 1.0))
@@ -120,7 +120,7 @@ pub fn curve(points: &[Point]) -> Result<Picture, CaseError> {
     Ok(chart.series(shot.marker(Marker::Square)).draw()?)
 }
 
-/// The history of a run as CSV.
+/// Write the history of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

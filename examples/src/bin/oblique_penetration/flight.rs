@@ -1,4 +1,4 @@
-//! The way to a plate that is not there yet: what the rod takes on it, and what the plate does.
+//! Free flight before impact: cost of the rod's motion through the grid, and state of the resting plate.
 
 use std::hash::{DefaultHasher, Hasher};
 
@@ -9,32 +9,32 @@ use serde::Serialize;
 
 use crate::setup::Setup;
 
-/// Looks at the grid on the way; the first quarter of them is what the others are held against.
+/// Number of samples of the grid during the flight; the first quarter is the reference for the others.
 const LOOKS: u32 = 200;
-/// The most that the grid may have of what it had in the first quarter of the way. An oblique rod lies a little differently
-/// in the blocks of four cells all the time.
+/// Limit of the grid size over its maximum in the first quarter of the flight. The position of an oblique rod relative to blocks of four
+/// cells changes continually.
 const GROWTH: f64 = 1.1;
 
-/// A flight.
+/// Result of a free flight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Flight {
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
-    /// Seconds of stepping.
+    /// Wall-clock time in steps, s.
     pub wall_seconds: f64,
-    /// Particles computed, summed over steps.
+    /// Particle updates, summed over steps.
     pub updates: f64,
-    /// Particles of the rod, and of both bodies.
+    /// Number of particles of the rod, and of both bodies.
     pub particles: [usize; 2],
-    /// Most nodes of the grid in the first quarter of the way, and later.
+    /// Largest number of grid nodes in the first quarter of the flight, and later.
     pub nodes: [usize; 2],
-    /// Most memory, bytes, likewise.
+    /// Peak memory in the first quarter of the flight, and later, bytes.
     pub bytes: [usize; 2],
-    /// Of the positions, velocities and stresses of all particles at the end of the run: the same for the same bits.
+    /// Hash of positions, velocities and stresses of all particles at the end of the run: equal for equal bits.
     pub fingerprint: String,
 }
 
-/// Let the rod fly until it is a quarter of a cell before the plate.
+/// Fly the rod until it is a quarter of a cell before the plate.
 pub fn fly(
     setup: &Setup,
     mpm: &mut Mpm<3>,
@@ -46,7 +46,7 @@ pub fn fly(
     for look in 1..=LOOKS {
         let end = setup.flight() / setup.speed * f64::from(look) / f64::from(LOOKS);
         let part = if 4 * look <= LOOKS { 0 } else { 1 };
-        // In the last two thicknesses of the way the bodies come to share blocks, and a plate at rest wakes.
+        // Within the last two thicknesses of flight the bodies share blocks, and a deactivated plate is reactivated.
         if f64::from(LOOKS - look) * setup.stand_off > 2.0 * f64::from(LOOKS) {
             let [now, held] =
                 simulation.note(|| Ok([mpm.grid().nodes().len() as f64, mpm.bytes() as f64]))?;
@@ -68,13 +68,13 @@ pub fn fly(
     })
 }
 
-/// Of all particles.
+/// Hash the state of all particles.
 pub fn fingerprint(mpm: &Mpm<3>) -> String {
     let mut hash = DefaultHasher::new();
     for body in mpm.bodies() {
         for p in body.points() {
             for x in p.position.iter().chain(&p.velocity).chain(&p.stress) {
-                // Zeros of both signs are one.
+                // Positive and negative zero are equal.
                 hash.write_u64((x + 0.0).to_bits());
             }
         }
@@ -83,7 +83,7 @@ pub fn fingerprint(mpm: &Mpm<3>) -> String {
 }
 
 impl Flight {
-    /// What is shown of it, and asked.
+    /// Return the checks of the flight.
     pub fn checks(&self) -> Vec<Check> {
         let [rod, all] = self.particles;
         let made = self.updates / (self.steps as f64 * all as f64);

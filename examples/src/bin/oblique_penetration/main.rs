@@ -1,5 +1,5 @@
-//! An ogive rod of steel through a plate of aluminium, straight or oblique \[Ma2010\], \[Piekutowski1996\]: how fast it
-//! comes out, against experiment, and how that depends on the grid.
+//! Penetration of an aluminium plate by an ogive steel rod, normal or oblique \[Ma2010\], \[Piekutowski1996\]: residual speed against
+//! experiment, and its dependence on the grid.
 
 mod cells;
 mod checks;
@@ -96,14 +96,14 @@ struct Options {
 
 /// Residual speed of the experiment, m/s \[Ma2010\].
 pub const EXPERIMENT: f64 = 455.0;
-/// The same of MPM3Dpp \[Ma2010\].
+/// Residual speed of MPM3Dpp, m/s \[Ma2010\].
 pub const PAPER: f64 = 441.0;
 
-/// The usual edge of the rod's elements is a cell, and at most this, m: three to its radius.
+/// Largest default edge of the rod's elements, m: three per radius. On finer grids the default is a cell.
 const EDGE: f64 = 2.0e-3;
 
 impl Options {
-    /// Edge of the rod's elements for cells of this size, m.
+    /// Return the edge of the rod's elements for this cell size, m.
     fn edge_in(&self, cell: f64) -> f64 {
         self.edge.map_or(EDGE.min(self.coupling.edge(cell)), |edge| 1e-3 * edge)
     }
@@ -169,7 +169,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         .finish(&options.common, &folder)
 }
 
-/// The same shot on grids that get finer; pictures of the finest.
+/// Run one shot on successively finer grids; draw the finest.
 fn grids(
     setups: &[Setup],
     folder: &Path,
@@ -179,7 +179,7 @@ fn grids(
     let (mut outcomes, mut beside) = (Vec::new(), Vec::new());
     for (n, setup) in setups.iter().enumerate() {
         let finest = n + 1 == setups.len();
-        // Ways of the tip along the axis: in the plate, through, the shank in it, and nearly out.
+        // Positions of the tip along the axis: within the plate, through it, shank within it, and nearly out.
         let ways = [0.4, 0.8, 1.2, 1.8, 2.6, 3.4].map(|part| part * setup.way());
         let ways = if finest { &ways[..] } else { &[] };
         let files = (finest && frames).then_some(folder);

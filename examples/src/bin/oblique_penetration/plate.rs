@@ -1,24 +1,24 @@
-//! The plate's failure, chosen at run time so that its law is compiled once.
+//! Failure criterion of the plate, selected at run time so that its law is compiled once.
 
 use mpm_materials::failure::{Failure, NoCrack, Observed, johnson_cook::Damaged};
 use mpm_materials::{JohnsonCookDamage, Lane, Nothing, ParameterError, PlasticStrainLimit};
 
-/// When a point of the plate stops carrying anything.
+/// Failure criterion of the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ductility {
-    /// Never.
+    /// No failure.
     Whole,
-    /// At a plastic strain.
+    /// Failure at a plastic strain.
     Strain(PlasticStrainLimit<f64>),
-    /// At Johnson-Cook damage one.
+    /// Failure at Johnson-Cook damage one.
     Damage(JohnsonCookDamage<f64>),
 }
 
 impl Ductility {
-    /// At this plastic strain.
+    /// Create the criterion of a plastic strain.
     ///
     /// # Errors
-    /// A strain that is not positive.
+    /// Strain that is not positive.
     pub fn strain(limit: f64) -> Result<Self, ParameterError> {
         Ok(Ductility::Strain(PlasticStrainLimit::new(limit)?))
     }

@@ -1,4 +1,4 @@
-//! The rod, in each of the ways it can be computed.
+//! Rod by material points or finite elements.
 
 use std::f64::consts::PI;
 
@@ -13,12 +13,12 @@ fn steel() -> Result<LinearElastic<f64>, CaseError> {
     Ok(LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?)
 }
 
-/// Half of the scene lies behind it.
+/// Plane of symmetry of the half model.
 pub fn symmetry() -> Boundary<3> {
     Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }
 }
 
-/// Add the half rod with its tip at a place, m, flying at the plate. Distance of each of its points from its tail, m.
+/// Add the half rod with its tip at a position, m, and its impact velocity. Return the distance of each point from its tail, m.
 pub fn add(setup: &Setup, mpm: &mut Mpm<3>, tip: [f64; 3]) -> Result<Vec<f64>, CaseError> {
     let (sine, cosine) = setup.angle.sin_cos();
     let velocity = [setup.speed * sine, 0.0, -setup.speed * cosine];

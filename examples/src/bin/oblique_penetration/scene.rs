@@ -1,7 +1,7 @@
-//! Rod, plate and the run.
+//! Scene and run.
 //!
-//! The plate is normal to z and lies at -thickness < z < 0; the rod comes from above along (sin, 0, -cos) and its
-//! axis meets the front at the origin. y = 0 is a plane of symmetry: sums are those of half of it all.
+//! The plate is normal to z, -thickness < z < 0; the rod moves along (sin, 0, -cos), and its axis intersects the front at the origin. y = 0
+//! is a plane of symmetry: sums are those of the half model.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -27,53 +27,52 @@ use crate::rod;
 use crate::setup::{Detection, Kernel, ROD, Setup, THICKNESS, Target};
 use crate::track::{Row, Track};
 
-/// Longitudinal wave speed in the plate, m/s, for the memory of the blend.
+/// Longitudinal wave speed in the plate, m/s, for the time constant of the FLIP-PIC blend.
 const SOUND: f64 = 6100.0;
-/// What counts as small strain, and the time between two looks at it, s.
+/// Limit of small strain, and the interval between its checks, s.
 const SMALL: (f64, f64) = (0.05, 20.0e-6);
-/// Between two rows of a history, s.
+/// Interval between two rows of a history, s.
 const HISTORY: f64 = 2.0e-6;
 
-/// What came of a run.
+/// Results of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
     pub snapshots: Vec<Snapshot>,
-    /// Most cells with particles at a snapshot, and cells of the box around all particles at all snapshots.
+    /// Largest number of occupied cells at a snapshot, and number of cells in the bounding box over all snapshots.
     pub cells: [usize; 2],
     pub totals: Totals,
-    /// Before it met the plate, if it flew.
+    /// Free flight before impact, if any.
     pub flight: Option<Flight>,
-    /// Energy and momentum over time.
+    /// History of energy and momentum.
     pub ledger: Vec<LedgerEntry>,
-    /// Of a plate of elements, which became particles.
+    /// Conversion of a plate of elements to particles.
     pub converted: Option<ConversionBook>,
 }
 
 impl Outcome {
-    /// The last row.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
-    /// Speed behind the plate, m/s; 0 if the rod stayed in it, carried along or not, or came back.
+    /// Return the residual speed, m/s; 0 if the rod stuck in the plate, moving with it or not, or rebounded.
     pub fn residual(&self) -> f64 {
         let last = self.last();
         if last.tail - last.carried[0] < -THICKNESS { last.speed() } else { 0.0 }
     }
-    /// Most of the plate's particles ever found deeper than half a cell inside the rod, as volume over that of the
-    /// hole.
+    /// Return the largest number of plate particles deeper than half a cell inside the rod, as their volume over that of the hole.
     pub fn overlap(&self) -> f64 {
         let most = self.rows.iter().map(|r| r.inside).max().unwrap_or(0) as f64;
         let particle = (self.setup.spacing() / f64::from(self.setup.parts)).powi(3);
         most * particle / (0.5 * PI * ROD.radius().powi(2) * self.setup.way())
     }
-    /// The last entry of the ledger.
+    /// Return the last entry of the ledger.
     pub fn books(&self) -> LedgerEntry {
         self.ledger.last().copied().unwrap_or_default()
     }
 }
 
-/// Shoot; snapshots at the given ways of a rod that is not slowed, m, and ParaView frames in a folder.
+/// Run a shot; snapshots at the given path lengths of an undecelerated rod, m, and ParaView frames in a folder.
 pub fn shoot(
     setup: &Setup,
     ways: &[f64],
@@ -113,7 +112,7 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
     let h = setup.spacing();
     let lattice = *mpm.grid().lattice();
     let (sine, cosine) = setup.angle.sin_cos();
-    // A quarter of a cell before the plate, when it has flown there.
+    // Start a quarter of a cell before the plate, plus the free flight.
     let before = 0.25 * h + setup.flight();
     let tip = [-before * sine, 0.0, before * cosine];
     let from_tail = rod::add(setup, &mut mpm, tip)?;
@@ -168,7 +167,7 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
         flown = Some(flight::fly(setup, &mut mpm, &mut ledger, &mut bar, &mut simulation)?);
     }
     let [impact] = simulation.note(|| Ok([mpm.time()]))?;
-    // A rod that is still in the plate after four times as long as at full speed stays there.
+    // A rod still in the plate after four times the undecelerated transit time counts as stuck.
     let through = (ROD.length + setup.way()) / setup.speed;
     let mut ends: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
     ends.extend((0..60).map(|n| through * (1.0 + 0.05 * f64::from(n))));

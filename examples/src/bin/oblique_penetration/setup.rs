@@ -1,4 +1,4 @@
-//! What a run is made of.
+//! Parameters of a run.
 
 use clap::ValueEnum;
 use examples::{CaseError, Coupling, Law, Ogive};
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::plate::Ductility;
 
-/// The rod \[Piekutowski1996\].
+/// Geometry of the rod \[Piekutowski1996\].
 pub const ROD: Ogive = Ogive { diameter: 12.9e-3, length: 88.9e-3, crh: 3.0 };
 /// Thickness of the plate, m.
 pub const THICKNESS: f64 = 26.3e-3;
@@ -76,38 +76,38 @@ pub enum Criterion {
     JohnsonCook,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
-    /// Of impact, m/s.
+    /// Impact speed, m/s.
     pub speed: f64,
-    /// Between the rod's way and the plate's normal, radians.
+    /// Obliquity: angle between flight direction and plate normal, rad.
     pub angle: f64,
     /// Cells through the plate.
     pub cells: u32,
-    /// Particles a cell along each axis.
+    /// Particles per cell along each axis.
     pub parts: u32,
-    /// Half the edge of the square plate, m.
+    /// Half edge length of the square plate, m.
     pub half_width: f64,
     pub friction: f64,
     pub criterion: Criterion,
-    /// Of the criterion `Strain`.
+    /// Plastic strain at failure, for the criterion `Strain`.
     pub failure_strain: f64,
     pub kernel: Kernel,
-    /// FLIP forgets what the nodes do not see while sound crosses this many cells.
+    /// Time constant of the FLIP-PIC blend, in cell transits of sound.
     pub memory: f64,
     pub detection: Detection,
     pub rod: RodFrame,
     pub target: Target,
     pub coupling: Coupling,
-    /// Edge of the elements of the rod, m.
+    /// Edge of the rod's elements, m.
     pub edge: f64,
     pub law: Law,
-    /// Way that the rod flies before it meets the plate, thicknesses of the plate.
+    /// Free flight of the rod before impact, in plate thicknesses.
     pub stand_off: f64,
-    /// Does the plate rest until then?
+    /// True if the plate is deactivated until impact.
     pub rest: bool,
-    /// Of the time step.
+    /// Factor of the time step.
     pub factor: f64,
     pub threads: usize,
 }
@@ -117,27 +117,27 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         THICKNESS / f64::from(self.cells)
     }
-    /// Way of the rod's axis through the plate, m.
+    /// Return the path length of the rod's axis through the plate, m.
     pub fn way(&self) -> f64 {
         THICKNESS / self.angle.cos()
     }
-    /// Way that the rod flies before it meets the plate, m.
+    /// Return the free flight of the rod before impact, m.
     pub fn flight(&self) -> f64 {
         self.stand_off * THICKNESS
     }
-    /// Is it the shot of \[Ma2010\]?
+    /// True for the shot of \[Ma2010\].
     pub fn is_the_paper_s(&self) -> bool {
         self.speed == 575.0 && (self.angle.to_degrees() - 30.0).abs() < 1e-9
     }
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(&self) -> String {
         let target = if self.target == Target::Afemp { "_afemp" } else { "" };
         format!("{:.0}_{:.0}deg_{}{target}", self.speed, self.angle.to_degrees(), self.cells)
     }
-    /// The failure of the plate.
+    /// Return the failure criterion of the plate.
     ///
     /// # Errors
-    /// A failure strain that is not positive.
+    /// Failure strain that is not positive.
     pub fn ductility(&self) -> Result<Ductility, CaseError> {
         Ok(match self.criterion {
             Criterion::None => Ductility::Whole,

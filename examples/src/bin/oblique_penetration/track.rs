@@ -1,60 +1,60 @@
-//! Where the rod is, how fast and how it lies.
+//! Position, speed and orientation of the rod over time.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::{Archive, CheckpointError, PointView};
 
 use crate::setup::{ROD, Setup, THICKNESS};
 
-/// Slices of the rod whose centres make its centre line.
+/// Number of slices of the rod whose centres define its centre line.
 const SLICES: usize = 20;
 
-/// The rod at one moment.
+/// State of the rod at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// Velocity of the centre of mass along x and z, m/s.
     pub velocity: [f64; 2],
-    /// Angle of the axis with the plate's normal, radians.
+    /// Angle between axis and plate normal, rad.
     pub pitch: f64,
-    /// Height of tip and tail above the front of the plate, m.
+    /// Heights of tip and tail above the front of the plate, m.
     pub tip: f64,
     pub tail: f64,
-    /// How far the plate as a whole was carried along z, m, and how fast, m/s: its edges are free.
+    /// Mean displacement of the plate along z, m, and its mean velocity, m/s: the edges are free.
     pub carried: [f64; 2],
-    /// Force of the plate on the whole rod, mean since the row before, N.
+    /// Mean force of the plate on the whole rod since the previous row, N.
     pub force: [f64; 2],
-    /// How deep the deepest particle of the plate is inside the rod, which bends and is else rigid, m.
+    /// Largest penetration of a plate particle into the bent, otherwise rigid, rod, m.
     pub overlap: f64,
-    /// Particles of the plate deeper than half a cell inside it.
+    /// Number of plate particles deeper than half a cell inside the rod.
     pub inside: usize,
-    /// Particles of the plate with Johnson-Cook damage one.
+    /// Number of plate particles with Johnson-Cook damage one.
     pub failed: usize,
 }
 
 impl Row {
-    /// Of the centre of mass, m/s.
+    /// Return the speed of the centre of mass, m/s.
     pub fn speed(&self) -> f64 {
         self.velocity[0].hypot(self.velocity[1])
     }
 }
 
-/// Follows the rod.
+/// Observer of the rod.
 pub struct Track {
     pace: Pace,
-    /// Distance of each of the rod's particles from its tail, m.
+    /// Distance of each particle of the rod from its tail, m.
     from_tail: Vec<f64>,
     setup: Setup,
     pub rows: Vec<Row>,
 }
 
 impl Track {
-    /// For a rod whose particles are at these distances from its tail, m.
+    /// Create the observer of a rod whose particles have these distances from its tail, m.
     pub fn new(pace: Pace, from_tail: Vec<f64>, setup: &Setup) -> Self {
         Track { pace, from_tail, setup: *setup, rows: Vec::new() }
     }
 
-    /// Did the rod come out behind the plate, or stick in it?
+    /// True if the rod has perforated the plate or stuck in it.
     pub fn over(&self) -> bool {
         let Some(row) = self.rows.last() else { return false };
         row.tail - row.carried[0] < -THICKNESS - self.setup.spacing() || row.velocity[1] > row.carried[1]
@@ -68,7 +68,7 @@ impl Observer for Track {
 
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let bodies = now.bodies();
-        // A plate of elements is two bodies: they, and what became particles.
+        // A plate of elements consists of two bodies: elements, and converted particles.
         let Some((rod, plates)) = bodies.split_first() else { return Ok(()) };
         let (mut mass, mut x, mut v, mut s) = (0.0, [0.0; 2], [0.0; 2], 0.0);
         rod.for_each(&mut |p| {
@@ -80,7 +80,7 @@ impl Observer for Track {
             s += p.mass * self.from_tail[p.number];
         });
         let (x, v, s) = (x.map(|x| x / mass), v.map(|v| v / mass), s / mass);
-        // The axis, by regression of place over distance from the tail.
+        // Axis by regression of position over distance from the tail.
         let mut axis = [0.0; 2];
         rod.for_each(&mut |p| {
             let arm = p.mass * (self.from_tail[p.number] - s);
@@ -89,7 +89,7 @@ impl Observer for Track {
         });
         let norm = axis[0].hypot(axis[1]);
         let axis = axis.map(|a| a / norm);
-        // How far the rod is bent: its centre line off the axis, in slices.
+        // Deflection of the centre line from the axis, in slices.
         let mut slices = [[0.0; 2]; SLICES];
         let slice = |s: f64| ((s / ROD.length * SLICES as f64) as usize).min(SLICES - 1);
         rod.for_each(&mut |p| {

@@ -1,5 +1,5 @@
-//! Distortion suite of the particle-contact meshfree method: scenes in which elements are distorted until they are unmade,
-//! with the rules as printed and with ours.
+//! Distortion suite of the particle-contact meshfree method: scenes in which elements are distorted until they are deleted, with the
+//! original rules and with the consistent ones.
 
 mod scenes;
 
@@ -27,14 +27,14 @@ struct Options {
 
 const PARTS: [(Parts, &str); 2] = [(Parts::Printed, "printed"), (Parts::Consistent, "ours")];
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
-/// Leap-frog's velocities are half a step from its stresses; shocks are a few elements wide.
+/// Leap-frog velocities are half a step from the stresses; shocks are a few elements wide.
 const ENERGY_TOLERANCE: f64 = 0.02;
 const ADDED_TOLERANCE: f64 = 0.02;
-/// Matter without elements.
+/// Mass fraction without elements.
 const COVER_TOLERANCE: f64 = 0.02;
-/// Deviators after a whole turn.
+/// Relative change of the deviators after a whole rotation.
 const TURNED_TOLERANCE: f64 = 0.05;
-/// What the printed rules are known to fail at, with at most so many cells.
+/// Known failures of the original rules: check, largest number of cells, reason.
 const PRINTED: [(&str, u32, &str); 9] = [
     (
         "spinning disc: energy error",
@@ -126,7 +126,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     Report::new("pcmm_distortion", common.resolution, settings, &totals, checks).finish(common, &folder)
 }
 
-/// The checks of one set of parts.
+/// Checks of one set of parts.
 struct List {
     parts: Parts,
     name: &'static str,

@@ -1,4 +1,4 @@
-//! Scenes in which elements are distorted until they are unmade, for any parts of the method.
+//! Scenes in which elements are distorted until they are deleted, for any parts of the method.
 
 use examples::{CaseError, Restart, Simulation};
 use mpm_core::geometry::{Cuboid, Lattice};
@@ -12,17 +12,17 @@ use mpm_materials::{
 use pcmm::simplex::overlap;
 use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm, pieces};
 
-/// Which parts of the method.
+/// Parts of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parts {
-    /// As printed: fans, means of particles, no rotation of stress, elements' own volumes.
+    /// Original formulation: fans, means of particles, no rotation of stress, volumes of elements.
     Printed,
-    /// Ours.
+    /// Consistent parts.
     Consistent,
 }
 
 impl Parts {
-    /// Of a simulation of this body.
+    /// Return the label of a simulation of this body.
     fn label(self, body: &str) -> String {
         match self {
             Parts::Printed => format!("{body}_printed"),
@@ -31,24 +31,24 @@ impl Parts {
     }
 }
 
-/// What is left of a body.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Time reached over the time asked for.
+    /// Time reached over the end time.
     pub reached: f64,
-    /// What broke.
+    /// Error that stopped the run, if any.
     pub broke: Option<String>,
-    /// Change of momentum but for what boundaries gave, over the largest sum of m |v|; the largest.
+    /// Largest momentum error over the largest sum of m |v|; impulses of boundaries are accounted for.
     pub momentum: f64,
-    /// Energy that neither boundaries nor revisions explain, over the largest energy; the largest.
+    /// Largest energy error over the largest energy; work of boundaries and revisions are accounted for.
     pub energy: f64,
-    /// Energy that revisions made of nothing, over the kinetic energy at the start.
+    /// Energy added by revisions, over the initial kinetic energy.
     pub added: f64,
-    /// Mass in elements over that at the start.
+    /// Mass in elements over its initial value.
     pub covered: f64,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
-    /// The end.
+    /// Final state.
     pub snapshot: Snapshot,
 }
 
@@ -65,7 +65,7 @@ fn copper() -> Solid<JohnsonCook<f64>, MieGruneisen<f64>> {
     Solid::new(JohnsonCook::copper_taylor(), MieGruneisen::copper())
 }
 
-/// Run a body to its end, and look after it in every step.
+/// Run a body to its end, with the energy balance in every step.
 fn watch<M: Composition<2>>(
     body: &mut Pcmm<2, M>,
     end: f64,
@@ -91,7 +91,7 @@ fn watch<M: Composition<2>>(
     })
 }
 
-/// Run `body` with a law and the parts, for either set of them.
+/// Run `body` with a law and either set of parts.
 macro_rules! with_parts {
     ($parts:expr, $h:expr, $stretch:expr, $law:expr, |$method:ident, $by:ident| $body:expr) => {
         match $parts {
@@ -113,7 +113,7 @@ fn block(size: [f64; 2], h: f64) -> Result<Packing<2>, CaseError> {
     Ok(Packing::on_nodes(&Cuboid::new([0.0; 2], size)?, &Lattice::new([0.0; 2], h)?)?)
 }
 
-/// The elastic bar of case 1, 1 mm x 20 mm, at ten times its speed: 500 m/s on a rigid wall, for 9 microseconds.
+/// Elastic bar of case 1, 1 mm x 20 mm, at ten times its speed: 500 m/s on a rigid wall, for 9 microseconds.
 pub fn fast_bar(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = 1.0e-3 / f64::from(cells);
     let packing = block([1.0e-3, 20.0e-3], h)?;
@@ -124,7 +124,7 @@ pub fn fast_bar(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome, 
     })
 }
 
-/// A block of copper, 10 spacings a side, is sheared by 4 in 20 microseconds; sides free.
+/// Simple shear of a copper block, 10 spacings a side, by 4 in 20 microseconds; sides free.
 pub fn shear_flow(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = 1.0e-2 / f64::from(cells);
     let packing = block([1.0e-2; 2], h)?;
@@ -132,7 +132,7 @@ pub fn shear_flow(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome
     with_parts!(parts, h, 20.0, copper(), |method, law| {
         let speed = |[_, y]: [f64; 2]| [rate * (y - 0.5e-2), 0.0];
         let mut body = Pcmm::new(method, law, &packing, speed, Masses::FromElements)?;
-        // Ends of the block move as the flow does.
+        // The ends of the block move with the shear flow.
         for (at, side, v) in [(0.0, -1.0, -0.5e-2 * rate), (1.0e-2, 1.0, 0.5e-2 * rate)] {
             body.bound(Boundary::Prescribed {
                 region: std::sync::Arc::new(Strip { at, side, half: 0.25 * h }),
@@ -143,7 +143,7 @@ pub fn shear_flow(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome
     })
 }
 
-/// All x, y within `half` of `at` and beyond it.
+/// Strip of all x, y within `half` of `at` and beyond it.
 struct Strip {
     at: f64,
     side: f64,
@@ -159,11 +159,11 @@ impl mpm_core::geometry::Shape<2> for Strip {
     }
 }
 
-/// A disc of steel with residual stress in balance spins by one turn and a quarter: the outcome, and how far the deviators of its
-/// elements are from those turned, over their size.
+/// Spinning steel disc with balanced residual stress, for one and a quarter rotations. Return the outcome, and the deviation of the
+/// elements' deviators from the rotated initial ones, over their size.
 pub fn spinning_disc(parts: Parts, cells: u32, restart: &Restart) -> Result<(Outcome, f64), CaseError> {
     let h = 1.0e-2 / f64::from(cells);
-    // Rings, so that the edge is one.
+    // Particles on rings, so that the edge is circular.
     let mut positions = vec![[0.0; 2]];
     for ring in 1..=cells {
         for k in 0..6 * ring {
@@ -194,7 +194,7 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
     mut simulation: Simulation,
 ) -> Result<(Outcome, f64), CaseError> {
     let radius: f64 = 1.0e-2;
-    // In balance, d(r sigma_r)/dr = sigma_t, without traction at R; the same after any rotation.
+    // Equilibrium, d(r sigma_r)/dr = sigma_t, with zero traction at R; invariant under rotation.
     let residual = move |[x, y]: [f64; 2]| {
         let part = (x * x + y * y) / (radius * radius);
         let (radial, hoop) = (200e6 * (1.0 - part), 200e6 * (1.0 - 3.0 * part));
@@ -230,8 +230,8 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
     Ok((outcome, off / size))
 }
 
-/// A copper strip, 20 mm x 5 mm, whose particles start with the velocities of a stretch at a constant rate: the outcome and
-/// the stretch of the whole when its matter first falls into two, or at the end.
+/// Stretching of a copper strip, 20 mm x 5 mm, with the initial velocities of a constant rate. Return the outcome, and the overall stretch
+/// at which the matter first separates, or at the end.
 pub fn stretch(parts: Parts, cells: u32, restart: &Restart) -> Result<(Outcome, f64), CaseError> {
     let h = 0.5e-2 / f64::from(cells);
     let packing = block([2.0e-2, 0.5e-2], h)?;
@@ -263,13 +263,13 @@ pub fn stretch(parts: Parts, cells: u32, restart: &Restart) -> Result<(Outcome, 
     })
 }
 
-/// Does it hang together, but for pieces of at most a twentieth of the elements?
+/// True if the body has separated, except for pieces of at most a twentieth of the elements.
 fn has_parted<M: Composition<2>>(body: &Pcmm<2, M>) -> bool {
     let least = body.elements() / 20;
     pieces::<2>(body.element_nodes(), body.particles().len()).iter().filter(|p| p.len() > least).count() > 1
 }
 
-/// What a random packing shows.
+/// Coverage of a random packing.
 #[derive(Clone, Copy, Debug)]
 pub struct Cover {
     /// Area without an element, and area under two, of the inner square, over its area.
@@ -277,8 +277,8 @@ pub struct Cover {
     pub double: f64,
 }
 
-/// Circles thrown at random (radii from 0.015 to 0.03) into a unit square: how they are covered, and what a copper body
-/// of them does that hits a wall at 200 m/s until the wave has crossed it.
+/// Random circles (radii from 0.015 to 0.03) in a unit square: coverage, and impact of such a copper body on a wall at 200 m/s until the
+/// wave has crossed it.
 pub fn random_packing(parts: Parts, seed: u64, restart: &Restart) -> Result<(Outcome, Cover), CaseError> {
     let packing = thrown(seed);
     let simulation = restart.scene(parts.label(&format!("packing_{seed}")))?;
@@ -326,7 +326,7 @@ fn packed<M: Composition<2>>(
     Ok((watch(&mut body, 2.5e-4, &mut simulation)?, cover))
 }
 
-/// A number in [0, 1) from a seed and a place.
+/// Return a number in [0, 1) from a seed and an index.
 fn random(seed: u64, place: u64) -> f64 {
     let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place.wrapping_mul(0xD1B5_4A32_D192_ED03);
     for _ in 0..3 {

@@ -1,4 +1,4 @@
-//! What decides.
+//! Checks of shock lines, spall and conservation.
 
 use examples::{Check, Totals};
 
@@ -13,20 +13,20 @@ const OVERSHOOT_TOLERANCE: f64 = 0.03;
 const LEAST_ORDER: f64 = 0.7;
 const SURFACE_TOLERANCE: f64 = 0.01;
 const PULL_BACK_TOLERANCE: f64 = 0.10;
-/// Cells from which on the mean of the energy decides.
+/// Number of cells from which the mean energy is evaluated.
 const ENERGY_CELLS: u32 = 300;
-/// From so many cells along the flyer on the pull-back decides.
+/// Number of cells along the flyer from which the pull-back is evaluated.
 const RESOLVED: u32 = 100;
-/// Flyers that shall not spall the target and that shall, over the acoustic threshold: 10 % to both sides.
+/// Flyer speeds below and above the spall threshold, over the acoustic threshold: 10 % to both sides.
 pub const SLOWER: f64 = 0.9;
 pub const FASTER: f64 = 1.1;
-/// Cells along the flyer and coefficients of the viscosity for the scab of plates without viscosity.
+/// Number of cells along the flyer and viscosity coefficients of the reference for the scab of plates without viscosity.
 const FINE: usize = 800;
 const NEXT_TO_NONE: [f64; 2] = [0.05, 2.0];
 const ENERGY_TOLERANCE: f64 = 0.01;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 
-/// All checks.
+/// Return all checks.
 pub fn of(
     impacts: &[Impact],
     refined: &[Impact],
@@ -75,7 +75,7 @@ pub fn of(
     checks
 }
 
-/// The fitted line, and the worst of its shocks.
+/// Check the fitted line, and the worst of its shocks.
 fn of_line(metal: &Metal, impacts: &[&Impact]) -> Vec<Check> {
     let points: Vec<[f64; 2]> = impacts.iter().map(|i| [i.particle_speed, i.measured.front]).collect();
     let [sound_speed, slope] = shock::line(&points);
@@ -97,7 +97,7 @@ fn of_line(metal: &Metal, impacts: &[&Impact]) -> Vec<Check> {
     checks
 }
 
-/// Does the profile come nearer to the step, and how far does the pressure overshoot?
+/// Check the order of convergence of the profile to the step, and the overshoot of the pressure.
 fn of_refinement(refined: &[Impact]) -> Vec<Check> {
     let [first, .., last] = refined else { return Vec::new() };
     let ratio = f64::from(last.cells) / f64::from(first.cells);
@@ -118,7 +118,7 @@ fn of_refinement(refined: &[Impact]) -> Vec<Check> {
     checks
 }
 
-/// The free surface and the scab, the same where the metal breaks at once, and flyers just too slow and just fast enough.
+/// Check free surface and scab, also for instantaneous fracture, and flyers just below and above the threshold.
 fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f64) -> Vec<Check> {
     let [spall, at_once, slower, faster] = runs else { return Vec::new() };
     let decides = |check: Check| {
@@ -129,7 +129,7 @@ fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f
     };
     let h = spall::FLYER / f64::from(spall.cells);
     let at = |what: &str| format!("spall, {} cells: {what}", spall.cells);
-    // The gauge is the last cell's middle.
+    // The gauge is the middle of the last cell.
     let due = (2.0 * spall::FLYER - 0.5 * h) / steel.shocked(0.5 * spall::SPEED).front;
     let (arrival, plateau) = (1e6 * spall.arrival, spall.plateau);
     let (scab, thickness) = (1e3 * spall.scab, 1e3 * spall::FLYER);
@@ -154,7 +154,7 @@ fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f
     ];
     let name = at("thickness of the scab, within h");
     let acoustic = decides(Check::gate(name, scab, "mm", thickness, one_cell, "d_f, acoustic [C]"));
-    // Acoustic theory has no width of the front, which is some cells.
+    // Acoustic theory neglects the width of the front, which is some cells.
     checks.push(match spall.cells {
         0..200 => acoustic.known_miss("2 % off with 100 cells, whose width is 1 %"),
         _ => acoustic,
@@ -168,7 +168,7 @@ fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f
         }
     });
 
-    // The crack's signal shall be thinner than the ramp of the release.
+    // The front of the crack's signal must be thinner than the ramp of the release.
     let (acoustic, theory) = (spall::acoustic_pull_back(steel), "2 sigma_sp/(rho0 c0), acoustic [C]");
     let pull_back = |what: &str, run: &Spall| {
         Check::gate(at(what), run.pull_back, "m/s", acoustic, PULL_BACK_TOLERANCE, theory)
@@ -179,7 +179,7 @@ fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f
             "31, 25, 23 % below with 100, 200, 400 cells: a crack of no width sends a signal that bulk viscosity smears",
         ),
     );
-    // Its front is as thick as the bulk viscosity makes it; so it is there, on a finer mesh.
+    // Bulk viscosity determines the thickness of that front; the reference has the same viscosity on a finer mesh.
     let cells = spall.cells as usize * if spall.cells > 100 { 2 } else { 4 };
     for (what, run, opening) in [
         ("pull-back, the same viscosity", spall, spall::OPENING),

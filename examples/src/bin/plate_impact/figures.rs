@@ -12,7 +12,7 @@ use crate::spall::{self, Spall};
 
 const THEORY: [u8; 3] = [20; 3];
 
-/// Draw and write everything.
+/// Draw and write all results.
 pub fn draw(
     impacts: &[Impact],
     refined: &[Impact],
@@ -56,7 +56,7 @@ pub fn draw(
     Ok(())
 }
 
-/// Shock speed over particle speed: points on the lines of the sources.
+/// Draw shock speed over particle speed: points on the lines of the sources.
 fn lines(impacts: &[Impact]) -> Result<Chart, OutputError> {
     let mut chart = Chart::new(900, 640)
         .title("Shock lines: this run (marks) on those of the sources")
@@ -74,7 +74,7 @@ fn lines(impacts: &[Impact]) -> Result<Chart, OutputError> {
     Ok(chart)
 }
 
-/// Every shock, as CSV: one row a shock, metals by their number in the order of the lines.
+/// Write every shock as CSV: one row per shock, metals by their number in the order of the lines.
 fn table(impacts: &[Impact], folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("u_p", "m/s"),
@@ -145,7 +145,7 @@ fn errors(refined: &[Impact]) -> Result<Chart, OutputError> {
     Ok(chart.series(Series::slope("first order", 1.0, (coarse, most), (fine, coarse))))
 }
 
-/// Velocity of the free surface on all grids, with plateau and pull-back of the theory.
+/// Draw the velocity of the free surface on all grids, with plateau and pull-back of the theory.
 fn surface(spalls: &[Spall]) -> Result<Chart, OutputError> {
     let mut chart =
         Chart::new(760, 520).x(Axis::new("time").unit("µs", 1e6)).y(Axis::new("velocity").unit("m/s", 1.0));
@@ -164,7 +164,7 @@ fn surface(spalls: &[Spall]) -> Result<Chart, OutputError> {
     Ok(chart)
 }
 
-/// Density along the target: the crack is where there is none.
+/// Draw the density along the target: it drops to zero at the crack.
 fn scabs(spalls: &[Spall]) -> Result<Chart, OutputError> {
     let mut chart = Chart::new(760, 520)
         .x(Axis::new("virgin metal from the free surface").unit("mm", 1e3))

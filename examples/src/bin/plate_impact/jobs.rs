@@ -1,11 +1,11 @@
-//! Independent runs, shared among threads.
+//! Independent runs, distributed over threads.
 
 use std::sync::Mutex;
 
 use examples::CaseError;
 
-/// Run all jobs on so many threads; the results are in the order of the jobs. A row of cells is too little work to share
-/// among threads, so that every run keeps to its own.
+/// Run all jobs on `threads` threads; the results are in the order of the jobs. A row of cells is too small for several threads, so that
+/// each run uses one.
 pub fn on_threads<R: Send>(
     threads: usize,
     jobs: Vec<Box<dyn FnOnce() -> Result<R, CaseError> + Send + '_>>,

@@ -1,43 +1,43 @@
-//! The same spall by another method: Lagrangian finite differences in one dimension, staggered in space and time, with
-//! von Neumann and Richtmyer's viscosity. The metal is a fluid with cracks that open where its tension exceeds the spall
-//! strength, and bear the less the wider they are, to nothing. It shares no line with the material point method.
+//! Reference solution of the spall problem: one-dimensional Lagrangian finite differences, staggered in space and time, with the viscosity
+//! of von Neumann and Richtmyer. The metal is a fluid with cohesive cracks: they open when the tension exceeds the spall strength, and
+//! their traction decreases with the opening to zero. The code is independent of the material point method.
 
 use crate::metals::Metal;
 use crate::spall::{FLYER, STRENGTH};
 
-/// What the free surface and the crack of the other method do.
+/// Free surface and crack of the reference solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference {
-    /// How much velocity the free surface loses before the spall tells it of the crack, m/s.
+    /// Pull-back: loss of velocity of the free surface before the arrival of the crack's signal, m/s.
     pub pull_back: f64,
-    /// Thickness of what is intact between the free surface and the nearest broken cell, at rest, m.
+    /// Thickness of the intact layer between the free surface and the nearest broken cell, at rest, m.
     pub scab: f64,
 }
 
-/// How the other method looks at the plates.
+/// Discretisation of the reference solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Mesh {
     /// Cells along the flyer.
     pub cells: usize,
-    /// Length of the viscosity, m.
+    /// Length scale of the viscosity, m.
     pub length: f64,
-    /// Its linear and quadratic coefficient: q = rho l |du/dx| (b1 c0 + b0 l |du/dx|) where the metal is compressed.
+    /// Linear and quadratic viscosity coefficient: q = rho l |du/dx| (b1 c0 + b0 l |du/dx|) in compression.
     pub viscosity: [f64; 2],
-    /// Opening at which a crack bears nothing, m.
+    /// Opening at which the traction of a crack is zero, m.
     pub opening: f64,
 }
 
-/// The crack of a cell.
+/// Cohesive crack of a cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Crack {
-    /// Its opening now, m.
+    /// Current opening, m.
     open: f64,
-    /// The widest so far, m.
+    /// Largest opening so far, m.
     widest: f64,
 }
 
 impl Crack {
-    /// Let it open or close in a cell of length h, at rest, that is stretched so much; gives the pressure.
+    /// Update the opening in a cell of rest length h for a total stretch; return the pressure.
     fn follow(&mut self, metal: &Metal, stretch: f64, h: f64, full: f64) -> f64 {
         let stiffness = metal.density * metal.sound_speed * metal.sound_speed;
         if self.widest >= full {
@@ -53,8 +53,8 @@ impl Crack {
                 return 0.0;
             }
         }
-        // Tension of the metal, which falls with the opening, is what the crack bears: on the line down from the strength,
-        // or on that to the origin where it was wider before.
+        // Traction balance: the tension of the metal, which decreases with the opening, equals the crack's traction, on the softening line
+        // from the strength or on the unloading line to the origin.
         let widest = self.widest;
         let mut w = self.open;
         for _ in 0..NEWTON_STEPS {
@@ -77,15 +77,15 @@ impl Crack {
     }
 }
 
-/// Courant number of the step.
+/// Courant number of the time step.
 const COURANT: f64 = 0.3;
-/// Steps of Newton's method for an opening.
+/// Number of Newton iterations for an opening.
 const NEWTON_STEPS: usize = 6;
-/// The pull-back is looked for in this time, and the run ends, in transits of the flyer by sound.
+/// Time window of the pull-back, and end of the run, in transits of the flyer by sound.
 const PULL_BACK: [f64; 2] = [3.4, 5.0];
 const END: f64 = 6.5;
 
-/// Let a flyer at this speed hit the target of twice its thickness.
+/// Impact of a flyer at this speed on a target of twice its thickness.
 pub fn spall(metal: &Metal, speed: f64, mesh: &Mesh) -> Reference {
     let (density, sound) = (metal.density, metal.sound_speed);
     let Mesh { cells, length, viscosity: [linear, quadratic], opening } = *mesh;
@@ -97,7 +97,7 @@ pub fn spall(metal: &Metal, speed: f64, mesh: &Mesh) -> Reference {
     velocity[..cells].fill(speed);
     velocity[cells] = 0.5 * speed;
     let mut stretch = vec![1.0; all];
-    // Minus the stress of each cell, between two that are empty.
+    // Negative stress of each cell, with an empty cell at both ends.
     let mut push = vec![0.0; all + 2];
     let mut cracks = vec![Crack::default(); all];
     let (mut time, mut lowest) = (0.0, speed);

@@ -1,6 +1,6 @@
-//! Plate impact: a flyer runs into a target of the same metal. The shock lines of all metals of the library are measured
-//! and compared with those of their sources, the states behind the shocks with Rankine and Hugoniot, and spall with
-//! the acoustic theory of its plane and of the pull-back of the free surface.
+//! Plate impact: a flyer hits a target of the same metal. The shock lines of all metals of the library are measured and compared with those
+//! of their sources, the states behind the shocks with Rankine and Hugoniot, and spall with acoustic theory for its plane and for the
+//! pull-back of the free surface.
 
 mod checks;
 mod figures;
@@ -50,9 +50,9 @@ struct Options {
 
 /// Particle speeds behind the shocks of the lines, m/s.
 const PARTICLE_SPEEDS: [f64; 3] = [500.0, 1000.0, 1500.0];
-/// The shock that is run on three grids: of this metal at this particle speed, m/s.
+/// Metal and particle speed, m/s, of the shock that is run on three grids.
 const REFINED: (&str, f64) = ("copper", 1000.0);
-/// The grids of a refinement, by the factor on the cells.
+/// Grids of a refinement, by the factor on the cells.
 const GRIDS: [u32; 3] = [1, 2, 4];
 
 fn main() -> ExitCode {

@@ -1,26 +1,26 @@
-//! The metals of the library that have a shock line, and the line of each as its source gives it.
+//! Metals of the library with a shock line, and the line of each from its source.
 
 use mpm_materials::{MieGruneisen, library};
 
-/// A metal and its shock line U_s = c0 + s u_p.
+/// Metal and its shock line U_s = c0 + s u_p.
 #[derive(Clone, Copy, Debug)]
 pub struct Metal {
-    /// Its name.
+    /// Name.
     pub name: &'static str,
-    /// Density, kg/m^3, as its source gives it.
+    /// Density, kg/m^3, of the source.
     pub density: f64,
-    /// c0, m/s, of the source.
+    /// Bulk sound speed c0, m/s, of the source.
     pub sound_speed: f64,
-    /// s of the source.
+    /// Slope s of the source.
     pub slope: f64,
-    /// Where the three numbers are from (book, "Material constants").
+    /// Source of the three numbers (book, "Material constants").
     pub source: &'static str,
-    /// The equation of state of the library.
+    /// Equation of state of the library.
     pub law: MieGruneisen<f64>,
 }
 
-/// All of them. Weldox 460 E and Arne tool steel have a logarithmic law and no shock line; the sets of one metal that
-/// differ in strength alone share one line.
+/// All metals. Weldox 460 E and Arne tool steel have a logarithmic law and no shock line; sets of one metal that differ in strength only
+/// share one line.
 pub fn all() -> [Metal; 7] {
     let of = |name, [density, sound_speed, slope]: [f64; 3], source, law: &MieGruneisen<f64>| Metal {
         name,
@@ -46,27 +46,27 @@ pub fn all() -> [Metal; 7] {
     ]
 }
 
-/// The state behind a steady shock.
+/// State behind a steady shock.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Shocked {
     /// Speed of the front, m/s.
     pub front: f64,
     /// Pressure, Pa.
     pub pressure: f64,
-    /// mu = rho/rho0 - 1.
+    /// Compression mu = rho/rho0 - 1.
     pub compression: f64,
     /// Internal energy per reference volume, J/m^3.
     pub energy: f64,
 }
 
 impl Metal {
-    /// Its name, fit for files.
+    /// Return the name for files.
     pub fn file_name(&self) -> String {
         self.name.replace(", ", "_").replace(' ', "_")
     }
 
-    /// Behind a shock into the metal at rest, by Rankine and Hugoniot: U_s = c0 + s u_p, p = rho0 U_s u_p,
-    /// rho/rho0 = U_s/(U_s - u_p), e = p (1 - rho0/rho)/2 = rho0 u_p^2/2.
+    /// Return the state behind a shock into the metal at rest, by Rankine and Hugoniot: U_s = c0 + s u_p, p = rho0 U_s u_p, rho/rho0 =
+    /// U_s/(U_s - u_p), e = p (1 - rho0/rho)/2 = rho0 u_p^2/2.
     pub fn shocked(&self, particle_speed: f64) -> Shocked {
         let front = self.sound_speed + self.slope * particle_speed;
         Shocked {
@@ -77,8 +77,8 @@ impl Metal {
         }
     }
 
-    /// Pressure at V/V0 = 1 - eta without heat, Pa: rho0 c0^2 eta / (1 - s eta)^2 compressed, rho0 c0^2 eta V0/V
-    /// stretched.
+    /// Return the pressure at V/V0 = 1 - eta without thermal part, Pa: rho0 c0^2 eta / (1 - s eta)^2 in compression, rho0 c0^2 eta V0/V in
+    /// tension.
     pub fn pressure(&self, eta: f64) -> f64 {
         let modulus = self.density * self.sound_speed * self.sound_speed;
         let share = if eta > 0.0 { 1.0 / (1.0 - self.slope * eta).powi(2) } else { 1.0 / (1.0 - eta) };

@@ -1,8 +1,8 @@
-//! Two plates in a row of cells between planes of symmetry: a flyer runs into a target at rest.
+//! Two plates in a row of cells between planes of symmetry: a flyer hits a target at rest.
 //!
-//! One field of velocities carries both plates: they are one where they touch, which is exact while they press on each
-//! other. Contiguous-particle GIMP with FLIP that forgets within a hundred transits of a cell, because a shock at
-//! 1 km/s carries the particles through the grid, as in `tnt_slab`: fixed boxes and splines make noise of that.
+//! One velocity field carries both plates, which bonds them at the interface; that is exact under compression. Contiguous-particle GIMP
+//! with a FLIP-PIC blend of a hundred cell transits: a shock at 1 km/s carries the particles through the grid, as in `tnt_slab`, which
+//! causes noise with uGIMP and splines.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,16 +13,16 @@ use mpm_core::observe::{Ledger, Observer, Pace, Probe, ProbeRow, Probes, Quantit
 use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl};
 use mpm_materials::Material;
 
-/// Time constant of FLIP's noise, in transits of a cell by sound.
+/// Time constant of the FLIP-PIC blend, in transits of a cell by sound.
 const FADING: f64 = 100.0;
-/// Time step over that of the sound speed; the bulk viscosity stiffens what a shock runs through.
+/// Courant number; it allows for the bulk viscosity, which stiffens the shocked metal.
 const TIME_FACTOR: f64 = 0.3;
-/// Looks of the gauges while sound crosses a cell.
+/// Samples of the gauges per transit of a cell by sound.
 const LOOKS: f64 = 4.0;
-/// Particles along a side of a cell.
+/// Particles per cell along each axis.
 const PER_SIDE: usize = 2;
 
-/// The set-up of one impact.
+/// Parameters of an impact.
 #[derive(Clone, Debug)]
 pub struct Plates {
     /// Cells along the flyer.
@@ -35,66 +35,66 @@ pub struct Plates {
     pub speed: f64,
     /// Bulk sound speed c0 of the metal, m/s.
     pub sound_speed: f64,
-    /// Cells of the target that have gauges, counted from the impact.
+    /// Target cells with gauges, counted from the plane of impact.
     pub gauges: Vec<u32>,
     /// End of the run, s.
     pub end: f64,
 }
 
-/// A row of what a gauge saw.
+/// Sample of a gauge.
 #[derive(Clone, Copy, Debug)]
 pub struct Look {
     /// Time, s.
     pub time: f64,
     /// Velocity, m/s.
     pub speed: f64,
-    /// Pressure with that of the bulk viscosity, Pa.
+    /// Pressure including bulk viscosity, Pa.
     pub pressure: f64,
 }
 
-/// A particle of the target at the end.
+/// Particle of the target at the end.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Distance from the plane of impact at the start, m.
+    /// Initial distance from the plane of impact, m.
     pub x: f64,
     /// Velocity, m/s.
     pub speed: f64,
-    /// Pressure with that of the bulk viscosity, Pa.
+    /// Pressure including bulk viscosity, Pa.
     pub pressure: f64,
-    /// mu = rho/rho0 - 1.
+    /// Compression mu = rho/rho0 - 1.
     pub compression: f64,
     /// Internal energy per reference volume, J/m^3.
     pub energy: f64,
-    /// Has it failed?
+    /// True if it has failed.
     pub failed: bool,
-    /// Thickness of the virgin metal that it stands for, m.
+    /// Reference thickness of the metal that the particle represents, m.
     pub thickness: f64,
 }
 
-/// What came of it.
+/// Results of an impact.
 pub struct Outcome {
-    /// A history a gauge: means over its cell.
+    /// Histories of the gauges: means over their cells.
     pub gauges: Vec<Vec<Look>>,
-    /// The target at the end, by position.
+    /// Target at the end, by position.
     pub target: Vec<Point>,
-    /// Sums of the run.
+    /// Totals of the run.
     pub totals: Totals,
 }
 
-/// Where a run leaves its files.
+/// Output of a run.
 #[derive(Clone, Debug)]
 pub struct Files<'a> {
     /// Folder.
     pub folder: &'a Path,
     /// Name of the run.
     pub name: String,
-    /// Frames for ParaView.
+    /// Number of frames for ParaView.
     pub frames: u32,
-    /// For checkpoints.
+    /// Checkpoints.
     pub restart: &'a Restart,
 }
 
-/// Let the flyer, x < 0, run into the target, both of one metal.
+/// Run the impact of the flyer, x < 0, on the target, both of one metal.
 pub fn collide(law: Arc<dyn Material<f64>>, plates: &Plates, files: Files) -> Result<Outcome, CaseError> {
     let (h, end, density) = (plates.spacing, plates.end, law.density());
     let lattice = Lattice::new([0.0; 2], h)?;
@@ -149,13 +149,13 @@ pub fn collide(law: Arc<dyn Material<f64>>, plates: &Plates, files: Files) -> Re
     Ok(Outcome { gauges: histories(&cells, probes.rows()), target: points, totals })
 }
 
-/// Numbers of the seeds in a cell: behind a front they differ a little from each other.
+/// Return the indices of the seeds in a cell: behind a front their states differ slightly.
 fn in_cell(seeds: &Seeds<2>, cell: u32, h: f64) -> Vec<usize> {
     let numbered = seeds.positions.iter().enumerate();
     numbered.filter(|(_, x)| (x[0] / h).floor() == f64::from(cell)).map(|(n, _)| n).collect()
 }
 
-/// Means over the particles of each cell; a particle has two columns, velocity and pressure.
+/// Average over the particles of each cell; a particle has two columns, velocity and pressure.
 fn histories(cells: &[Vec<usize>], rows: &[ProbeRow]) -> Vec<Vec<Look>> {
     let mut first = 0;
     let of = |cell: &Vec<usize>| {

@@ -1,7 +1,7 @@
-//! The shock line of a metal, measured: the front between two gauges, the state behind it.
+//! Measured shock line of a metal: front speed between two gauges, and state behind the front.
 //!
-//! The metal is its equation of state alone, a fluid: with strength the stress behind the shock is p + 2Y/3, an
-//! elastic precursor runs ahead of slow shocks, and the line is no longer that of the source.
+//! The metal is a fluid with its equation of state only: with strength the stress behind the shock is p + 2Y/3, an elastic precursor
+//! precedes slow shocks, and the line differs from that of the source.
 
 use examples::{CaseError, Totals};
 use mpm_materials::{Fluid, IntoMaterial};
@@ -9,18 +9,18 @@ use mpm_materials::{Fluid, IntoMaterial};
 use crate::metals::{Metal, Shocked};
 use crate::plates::{self, Files, Look, Plates, Point};
 
-/// Thickness of both plates, m. Nothing but h over it matters: the flow is self-similar.
+/// Thickness of both plates, m. Only h over it matters: the flow is self-similar.
 pub const THICKNESS: f64 = 0.02;
-/// The two gauges, parts of the thickness.
+/// Positions of the two gauges over the thickness.
 const GAUGES: [f64; 2] = [0.35, 0.85];
-/// The run ends when the front should be here, a part of the thickness.
+/// Expected position of the front at the end of the run, over the thickness.
 const REACH: f64 = 0.92;
-/// The state is a mean from here, a part of the front's way: next to the plane of impact the start has left some heat.
+/// Lower bound of the averaging window, over the path of the front: the plane of impact is heated at the start.
 const FROM: f64 = 0.5;
-/// The state is a mean up to here behind the front, in cells: the front has a width.
+/// Distance of the averaging window from the front, in cells: the front has a width.
 const BEHIND_FRONT: f64 = 15.0;
 
-/// How to run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     /// Cells along each plate.
@@ -29,37 +29,37 @@ pub struct Setup {
     pub viscosity: [f64; 2],
 }
 
-/// One symmetric impact.
+/// Symmetric impact and its results.
 pub struct Impact {
-    /// Of what.
+    /// Metal.
     pub metal: Metal,
     /// Cells along each plate.
     pub cells: u32,
     /// Particle speed behind the shock, m/s: half of the flyer's, by symmetry.
     pub particle_speed: f64,
-    /// What was measured.
+    /// Measured state behind the front.
     pub measured: Shocked,
-    /// What was measured of the particle speed, m/s.
+    /// Measured particle speed, m/s.
     pub measured_speed: f64,
-    /// Largest pressure at the second gauge over that of the theory, less one.
+    /// Largest pressure at the second gauge over that of theory, minus one.
     pub overshoot: f64,
-    /// The target at the end.
+    /// Target at the end.
     pub profile: Vec<Point>,
-    /// Where the front should then be, m.
+    /// Theoretical position of the front at the end, m.
     pub front: f64,
-    /// Where the plane of impact should then be, m.
+    /// Theoretical position of the plane of impact at the end, m.
     pub plane: f64,
-    /// Sums of the run.
+    /// Totals of the run.
     pub totals: Totals,
 }
 
 impl Impact {
-    /// What Rankine and Hugoniot say.
+    /// Return the state by Rankine and Hugoniot.
     pub fn theory(&self) -> Shocked {
         self.metal.shocked(self.particle_speed)
     }
 
-    /// Mean difference of rho/rho0 - 1 along the shocked target from the step of the theory, over its height.
+    /// Mean deviation of rho/rho0 - 1 along the shocked target from the step of theory, over its height.
     pub fn profile_error(&self) -> f64 {
         let behind = self.theory().compression;
         let along = self.profile.iter().map(|p| {
@@ -69,7 +69,7 @@ impl Impact {
         along.sum::<f64>() / (behind * THICKNESS)
     }
 
-    /// Relative errors of front, pressure, compression and energy.
+    /// Return the relative errors of front, pressure, compression and energy.
     pub fn errors(&self) -> [f64; 4] {
         let (m, t) = (self.measured, self.theory());
         [
@@ -81,7 +81,7 @@ impl Impact {
     }
 }
 
-/// Let a plate hit another of the same metal at twice the particle speed.
+/// Run the impact of two plates of the same metal at twice the particle speed.
 pub fn impact(metal: Metal, particle_speed: f64, setup: &Setup, files: Files) -> Result<Impact, CaseError> {
     let Setup { cells, viscosity: [linear, quadratic] } = *setup;
     let theory = metal.shocked(particle_speed);
@@ -127,7 +127,7 @@ pub fn impact(metal: Metal, particle_speed: f64, setup: &Setup, files: Files) ->
     })
 }
 
-/// When a gauge first moves at `speed`, s; not a number if it never does.
+/// Return the arrival time at a gauge, s: when its velocity first reaches `speed`; NaN if never.
 pub fn arrival(history: &[Look], speed: f64) -> f64 {
     let passed = history.windows(2).find(|w| w[0].speed < speed && w[1].speed >= speed);
     passed.map_or(f64::NAN, |w| {
@@ -136,7 +136,7 @@ pub fn arrival(history: &[Look], speed: f64) -> f64 {
     })
 }
 
-/// The line U_s = c0 + s u_p through points (u_p, U_s) by least squares: c0, m/s, and s.
+/// Fit the line U_s = c0 + s u_p to points (u_p, U_s) by least squares: c0, m/s, and s.
 pub fn line(points: &[[f64; 2]]) -> [f64; 2] {
     let count = points.len() as f64;
     let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / count;

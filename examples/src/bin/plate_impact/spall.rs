@@ -1,12 +1,11 @@
-//! Spall: a flyer of thickness d_f on a target of 2 d_f. The releases of both free surfaces meet one d_f under the
-//! target's, where the metal is pulled apart; what the free surface then does tells the strength.
+//! Spall: a flyer of thickness d_f hits a target of 2 d_f. The release waves of both free surfaces intersect at a depth d_f below the
+//! target's free surface and put the metal in tension; the pull-back of the free surface measures the spall strength.
 //!
-//! The metal is a 4340 steel without yield strength (1 kPa), so that there is one speed of sound, c0, and no elastic
-//! precursor. Of the library's metals its shock line is the steepest: the release of the flyer is a ramp only because
-//! compressed metal is faster. Where the metal breaks at once, the front of the crack's signal eats the foot of that
-//! ramp, which the acoustic formula of the pull-back leaves out, and eats the more, the thicker the viscosity makes it.
-//! A crack that takes work bears on while it opens, and its signal leaves the foot. Both are run; `lagrange.rs` does the
-//! same by another method.
+//! The metal is a 4340 steel without yield strength (1 kPa), so that there is one speed of sound, c0, and no elastic precursor. Its shock
+//! line is the steepest of the library's metals: the release of the flyer is a ramp only because compressed metal is faster. With
+//! instantaneous fracture the front of the crack's signal overtakes the foot of that ramp, more so for a thicker front from viscosity; the
+//! acoustic formula of the pull-back neglects this. A cohesive crack carries traction while it opens, and its signal preserves the foot.
+//! Both are run; `lagrange.rs` computes a reference by another method.
 
 use examples::{CaseError, Totals};
 use mpm_materials::{CohesiveSpall, Constitutive, IntoMaterial, J2, Solid};
@@ -15,29 +14,29 @@ use crate::metals::Metal;
 use crate::plates::{self, Files, Look, Plates, Point};
 use crate::shock::arrival;
 
-/// The metal, by its name in the list.
+/// Metal, by its name in the list.
 pub const METAL: &str = "steel 4340";
 /// Thickness of the flyer d_f, m; the target is twice as thick.
 pub const FLYER: f64 = 0.005;
 /// Speed of the flyer, m/s.
 pub const SPEED: f64 = 310.0;
-/// Spall strength, Pa: an input of the check, of the size seen in plate impact, no claim about the steel.
+/// Spall strength, Pa: an input of the check, of the magnitude observed in plate impact, not a property of the steel.
 pub const STRENGTH: f64 = 3.5e9;
-/// Opening at which a crack bears nothing, m: a surface takes 17.5 kJ/m2, (1 - nu^2) K^2/E of a toughness of 62 MPa m^1/2.
+/// Opening at which the traction of a crack is zero, m: fracture energy 17.5 kJ/m2, (1 - nu^2) K^2/E of a toughness of 62 MPa m^1/2.
 pub const OPENING: f64 = 10e-6;
-/// The opening of a crack that takes next to no work: it opens at once, as with a limit of tension alone.
+/// Opening of a crack with negligible fracture energy, m: it fails at once, as with a tension limit.
 pub const AT_ONCE: f64 = 1e-9;
-/// Shear modulus, Pa (book, "Material constants"), and the yield strength, Pa, that makes it meaningless.
+/// Shear modulus, Pa (book, "Material constants"), and a yield strength, Pa, that makes it irrelevant.
 const SHEAR_MODULUS: f64 = 80e9;
 const YIELD_STRENGTH: f64 = 1e3;
-/// Ends of runs in transits of the flyer by sound: the scab has rung once; what can fail has failed.
+/// Ends of runs in transits of the flyer by sound: after one reverberation of the scab, and after the onset of failure.
 pub const RINGING: f64 = 6.5;
 pub const ONSET: f64 = 3.8;
-/// The plateau of the free surface is a mean over this time, and the pull-back is looked for in the next, in transits.
+/// Averaging window of the plateau of the free surface, and window of the pull-back, in transits.
 const PLATEAU: [f64; 2] = [2.6, 3.3];
 const PULL_BACK: [f64; 2] = [3.3, 5.0];
 
-/// One impact.
+/// Results of an impact.
 pub struct Spall {
     /// Cells along the flyer.
     pub cells: u32,
@@ -45,31 +44,31 @@ pub struct Spall {
     pub surface: Vec<Look>,
     /// Velocity of the plateau, m/s.
     pub plateau: f64,
-    /// How much of it the free surface loses before the spall tells it of the crack, m/s.
+    /// Pull-back: loss of velocity of the free surface before the arrival of the crack's signal, m/s.
     pub pull_back: f64,
-    /// When the shock came to the free surface, s.
+    /// Arrival time of the shock at the free surface, s.
     pub arrival: f64,
-    /// Virgin thickness of what is intact between the free surface and the nearest failed particle, m.
+    /// Reference thickness of the intact layer between the free surface and the nearest failed particle, m.
     pub scab: f64,
-    /// Virgin thickness of what failed, m.
+    /// Reference thickness of failed metal, m.
     pub failed: f64,
-    /// The target at the end.
+    /// Target at the end.
     pub profile: Vec<Point>,
-    /// Sums of the run.
+    /// Totals of the run.
     pub totals: Totals,
 }
 
-/// 2 sigma_sp/(rho0 c0), m/s: the pull-back in acoustics, and the slowest flyer whose tension reaches the strength.
+/// Acoustic pull-back 2 sigma_sp/(rho0 c0), m/s; also the slowest flyer whose tension reaches the strength.
 pub fn acoustic_pull_back(metal: &Metal) -> f64 {
     2.0 * STRENGTH / (metal.density * metal.sound_speed)
 }
 
-/// One impact to run.
+/// Parameters of an impact.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     /// Speed of the flyer, m/s.
     pub speed: f64,
-    /// Opening at which a crack bears nothing, m.
+    /// Opening at which the traction of a crack is zero, m.
     pub opening: f64,
     /// End of the run in transits of the flyer by sound.
     pub transits: f64,
@@ -79,7 +78,7 @@ pub struct Setup {
     pub viscosity: [f64; 2],
 }
 
-/// Let a flyer hit the target.
+/// Run the impact of a flyer on the target.
 pub fn spall(metal: &Metal, setup: &Setup, files: Files) -> Result<Spall, CaseError> {
     let Setup { speed, opening, transits, cells, viscosity: [linear, quadratic] } = *setup;
     let transit = FLYER / metal.sound_speed;

@@ -12,12 +12,12 @@ use crate::checks::RECHT_IPSON;
 use crate::scene::Outcome;
 use crate::setup::{PLATE, PROJECTILE};
 
-/// Hottest colour, K.
+/// Upper end of the temperature range, K.
 const HOT: f64 = 900.0;
-/// The temperature at which steel is that has none, K.
+/// Temperature of steel without a thermal state, K.
 const ROOM: f64 = 293.0;
 
-/// Draw and write everything.
+/// Draw and write all results.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     for outcome in outcomes {
         sections(outcome)?.save(folder.join(format!("plug_{}.png", outcome.setup.name())))?;
@@ -27,7 +27,7 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Damage above, temperature below, at the moments of the snapshots.
+/// Draw damage above and temperature below, at the times of the snapshots.
 fn sections(outcome: &Outcome) -> Result<Picture, CaseError> {
     let setup = &outcome.setup;
     let title = format!(
@@ -52,7 +52,7 @@ fn sections(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// A number of the plate, times a factor; the projectile, which has none, at rest.
+/// Draw a scaled quantity of the plate; the projectile, which lacks it, has the value `rest`.
 fn section(
     frame: &Snapshot,
     name: &str,
@@ -73,7 +73,7 @@ fn section(
         .draw(&section)
 }
 
-/// Velocities of projectile and plug.
+/// Draw the velocities of projectile and plug.
 fn velocities(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart =
         Chart::new(860, 520).x(Axis::new("time").unit("µs", 1e6)).y(Axis::new("velocity").unit("m/s", 1.0));
@@ -95,7 +95,7 @@ fn velocities(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// The history of a shot as CSV.
+/// Write the history of a shot as CSV.
 fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

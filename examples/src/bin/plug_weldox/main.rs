@@ -1,5 +1,5 @@
-//! A blunt projectile punches a plug out of a steel plate (the second case of Xiao 2015): smoothed particles around an axis, the plate by
-//! Borvik's viscoplastic law with its damage, and by a later set of constants.
+//! Plugging of a steel plate by a blunt projectile (second case of Xiao 2015): axisymmetric smoothed particles, with Borvik's viscoplastic
+//! law and damage for the plate, and with a later set of constants.
 
 mod checks;
 mod figures;

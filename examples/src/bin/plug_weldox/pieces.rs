@@ -1,12 +1,12 @@
-//! What of the plate hangs together.
+//! Connected pieces of the plate.
 
 use mpm_core::geometry::search::{NeighbourSearch, Points, Reach, SearchError, SortedCells};
 
-/// Particles hang together up to so many spacings apart.
+/// Largest distance of connected particles, in spacings.
 const REACH: f64 = 1.5;
 
-/// Numbers of the pieces that particles belong to, which hang together up to one and a half spacings apart: the smallest number of a
-/// particle of each.
+/// Label the connected pieces of particles, which are connected up to one and a half spacings apart. The label is the smallest particle
+/// index of the piece.
 pub fn pieces(positions: &[[f64; 2]], spacings: &[f64]) -> Result<Vec<u32>, SearchError> {
     let radii: Vec<f64> = spacings.iter().map(|s| 0.5 * s).collect();
     let points = Points::new(positions, &radii)?;
@@ -19,7 +19,7 @@ pub fn pieces(positions: &[[f64; 2]], spacings: &[f64]) -> Result<Vec<u32>, Sear
     Ok((0..positions.len() as u32).map(|i| root(&mut parents, i)).collect())
 }
 
-/// The particle that stands for the piece of another one; the way there is halved.
+/// Return the representative particle of a piece (union-find with path halving).
 fn root(parents: &mut [u32], mut i: u32) -> u32 {
     while parents[i as usize] != i {
         parents[i as usize] = parents[parents[i as usize] as usize];

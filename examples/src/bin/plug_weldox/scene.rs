@@ -1,4 +1,4 @@
-//! A shot.
+//! Scene of a shot.
 
 use std::path::Path;
 
@@ -12,14 +12,14 @@ use sph::{Composition, GradientCorrection, Method, TotalLagrangian, WendlandC2, 
 use crate::setup::{Form, Setup};
 use crate::track::{Row, Scene, Track};
 
-/// Moments of the pictures, s; the last one is the end.
+/// Times of the pictures, s; the last one is the end.
 const MOMENTS: [f64; 3] = [20e-6, 40e-6, 80e-6];
-/// The stretch at which the present configuration of the plate becomes the reference, in that form.
+/// Stretch at which the reference configuration of the plate is updated, in that form.
 const RENEWED: f64 = 1.05;
-/// Between two entries of a history, s.
+/// Interval between two rows of a history, s.
 const HISTORY: f64 = 1e-6;
 
-/// What came of a shot.
+/// Results of a shot.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
@@ -27,26 +27,26 @@ pub struct Outcome {
     pub frames: Vec<Snapshot>,
     /// Mass of the particles over that of projectile and plate.
     pub mass: f64,
-    /// Particles of projectile and plate.
+    /// Numbers of particles of projectile and plate.
     pub particles: [usize; 2],
-    /// What the methods say of themselves.
+    /// Descriptions of the methods.
     pub method: String,
     pub totals: Totals,
 }
 
 impl Outcome {
-    /// At the end.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
-    /// The first moment from which on plug and rim do not hang together, s.
+    /// Return the time from which plug and rim are disconnected, s.
     pub fn free_from(&self) -> Option<f64> {
         let tied = self.rows.iter().rposition(|row| !row.free).map_or(0, |n| n + 1);
         self.rows.get(tied).map(|row| row.time)
     }
 }
 
-/// Shoot; ParaView files go to a folder, if there are to be any.
+/// Run a shot; ParaView files are written to a folder, if requested.
 pub fn shoot(setup: &Setup, frames: u32, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let whole = Method::total_lagrangian(Axisymmetric);
     match setup.form {

@@ -7,7 +7,7 @@ pub use examples::plug::{PLATE, PROJECTILE};
 use mpm_materials::{Constitutive, library};
 use sph::{Composition, Layout, Sph};
 
-/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; the paper has none.
 const BULK_VISCOSITY: [f64; 2] = [0.5, 4.0];
 
 /// Constants of Weldox 460 E.
@@ -22,21 +22,21 @@ pub enum Constants {
 }
 
 impl Constants {
-    /// In tables and files.
+    /// Return the name in tables and files.
     pub fn name(self) -> &'static str {
         match self {
             Constants::Coupled => "2001",
             Constants::Later => "later",
         }
     }
-    /// The number of the law that is damage, and where it fails.
+    /// Return the state variable of damage, and its value at failure.
     pub fn damage(self) -> (&'static str, f64) {
         match self {
             Constants::Coupled => ("damage", 0.30),
             Constants::Later => ("failure_damage", 1.0),
         }
     }
-    /// kg/m^3.
+    /// Return the density, kg/m^3.
     pub fn density(self) -> f64 {
         match self {
             Constants::Coupled => Constitutive::<f64>::density(&library::weldox_460_e::<f64>()),
@@ -57,7 +57,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// In tables and files.
+    /// Return the name in tables and files.
     pub fn name(self) -> &'static str {
         match self {
             Form::Printed => "printed",
@@ -67,14 +67,14 @@ impl Form {
     }
 }
 
-/// One shot.
+/// Parameters of a shot.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     pub constants: Constants,
     pub form: Form,
-    /// m/s.
+    /// Impact speed, m/s.
     pub speed: f64,
-    /// Spacing in the projectile and before it, m, as asked: the nearest that fits the radius.
+    /// Requested spacing in the projectile and in the plate in front of it, m; the nearest that fits the radius is used.
     pub spacing: f64,
     /// Coefficient of friction between projectile and plate.
     pub friction: f64,
@@ -84,42 +84,42 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// In tables and names of files.
+    /// Return the name in tables and file names.
     pub fn name(&self) -> &'static str {
         self.constants.name()
     }
 
-    /// Spacings on the radius of the projectile.
+    /// Return the number of spacings per projectile radius.
     pub fn cells(&self) -> usize {
         (PROJECTILE[0] / self.spacing).round().max(2.0) as usize
     }
 
-    /// Projectile and plate as particles.
+    /// Return projectile and plate as particles.
     fn plug(&self) -> Plug {
         Plug { cells: self.cells() }
     }
 
-    /// The spacing there is, m.
+    /// Return the spacing in the fine region, m.
     pub fn fine(&self) -> f64 {
         self.plug().fine()
     }
 
-    /// Particles through the plate where it is fine.
+    /// Return the number of particles through the plate in the fine region.
     pub fn rows(&self) -> f64 {
         (PLATE[1] / self.fine()).round()
     }
 
-    /// Particles of the plate.
+    /// Generate the particles of the plate.
     pub fn plate(&self) -> Result<Layout<2>, CaseError> {
         self.plug().plate()
     }
 
-    /// From here on the plate is held, m: two columns.
+    /// Return the radius from which the plate is clamped, m: two columns.
     pub fn rim(&self) -> f64 {
         PLATE[0] - 2.0 * self.plug().coarse()
     }
 
-    /// The projectile by a method, flying.
+    /// Build the moving projectile by a method.
     pub fn flying<M: Composition<2>>(&self, method: M) -> Result<Sph<2, M>, CaseError> {
         let [linear, quadratic] = BULK_VISCOSITY;
         let steel = library::arne_tool_steel().with_bulk_viscosity(linear, quadratic)?;
@@ -127,7 +127,7 @@ impl Setup {
         Ok(Sph::new(method, steel, &self.plug().projectile()?, |_| [0.0, speed])?)
     }
 
-    /// The plate by a method, at rest.
+    /// Build the plate at rest by a method.
     pub fn resting<M: Composition<2>>(&self, method: M) -> Result<Sph<2, M>, CaseError> {
         let [linear, quadratic] = BULK_VISCOSITY;
         let (layout, rest) = (self.plate()?, |_| [0.0; 2]);

@@ -1,4 +1,4 @@
-//! Follows projectile and plug.
+//! Motion of projectile and plug over time.
 
 use mpm_contact::SurfaceDistance;
 use mpm_contact::particles::Bodies;
@@ -10,34 +10,35 @@ use sph::Layout;
 use crate::pieces::pieces;
 use crate::setup::{PROJECTILE, Setup};
 
-/// Projectile and plate.
+/// Scene of projectile and plate.
 pub type Scene = Bodies<2, SurfaceDistance>;
 
-/// Part of the radius of the projectile within which the plate is ahead of it.
+/// Fraction of the projectile's radius within which the plate is in front of it.
 const AHEAD: f64 = 0.9;
-/// Part of its velocity above which the plate flies with it.
+/// Fraction of the projectile's velocity above which plate matter moves with it.
 const FLIES: f64 = 0.5;
 
-/// The scene at one moment. Masses and energies are of the whole, not per radian.
+/// State of the scene at one time. Masses and energies are of the whole, not per radian.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// Velocity of the projectile's centre of mass, m/s.
     pub projectile: f64,
-    /// Velocity of the plate that was ahead of it, m/s.
+    /// Velocity of the plate region initially in front of the projectile, m/s.
     pub ahead: f64,
-    /// Mass of the plate that flies at more than half the projectile's velocity, kg.
+    /// Mass of the plate that moves at more than half the projectile's velocity, kg.
     pub flying: f64,
-    /// The piece of intact plate on the axis: velocity, m/s, mass, kg, and widest radius, m. Of the whole plate while they hang together.
+    /// Intact piece of the plate on the axis: velocity, m/s, mass, kg, and largest radius, m; the whole plate while it is connected.
     pub plug: [f64; 3],
-    /// Is it free of the rim?
+    /// True if that piece is disconnected from the rim.
     pub free: bool,
     /// Largest radius and length of the projectile, m.
     pub projectile_size: [f64; 2],
-    /// Particles of the plate that failed.
+    /// Number of failed particles of the plate.
     pub failed: usize,
-    /// Kinetic energy of projectile and plate, internal energy, friction, and what contact, stabilisation and renewals took, J.
+    /// Kinetic energy of projectile and plate, internal energy, friction, and energy removed by contact, stabilisation and reference
+    /// updates, J.
     pub energies: [f64; 5],
 }
 
@@ -53,23 +54,23 @@ impl Row {
     }
 }
 
-/// Follows projectile and plug.
+/// Observer of projectile and plug.
 pub struct Track {
     pace: Pace,
-    /// The plate at the start.
+    /// Initial layout of the plate.
     plate: Layout<2>,
-    /// Half a spacing of the projectile, m.
+    /// Half spacing in the projectile, m.
     half: f64,
     pub rows: Vec<Row>,
 }
 
 impl Track {
-    /// An entry each `interval` seconds.
+    /// Create the observer with an interval, s.
     pub fn new(setup: &Setup, plate: Layout<2>, interval: f64) -> Result<Self, ObserveError> {
         Ok(Track { pace: Pace::interval(interval)?, plate, half: 0.5 * setup.fine(), rows: Vec::new() })
     }
 
-    /// What there is to say of the plate.
+    /// Evaluate the plate for a row.
     fn plate(&self, plate: &dyn Body, row: &mut Row) -> Result<(), ObserveError> {
         let round = std::f64::consts::TAU;
         let (mut positions, mut spacings, mut moving) = (Vec::new(), Vec::new(), Vec::new());

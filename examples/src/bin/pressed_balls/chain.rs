@@ -1,10 +1,10 @@
-//! The pack as a chain: rigid balls on Hertz contacts under a rigid plate.
+//! Chain model of the pack: rigid balls on Hertz contacts under a rigid plate.
 //!
-//! The rows of a cubic array under a uniform load on frictionless walls all move alike, so that one is enough. What
-//! the chain leaves out makes a pack faster: waves within the balls, and contacts of particles, which touch with
-//! a patch at once where a ball begins at a point.
+//! The rows of a cubic array under a uniform load on frictionless walls all move alike, so that one is enough. The chain neglects two
+//! effects that make a pack faster: waves within the balls, and the finite contact area of particles from the start, where balls begin at a
+//! point.
 
-/// An elastic ball.
+/// Elastic ball.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ball {
     /// Diameter, m.
@@ -18,14 +18,14 @@ pub struct Ball {
 }
 
 impl Ball {
-    /// Of the longitudinal wave, m/s.
+    /// Return the speed of the longitudinal wave, m/s.
     pub fn wave_speed(&self) -> f64 {
         let nu = self.poisson;
         (self.young * (1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu) * self.density)).sqrt()
     }
 
-    /// Force over approach^(3/2), N/m^1.5, of two balls, of a ball and a plate like it, and of a ball and a rigid
-    /// wall: 4/3 E* sqrt(R*).
+    /// Return the Hertz stiffness, force over approach^(3/2), N/m^1.5, of two balls, of a ball and a plate of the same material, and of a
+    /// ball and a rigid wall: 4/3 E* sqrt(R*).
     fn stiffness(&self) -> [f64; 3] {
         let wall = self.young / (1.0 - self.poisson * self.poisson);
         let radius = 0.5 * self.diameter;
@@ -33,13 +33,13 @@ impl Ball {
         [of(0.5 * wall, 0.5 * radius), of(0.5 * wall, radius), of(wall, radius)]
     }
 
-    /// Reaction of the ground over the load from the time that `pressure` (Pa) starts to act on a plate as thick as
-    /// a ball, on a row of `balls`: pairs of time (s) and ratio until `end` (s).
+    /// Return the reaction of the ground over the load from the time that `pressure` (Pa) starts to act on a plate as thick as a ball, on a
+    /// row of `balls`: pairs of time (s) and ratio until `end` (s).
     pub fn chain(&self, balls: usize, pressure: f64, end: f64) -> Vec<[f64; 2]> {
         let [pair, plate, wall] = self.stiffness();
         let cube = self.density * self.diameter.powi(3);
         let load = pressure * self.diameter.powi(2);
-        // From the ground up; the last is the plate.
+        // Indices increase from the ground; the last is the plate.
         let mut down = vec![0.0; balls + 1];
         let mut speeds = vec![0.0; balls + 1];
         let force = |down: &[f64], below: usize| {
@@ -50,7 +50,7 @@ impl Ball {
             };
             k * (down[below] - lower).max(0.0).powf(1.5)
         };
-        // A hundredth of the time in which sound crosses a ball.
+        // Time step: a hundredth of the transit time of sound through a ball.
         let dt = 0.01 * self.diameter / self.wave_speed();
         let mut history = Vec::new();
         for step in 0..(end / dt).ceil() as usize {
@@ -70,7 +70,7 @@ impl Ball {
     }
 }
 
-/// When a history first comes to `level`; infinite if never.
+/// Return the time when a history first reaches `level`; infinite if never.
 pub fn arrival(history: &[[f64; 2]], level: f64) -> f64 {
     history.iter().find(|row| row[1] >= level).map_or(f64::INFINITY, |row| row[0])
 }
@@ -85,14 +85,14 @@ mod tests {
     fn a_chain_carries_its_load_in_the_mean() {
         let history = ALUMINIUM.chain(5, 1e7, 4e-3);
         let mean = history.iter().map(|r| r[1]).sum::<f64>() / history.len() as f64;
-        // What momentum the row has at the end is a few periods of some 1e-4 s in 4e-3 s.
+        // The final momentum of the row corresponds to a few periods of some 1e-4 s in 4e-3 s.
         assert!((mean - 1.0).abs() < 0.03, "{mean}");
     }
 
     #[test]
     fn a_larger_load_arrives_earlier() {
         let at = |pressure| arrival(&ALUMINIUM.chain(5, pressure, 4e-3), 0.5);
-        // Hertz contacts: speeds grow with the sixth root of the force.
+        // Hertz contacts: wave speeds increase with the sixth root of the force.
         let ratio = at(1e6) / at(64e6);
         assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
     }

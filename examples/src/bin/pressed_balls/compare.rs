@@ -1,4 +1,4 @@
-//! What contact costs: the same pack with and without it, in alternation.
+//! Cost of contact: the same pack with and without it, in alternation.
 
 use std::time::Instant;
 
@@ -7,16 +7,16 @@ use mpm_core::{Mpm, OneField};
 
 use crate::scene::{self, Setup};
 
-/// Transits of the wave before timing starts: by then all balls are in motion, and contacts open and close.
+/// Wave transits before timing starts: by then all balls move, and contacts open and close.
 const WARM_UP: f64 = 3.0;
-/// Steps in a turn.
+/// Number of steps per turn.
 const TURN: usize = 4;
-/// The paper's cost of contact in time and memory.
+/// Cost of contact in the paper, ratios of time and memory.
 const PAPER: [f64; 2] = [1.556, 1.057];
-/// What we allow.
+/// Allowed cost, ratios of time and memory.
 const MOST: [f64; 2] = [1.20, 1.03];
 
-/// Time both for `rounds` rounds: the checks, and totals of the runs with contact.
+/// Time both packs for `rounds` rounds; return the checks, and totals of the runs with contact.
 pub fn compare(setup: &Setup, rounds: u32) -> Result<(Vec<Check>, Totals), CaseError> {
     let mut with = scene::pack(setup, scene::contact(setup)?)?;
     let mut without = scene::pack(setup, OneField)?;
@@ -24,7 +24,7 @@ pub fn compare(setup: &Setup, rounds: u32) -> Result<(Vec<Check>, Totals), CaseE
     without.run_until(WARM_UP * setup.transit())?;
     let (mut on, mut off, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..rounds {
-        // On, off, off, on: a drift of the machine falls out of the ratio.
+        // The order on, off, off, on cancels a drift of the machine in the ratio.
         let a = turn(&mut with, TURN)?;
         let b = turn(&mut without, TURN)? + turn(&mut without, TURN)?;
         let c = turn(&mut with, TURN)?;
@@ -65,7 +65,7 @@ fn row(name: &str, seconds: f64, mpm: &Mpm<3>) -> [String; 4] {
     [name.into(), format!("{seconds:.5}"), mpm.bytes().to_string(), format!("{each:.0}")]
 }
 
-/// Seconds of some steps.
+/// Measure the wall-clock time of some steps, s.
 fn turn(mpm: &mut Mpm<3>, steps: usize) -> Result<f64, CaseError> {
     let start = Instant::now();
     for _ in 0..steps {
@@ -74,7 +74,7 @@ fn turn(mpm: &mut Mpm<3>, steps: usize) -> Result<f64, CaseError> {
     Ok(start.elapsed().as_secs_f64())
 }
 
-/// Median, least and most.
+/// Return median, minimum and maximum.
 fn spread(mut values: Vec<f64>) -> [f64; 3] {
     values.sort_by(f64::total_cmp);
     let n = values.len();

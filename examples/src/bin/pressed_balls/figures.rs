@@ -8,7 +8,7 @@ use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 
 use crate::scene::{ALUMINIUM, Outcome, SPACING, Setup};
 
-/// The stress wave on its way down, in a section through the middle of a layer of balls.
+/// Draw the descending stress wave in the middle section of a layer of balls.
 pub fn waves(setup: &Setup, outcome: &Outcome) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(3).title("Vertical stress over the load on the plate");
     for snapshot in &outcome.snapshots {
@@ -21,7 +21,7 @@ fn section(setup: &Setup, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let middle = (f64::from(setup.balls / 2) + 0.5) * ALUMINIUM.diameter;
     let (mut places, mut stresses) = (Vec::new(), Vec::new());
     for (&[x, y, z], stress) in snapshot.positions().iter().zip(snapshot.tensor("stress")?) {
-        // The one layer of particles behind the middle.
+        // Single layer of particles behind the middle.
         if y >= middle && y < middle + 0.5 * SPACING {
             places.push([x, z, 0.0]);
             stresses.push(-stress[2] / setup.pressure);
@@ -36,7 +36,7 @@ fn section(setup: &Setup, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         .draw(&cut)
 }
 
-/// The reaction of the ground beside that under a chain of Hertz contacts.
+/// Draw the reaction of the ground beside that of a chain of Hertz contacts.
 pub fn reaction(outcome: &Outcome, chain: &[[f64; 2]]) -> Result<Picture, CaseError> {
     let split = |rows: &[[f64; 2]]| -> (Vec<f64>, Vec<f64>) { rows.iter().map(|r| (r[0], r[1])).unzip() };
     let (time, ratio) = split(&outcome.reaction);

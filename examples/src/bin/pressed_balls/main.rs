@@ -1,5 +1,5 @@
-//! A plate presses a cubic pack of aluminium balls \[Ma2010\]: stress waves run through the contacts. And what
-//! contact costs with a thousand bodies.
+//! A plate presses a cubic pack of aluminium balls \[Ma2010\]: stress waves pass through the contacts. Also the cost of contact with a
+//! thousand bodies.
 
 mod chain;
 mod compare;
@@ -52,18 +52,19 @@ struct Options {
     rounds: u32,
 }
 
-/// Mean of the reaction in the second half of a run against the load: the pack still swings by 0.8 of the load, and
-/// three of its periods leave 0.8 / (3 * 2 pi).
+/// Tolerance of the mean reaction in the second half of a run against the load: the reaction still oscillates by 0.8 of the load, and
+/// averaging over three periods leaves 0.8 / (3 * 2 pi).
 const LOAD_TOLERANCE: f64 = 0.05;
-/// The impulse of the load in the whole run, which passes through the sums, is 40 times the largest momentum; 2e3 steps
-/// round it by 1e-16 each, which makes 1e-11 if all fall the same way.
+/// The total impulse of the load is 40 times the largest momentum; rounding of 1e-16 in each of 2e3 steps sums to 1e-11 if all errors have
+/// the same sign.
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 
-/// At any time, of the kinetic and internal energy. Both are half a step apart: while all of it changes from one to the
-/// other as sound crosses pack and plate, 20 cells or more, half a step of half a cell shifts 1 %.
+/// Tolerance of the energy gain over kinetic and internal energy at any time. Both energies are half a step apart: if all energy changes
+/// between them as sound crosses pack and plate, 20 cells or more, half a step of half a cell shifts 1 %.
 const ENERGY_GAIN: f64 = 0.01;
 
-/// Why the load does not arrive as it should. While surfaces were stairs, faces of several particles met from the start, and it did.
+/// Reason for the late arrival of the load. With staircase surfaces, faces of several particles were in contact from the start, and it
+/// arrived in time.
 const COARSE: &str =
     "five cells a diameter: balls that touch in a point begin 0.05 cells apart, and approach by 0.02";
 
@@ -123,7 +124,7 @@ fn series(options: &Options, setup: &Setup, folder: &Path) -> Result<Option<VtkS
     Ok(Some(VtkSeries::create(folder.join("paraview"), "balls", pace)?))
 }
 
-/// The mean of the reaction in the second half of the run, over the load.
+/// Return the mean of the reaction in the second half of the run, over the load.
 fn mean(outcome: &Outcome) -> f64 {
     let rows = &outcome.reaction[outcome.reaction.len() / 2..];
     let (mut impulse, mut time) = (0.0, 0.0);
@@ -136,7 +137,7 @@ fn mean(outcome: &Outcome) -> f64 {
 
 fn checks_of(setup: &Setup, outcome: &Outcome, chain: &[[f64; 2]]) -> Vec<Check> {
     let arrives = |level| 1e6 * chain::arrival(&outcome.reaction, level);
-    // A signal may run ahead by the node that it is felt at, on either side.
+    // A signal may arrive earlier by the node at which it acts, on either side.
     let ahead = 2.0 * SPACING / ALUMINIUM.wave_speed();
     let first = 1e6 * (setup.transit() - ahead);
     let half = 1e6 * chain::arrival(chain, 0.5);

@@ -1,4 +1,4 @@
-//! The balls, the plate and the run.
+//! Scene and run.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use serde::Serialize;
 
 use crate::chain;
 
-/// The aluminium: the paper says no more.
+/// Aluminium; the paper has no further constants.
 pub const ALUMINIUM: chain::Ball =
     chain::Ball { diameter: 0.01, density: 2700.0, young: 70.0e9, poisson: 0.33 };
 /// Cells per diameter; two particles per cell along each axis.
@@ -26,8 +26,8 @@ pub const CELLS: u32 = 5;
 /// Cell size, m.
 pub const SPACING: f64 = ALUMINIUM.diameter / CELLS as f64;
 
-/// FLIP forgets what the nodes do not see within the time in which sound crosses this many cells. Without that, contacts
-/// that open and close on balls at rest keep the particles trembling, and in the end gain energy.
+/// Time constant of the FLIP-PIC blend, in cell transits of sound. Without it, contacts that open and close on balls at rest keep the
+/// particles vibrating, and finally gain energy.
 const MEMORY: f64 = 5.0;
 
 /// Are the balls kept apart?
@@ -40,7 +40,7 @@ pub enum Switch {
     Off,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     /// Balls along each edge of the pack.
@@ -48,7 +48,7 @@ pub struct Setup {
     pub contact: Switch,
     pub detection: Detection,
     pub friction: f64,
-    /// On the plate from the start, Pa.
+    /// Pressure on the plate from the start, Pa.
     pub pressure: f64,
     pub threads: usize,
 }
@@ -58,38 +58,38 @@ impl Setup {
     pub fn edge(&self) -> f64 {
         f64::from(self.balls) * ALUMINIUM.diameter
     }
-    /// Time of the longitudinal wave through balls and plate as if they were one block, s.
+    /// Return the transit time of the longitudinal wave through balls and plate as one block, s.
     pub fn transit(&self) -> f64 {
         f64::from(self.balls + 1) * ALUMINIUM.diameter / ALUMINIUM.wave_speed()
     }
-    /// End of the run, s.
+    /// Return the end of the run, s.
     pub fn end(&self) -> f64 {
         END * self.transit()
     }
-    /// On the whole plate, N.
+    /// Return the load on the whole plate, N.
     pub fn load(&self) -> f64 {
         self.pressure * self.edge() * self.edge()
     }
 }
 
-/// What came of a run.
+/// Results of a run.
 pub struct Outcome {
     /// Time, s, and reaction of the ground over the load, every step.
     pub reaction: Vec<[f64; 2]>,
     pub snapshots: Vec<Snapshot>,
-    /// Most pairs of bodies that pressed on each other in a step.
+    /// Largest number of body pairs in contact in a step.
     pub faces: usize,
     pub totals: Totals,
 }
 
-/// The contact algorithm.
+/// Return the contact algorithm.
 pub fn contact(setup: &Setup) -> Result<impl ContactAlgorithm<f64, 3> + use<>, CaseError> {
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
     Ok(GridContact::new(setup.detection.detector(Gradients::default())?, laws))
 }
 
-/// The pack in its container, five planes that nothing crosses, under the plate. (Walls that only push would let
-/// the outer balls part from them, but gain as much energy as the load brings within 200 microseconds.)
+/// Build the pack in its container of five symmetry planes, under the plate. (Unilateral walls would let the outer balls separate, but gain
+/// as much energy as the load supplies within 200 microseconds.)
 pub fn pack(setup: &Setup, contact: impl ContactAlgorithm<f64, 3>) -> Result<Mpm<3>, CaseError> {
     let (edge, d) = (setup.edge(), ALUMINIUM.diameter);
     let lattice = Lattice::new([0.0; 3], SPACING)?;
@@ -125,12 +125,12 @@ pub fn pack(setup: &Setup, contact: impl ContactAlgorithm<f64, 3>) -> Result<Mpm
     Ok(mpm)
 }
 
-/// Moments of the picture, transits of the longitudinal wave through pack and plate.
+/// Times of the pictures, in transits of the longitudinal wave through pack and plate.
 const MOMENTS: [f64; 6] = [0.5, 1.0, 1.5, 2.5, 4.0, 6.0];
-/// End of a run, likewise.
+/// End of a run, in transits of the longitudinal wave.
 pub const END: f64 = 40.0;
 
-/// Press, with snapshots at [`MOMENTS`].
+/// Run the loading, with snapshots at [`MOMENTS`].
 pub fn press(setup: &Setup, files: Option<VtkSeries>, restart: &Restart) -> Result<Outcome, CaseError> {
     match setup.contact {
         Switch::On => run(setup, files, pack(setup, contact(setup)?)?, restart),
@@ -171,7 +171,7 @@ fn run(
     Ok(Outcome { reaction: ground.rows, snapshots, faces: ground.faces, totals })
 }
 
-/// Follows the reaction of the ground: of all planes it alone is across z.
+/// Observer of the reaction of the ground, the only plane normal to z.
 struct Ground {
     pace: Pace,
     load: f64,

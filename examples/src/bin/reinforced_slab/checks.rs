@@ -1,20 +1,20 @@
-//! What decides.
+//! Checks of reinforced slabs.
 
 use examples::{Check, worst};
 
 use crate::scene::Outcome;
 use crate::setup::{DENSITY, Load, Setup};
 
-/// Impulses of some thousand steps, rounded by 1e-16 each; 1e-12 if all fall the same way.
+/// Rounding of 1e-16 per step over some thousand steps; 1e-12 if all errors have the same sign.
 const MOMENTUM: f64 = 1e-12;
 /// Mass of line elements: rounding.
 const MASS: f64 = 1e-12;
-/// Of the largest energy of a run: none may be gained. What is lost is shown.
+/// Tolerance of the energy gain over the largest energy of a run. Losses are shown only.
 const GAIN: f64 = 0.01;
-/// Numbers of particles over those of nodes, asked for.
+/// Required ratio of the numbers of particles and nodes of bars.
 const FEWER: f64 = 20.0;
 
-/// Of slabs with more and more steel, the first with none.
+/// Check slabs of increasing reinforcement, the first without bars.
 pub fn of_series(outcomes: &[Outcome]) -> Vec<Check> {
     let mut found = Vec::new();
     if let Some(plain) = outcomes.first() {
@@ -62,7 +62,7 @@ pub fn of_series(outcomes: &[Outcome]) -> Vec<Check> {
     found
 }
 
-/// Of a slab without bars, with lines and with bars of particles.
+/// Compare a slab without bars, with line elements and with bars of particles.
 pub fn of_comparison(plain: &Outcome, lines: &Outcome, particles: &Outcome) -> Vec<Check> {
     let setup = &lines.setup;
     let name = |what: &str| format!("small slab, {}: {what}", load(setup));
@@ -100,7 +100,7 @@ pub fn of_comparison(plain: &Outcome, lines: &Outcome, particles: &Outcome) -> V
     ]
 }
 
-/// Bars lie on the lattice where the grid resolves them, and do not cross.
+/// Tolerance of the mass: resolved bars are on the lattice, and do not cross.
 const MASS_OF_PARTICLES: f64 = 1e-9;
 
 fn value(outcome: &Outcome) -> f64 {
@@ -124,7 +124,7 @@ fn load(setup: &Setup) -> &'static str {
     }
 }
 
-/// The slab in words.
+/// Describe the slab in words.
 pub fn words(setup: &Setup) -> String {
     let load = match setup.load {
         Load::Rod => format!("{:.0} m/s", setup.speed),
@@ -137,7 +137,7 @@ pub fn words(setup: &Setup) -> String {
     }
 }
 
-/// Of all runs.
+/// Check conservation in all runs.
 pub fn of_books(outcomes: &[&Outcome]) -> Vec<Check> {
     let gained = outcomes.iter().map(|o| o.gained).fold(0.0, f64::max);
     let lost = outcomes.iter().map(|o| -o.totals.energy_error).fold(0.0, f64::max);

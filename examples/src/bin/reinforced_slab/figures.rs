@@ -12,17 +12,17 @@ use crate::checks::words;
 use crate::scene::Outcome;
 use crate::setup::{Bars, Load, ROD, Setup};
 
-/// Where a particle is drawn, if it is.
+/// Projection of a particle position to the drawing plane; `None` to omit it.
 type Flat<'a> = &'a dyn Fn([f64; 3]) -> Option<[f64; 3]>;
 
-/// Damage in the section between two bars next to the axis, on the front and on the back, of each slab.
+/// Draw the damage of each slab: in the section between two bars next to the axis, on the front and on the back.
 pub fn damage(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(3);
     for outcome in outcomes {
         let setup = &outcome.setup;
         let [half, thickness] = setup.slab;
         let h = setup.cell();
-        // What flew off is left out.
+        // Ejected matter is omitted.
         let near = move |z: f64| z.abs() < 1.5 * thickness;
         let views: [(&str, f64, Flat); 3] = [
             ("section", 0.0, &|[x, y, z]| (y < 0.5 * h).then_some([x, z, 0.0])),
@@ -46,7 +46,7 @@ pub fn damage(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Bars as they lie before, seen along z.
+/// Return the initial bars as seen along z.
 fn bars(setup: &Setup, view: usize) -> Vec<[[f64; 2]; 2]> {
     if view == 0 {
         return Vec::new();
@@ -63,12 +63,12 @@ fn field(whole: bool) -> FieldPicture {
     FieldPicture::new(420, 400).colour_by(damage).mirrored(mirrors)
 }
 
-/// The particles that `flat` keeps, where it puts them: all, or those that are highest along `upward`; steel has no damage.
+/// Project the particles kept by `flat`: all, or the highest ones along `upward`; steel has no damage.
 fn section(outcome: &Outcome, upward: f64, flat: Flat) -> Result<Snapshot, OutputError> {
     let snapshot = &outcome.snapshot;
     let (places, bodies, damage) = (snapshot.positions(), snapshot.bodies(), snapshot.scalar("damage")?);
     let value = |n: usize| if bodies[n] == 0 { damage[n] } else { f64::NAN };
-    // Where something is seen from above or below, the highest or lowest in each column as wide as a particle.
+    // In views along z, the highest or lowest particle in each column of particle width.
     let width = 0.5 * outcome.setup.cell();
     let mut seen: BTreeMap<[i64; 3], usize> = BTreeMap::new();
     for n in 0..snapshot.len() {
@@ -86,7 +86,7 @@ fn section(outcome: &Outcome, upward: f64, flat: Flat) -> Result<Snapshot, Outpu
     Snapshot::new(2, snapshot.time(), snapshot.step(), places, size)?.with_scalar("damage", values)
 }
 
-/// Speed of the rod over its depth, or the deflection over time.
+/// Draw the speed of the rod over its depth, or the deflection over time.
 pub fn histories(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     let rod = outcomes.first().is_some_and(|o| o.setup.load == Load::Rod);
     let mut chart = if rod {

@@ -1,5 +1,5 @@
-//! A slab of concrete with bars of steel, hit by an ogive rod or by a blast: what the bars hold back, as line elements within the particles of
-//! the slab (HFEMP); and on a small slab the same bars as particles.
+//! Reinforced concrete slab under impact of an ogive rod or under blast: effect of the steel bars, as line elements embedded in the
+//! particles of the slab (HFEMP); and on a small slab the same bars as particles.
 
 mod checks;
 mod figures;
@@ -64,9 +64,9 @@ struct Options {
     frames: bool,
 }
 
-/// Half the edge and thickness of the small slab that a rod or a blast hits, m, and half the edge of the square that the blast acts on, m.
+/// Half edge and thickness of the small slab under rod or blast, m, and half edge of the blast square, m.
 const SMALL: [([f64; 2], f64); 2] = [([0.1, 0.1], 0.1), ([0.125, 0.06], 0.05)];
-/// Section of its bars, m^2, and their width, m.
+/// Section of the small slab's bars, m^2, and their width, m.
 const BARS: [f64; 2] = [1e-4, 1e-2];
 
 fn main() -> ExitCode {
@@ -107,7 +107,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         found.extend(checks::of_series(&series));
 
         all.extend(series);
-        // So coarse a rod and bars of one cell say nothing of each other.
+        // A rod this coarse and bars of one cell are not comparable.
         if load == Load::Rod && common.resolution == Resolution::Smoke {
             continue;
         }

@@ -1,8 +1,7 @@
-//! Slab, bars, rod and the run.
+//! Scene and run.
 //!
-//! The slab is normal to z and lies at -thickness < z < 0; the rod comes from above along -z. A quarter is computed, x > 0 and y > 0; the
-//! edges are free. Bars are elements within the particles of the slab, or particles of steel in one velocity field with them: both are
-//! bonded perfectly.
+//! The slab is normal to z, -thickness < z < 0; the rod moves along -z. The model is a quarter, x > 0 and y > 0; the edges are free. Bars
+//! are elements embedded in the particles of the slab, or particles of steel in one velocity field with them: both are bonded perfectly.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -23,68 +22,68 @@ use mpm_materials::{J2, LinearElastic, LogarithmicBulk, Moduli, Solid, library};
 
 use crate::setup::{Bars, DENSITY, Load, MASS, POISSON, ROD, Setup, YIELD, YOUNG};
 
-/// Between two rows of a history, s.
+/// Interval between two rows of a history, s.
 const HISTORY: f64 = 5.0e-6;
-/// Edge of the elements of the rod, m.
+/// Edge of the rod's elements, m.
 const EDGE: f64 = 5.0e-3;
-/// How long a slab under a blast is followed, s.
+/// Simulated time of a slab under blast, s.
 const BLAST: f64 = 1.0e-3;
 
-/// A row of a history.
+/// Row of a history.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     pub time: f64,
     /// Speed of the rod into the slab, m/s.
     pub speed: f64,
-    /// How far its tip is below the front of the slab, m.
+    /// Depth of the rod's tip below the front of the slab, m.
     pub depth: f64,
-    /// How far the middle of the back is behind its edge, m.
+    /// Deflection of the middle of the back relative to its edge, m.
     pub deflection: f64,
     /// Internal energy of bars and of the slab, J.
     pub internal: [f64; 2],
-    /// Part of the slab that is fully damaged.
+    /// Fraction of the slab that is fully damaged.
     pub damaged: f64,
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
     pub snapshot: Snapshot,
-    /// Did the rod come through?
+    /// True if the rod perforated the slab.
     pub through: bool,
-    /// Nodes of bars, or particles of steel.
+    /// Number of nodes of bars, or of particles of steel.
     pub points: usize,
     /// Mass of the bars, kg.
     pub mass: f64,
-    /// Energy ever gained, of the largest of the run.
+    /// Largest energy gain over the largest energy of the run.
     pub gained: f64,
     pub totals: Totals,
 }
 
 impl Outcome {
-    /// The last row.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
-    /// Speed behind the slab, m/s; 0 of a rod that stayed in it.
+    /// Return the residual speed, m/s; 0 if the rod stuck.
     pub fn residual(&self) -> f64 {
         if self.through { self.last().speed } else { 0.0 }
     }
-    /// The largest deflection, m.
+    /// Return the largest deflection, m.
     pub fn deflection(&self) -> f64 {
         self.rows.iter().map(|r| r.deflection).fold(0.0, f64::max)
     }
 }
 
-/// Elastic, perfectly plastic, of this density and Young's modulus.
+/// Elastic, perfectly plastic steel with this density and Young's modulus.
 fn steel(density: f64, young: f64) -> Result<Solid<J2<f64>, LogarithmicBulk<f64>>, CaseError> {
     let moduli = [young / (2.0 * (1.0 + POISSON)), young / (3.0 * (1.0 - 2.0 * POISSON))];
     Ok(Solid::new(J2::linear(moduli[0], YIELD, 0.0)?, LogarithmicBulk::new(density, moduli[1])?))
 }
 
-/// Bars as line elements of about a cell.
+/// Mesh the bars by line elements of about a cell.
 fn lines(setup: &Setup) -> ElementMesh<3> {
     let parts = (setup.slab[0] / setup.cell()).round().max(1.0) as usize;
     let (mut nodes, mut links) = (Vec::new(), Vec::new());
@@ -102,7 +101,7 @@ fn lines(setup: &Setup) -> ElementMesh<3> {
     ElementMesh { nodes, blocks: vec![block], ..ElementMesh::default() }
 }
 
-/// Those of these seeds that are in a bar, and those that are not.
+/// Split the seeds into those inside and outside the bars.
 fn parted(setup: &Setup, seeds: &Seeds<3>) -> Result<[Seeds<3>; 2], CaseError> {
     let boxes = setup.boxes()?;
     let part = |inside: bool| {
@@ -114,7 +113,7 @@ fn parted(setup: &Setup, seeds: &Seeds<3>) -> Result<[Seeds<3>; 2], CaseError> {
     Ok([part(true), part(false)])
 }
 
-/// Hit the slab.
+/// Run the impact or blast.
 pub fn hit(
     setup: &Setup,
     files: Option<&Path>,
@@ -149,7 +148,7 @@ pub fn hit(
         mass = bars.measure() * DENSITY[1];
         mpm.add("bars", steel(DENSITY[1], YOUNG[1])?, &bars, |_| [0.0; 3])?;
     } else if setup.section > 0.0 {
-        // Concrete stays where they are: they have what steel has more.
+        // The concrete is not removed at the bars: their law has the difference of the constants of steel and concrete.
         let mesh = lines(setup);
         points = mesh.nodes.len();
         let mut fem = Fem::new(FullSpace);
@@ -211,7 +210,7 @@ fn run(
     middle.sort_unstable();
     edge.sort_unstable();
     let lists = [middle, edge];
-    // As it is before the run, which one that is resumed does not see.
+    // State at rest, which a resumed run does not see again.
     let start = look(&Solver::bodies(&mpm), &lists);
     let pace = Pace::interval(HISTORY)?;
     let mut history = HistoryCsv::create(path, columns, pace, move |now: &RunView<'_>| {
@@ -227,7 +226,7 @@ fn run(
     }
     let mut simulation = restart.scene(setup.name())?;
     let out = thickness + ROD.nose() + 0.5 * ROD.length;
-    // A rod that is still in the slab after five times as long as at full speed stays there.
+    // A rod still in the slab after five times the undecelerated transit time counts as stuck.
     let ends: Vec<f64> = match setup.load {
         Load::Rod => (0..80).map(|n| out / setup.speed * (1.0 + 0.05 * f64::from(n))).collect(),
         Load::Blast => vec![BLAST],
@@ -258,8 +257,8 @@ fn run(
     Ok(Outcome { setup: *setup, rows, snapshot, through, points, mass, gained, totals })
 }
 
-/// The most energy ever gained, of the largest there was in the end: the ledger has it of the largest until then, which is next to nothing when a
-/// load begins.
+/// Return the largest energy gain over the largest energy so far. The error in the ledger is relative to the largest energy at that time,
+/// which is close to zero when a load begins.
 fn gained(entries: &[LedgerEntry]) -> f64 {
     let (mut scale, mut most): (f64, f64) = (0.0, 0.0);
     for entry in entries {
@@ -269,19 +268,19 @@ fn gained(entries: &[LedgerEntry]) -> f64 {
     most / scale
 }
 
-/// The bodies at a moment.
+/// Quantities of the bodies at one time.
 struct Looked {
     /// Height of the centre of the rod, m, and its speed downwards, m/s.
     rod: [f64; 2],
-    /// How far the middle of the back is below its edge, m.
+    /// Depth of the middle of the back below its edge, m.
     sunk: f64,
     /// Internal energy of bars and slab, J.
     internal: [f64; 2],
-    /// Part of the slab that is fully damaged.
+    /// Fraction of the slab that is fully damaged.
     damaged: f64,
 }
 
-/// Look at rod, bars and slab, of which two lists of particles, sorted, are the middle and the edge of its back.
+/// Evaluate rod, bars and slab. The two sorted lists of particles are the middle and the edge of the back of the slab.
 fn look(bodies: &[&dyn Body], lists: &[Vec<usize>; 2]) -> Looked {
     let (mut rod, mut sums, mut whole, mut internal) = ([0.0; 3], [[0.0; 2]; 2], [0.0; 2], [0.0; 2]);
     for body in bodies {

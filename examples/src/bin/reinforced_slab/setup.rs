@@ -1,11 +1,11 @@
-//! Sizes, and what to run.
+//! Geometry and parameters.
 
 use clap::ValueEnum;
 use examples::Ogive;
 use mpm_core::geometry::Cuboid;
 use serde::Serialize;
 
-/// The rod: that of `concrete_perforation`.
+/// Geometry of the rod, that of `concrete_perforation`.
 pub const ROD: Ogive = Ogive { diameter: 25.4e-3, length: 143.7e-3, crh: 3.0 };
 /// Mass of the whole rod, kg.
 pub const MASS: f64 = 0.50;
@@ -17,7 +17,8 @@ pub const YOUNG: [f64; 2] = [34e9, 200e9];
 pub const POISSON: f64 = 0.3;
 /// Yield stress of the bars, Pa.
 pub const YIELD: f64 = 500e6;
-/// From either face of the slab to the middle of the bars along x; those along y lie further in by the width of one of 1 cm^2, m.
+/// Concrete cover: distance from either face of the slab to the centre of the bars along x; and the offset of the bars along y further
+/// inside, the width of a bar of 1 cm^2, m.
 const COVER: [f64; 2] = [15e-3, 10e-3];
 
 /// What hits the slab.
@@ -30,34 +31,34 @@ pub enum Load {
     Blast,
 }
 
-/// How bars are computed.
+/// Discretisation of bars.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Bars {
-    /// Line elements within the particles of the slab.
+    /// Line elements embedded in the particles of the slab.
     Lines,
     /// Particles of steel in place of concrete.
     Particles,
 }
 
-/// What to run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub load: Load,
     pub bars: Bars,
     /// Impact speed, m/s.
     pub speed: f64,
-    /// Of the blast: pressure, Pa, how long, s, and half the edge of the square, m.
+    /// Blast: pressure, Pa, duration, s, and half edge of the square, m.
     pub blast: [f64; 3],
-    /// Section of a bar, m^2; 0: none.
+    /// Section of a bar, m^2; 0 for no bars.
     pub section: f64,
-    /// From bar to bar, m.
+    /// Spacing of bars, m.
     pub spacing: f64,
-    /// Half the edge of the slab, and its thickness, m.
+    /// Half edge of the slab, and its thickness, m.
     pub slab: [f64; 2],
     /// Cells through the slab.
     pub cells: u32,
-    /// Of the time step.
+    /// Factor of the time step.
     pub factor: f64,
     pub threads: usize,
 }
@@ -67,7 +68,7 @@ impl Setup {
     pub fn cell(&self) -> f64 {
         self.slab[1] / f64::from(self.cells)
     }
-    /// Middles of the bars of the quarter: along x or y, and the place across, y or x, and height, m.
+    /// Return the centre lines of the bars of the quarter: axis x or y, position along the other one, and height, m.
     pub fn bars(&self) -> Vec<(usize, [f64; 2])> {
         if self.section == 0.0 {
             return Vec::new();
@@ -80,7 +81,7 @@ impl Setup {
             [(0, -cover), (1, -cover - width), (0, cover - thickness), (1, cover + width - thickness)];
         across.flat_map(|y| layers.map(|(axis, z)| (axis, [y, z]))).collect()
     }
-    /// The same bars as square ones.
+    /// Return the bars as square boxes.
     pub fn boxes(&self) -> Result<Vec<Cuboid<3>>, mpm_core::geometry::GeometryError> {
         let d = 0.5 * self.section.sqrt();
         let of = |(axis, [y, z]): (usize, [f64; 2])| {
@@ -90,15 +91,15 @@ impl Setup {
         };
         self.bars().into_iter().map(of).collect()
     }
-    /// Mass of the bars of the quarter, kg, with this density, kg/m^3.
+    /// Return the mass of the bars of the quarter, kg, with this density, kg/m^3.
     pub fn bars_mass(&self, density: f64) -> f64 {
         self.bars().len() as f64 * self.slab[0] * self.section * density
     }
-    /// Kinetic energy of a quarter of the rod before the impact, J.
+    /// Return the kinetic energy of a quarter of the rod before impact, J.
     pub fn energy(&self) -> f64 {
         0.125 * MASS * self.speed * self.speed
     }
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(&self) -> String {
         let load = match self.load {
             Load::Rod => format!("rod_{:.0}", self.speed),

@@ -1,20 +1,20 @@
-//! What the runs should show.
+//! Checks of ring collisions.
 
 use examples::{Check, Detection, case};
 
 use crate::scene::Outcome;
 use crate::setup::{Kernel, Scheme, Seeding};
 
-/// Surfaces meet within this many cells of each other.
+/// Tolerance of the gap between surfaces in contact, in cells.
 const GAP_TOLERANCE: f64 = 0.1;
-/// What is about a cell, in cells.
+/// Lower bound of a gap of about one cell, in cells.
 const ABOUT_A_CELL: f64 = 0.9;
 
 const TORN: &str = "linear shape functions with USF tear the rings by any test of contact, so that on fine grids they pass through each other";
 const CANCELS: &str = "every impact loses some per cent that do not depend on the step; the old test gains the more the longer the step \
      is, and somewhere both cancel";
 
-/// Where the surfaces of one run meet, and what came of it.
+/// Check the gap between the surfaces of one run, and its results.
 pub fn closely(outcome: &Outcome) -> Vec<Check> {
     let setup = &outcome.setup;
     let method = [setup.kernel.name(), setup.scheme.name(), setup.detection.name()].join(" ");
@@ -54,12 +54,11 @@ pub fn closely(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// The energy errors of the distance test against those of the old one, for one method.
+/// Compare the energy errors of the distance test with those of the old test, for one method.
 ///
-/// Ma 2010 plots "error" over the time factor and does not say of what. What decides here is what the step does
-/// to the energy at the end: its change against the run with the smallest factor. The whole change cannot decide:
-/// every impact loses some per cent that do not depend on the step, the old test gains the more the longer the
-/// step is, and somewhere both cancel.
+/// Ma 2010 plots "error" over the time factor without a definition. The check uses the effect of the step on the final energy: its change
+/// against the run with the smallest factor. The total change is unsuitable: every impact loses some per cent independently of the step,
+/// the old test gains more for longer steps, and both cancel at some step.
 pub fn curves(sweep: &[Outcome], (kernel, scheme): (Kernel, Scheme)) -> Vec<Check> {
     let of = |detection: Detection| {
         let is = move |o: &&Outcome| {
@@ -78,7 +77,7 @@ pub fn curves(sweep: &[Outcome], (kernel, scheme): (Kernel, Scheme)) -> Vec<Chec
         |worse: &dyn Fn(&Outcome, &Outcome) -> bool| pairs.iter().filter(|p| worse(p.0, p.1)).count() as f64;
     let method = format!("{} {}", kernel.name(), scheme.name());
     let name = |what: &str| format!("{method}: of {} time factors, {what}", pairs.len());
-    // Runs that stopped have an infinite error.
+    // Stopped runs have an infinite error.
     let step = count(&|new, o| (new.error - base.error).abs() > (o.error - old_base.error).abs());
     let gain = count(&|new, o| new.rise > o.rise);
     let whole = count(&|new, o| new.error.abs() > o.error.abs());
@@ -86,12 +85,12 @@ pub fn curves(sweep: &[Outcome], (kernel, scheme): (Kernel, Scheme)) -> Vec<Chec
     let source = "smaller error and better convergence, Ma 2010";
     let none = |what: &str, count: f64| Check::at_most(name(what), count, "-", 0.0, source);
     let torn = |check: Check| {
-        // It takes long steps to tear them with cells of 2 mm.
+        // Only long steps tear the rings with cells of 2 mm.
         let torn = (kernel, scheme) == (Kernel::Linear, Scheme::Usf);
         if torn { check.known_miss(TORN) } else { check }
     };
     let whole = none("the whole change of energy is larger with the distance test at", whole);
-    // With MUSL not at the one factor of smoke.
+    // Not with MUSL at the single factor of smoke.
     let cancels = scheme == Scheme::Usf || pairs.len() > 1;
     vec![
         none("the step changes the energy more with the distance test at", step),
@@ -101,7 +100,7 @@ pub fn curves(sweep: &[Outcome], (kernel, scheme): (Kernel, Scheme)) -> Vec<Chec
     ]
 }
 
-/// Errors over factors.
+/// Format the errors over the factors.
 pub fn table(sweep: &[Outcome]) -> String {
     let head = [
         "shape",

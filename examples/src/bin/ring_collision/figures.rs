@@ -13,7 +13,7 @@ use crate::scene::{Outcome, PICTURES};
 use crate::setup::{Kernel, Scheme};
 use crate::watch::Row;
 
-/// A panel each.
+/// Method of each panel.
 const METHODS: [(Kernel, Scheme); 4] = [
     (Kernel::Linear, Scheme::Usf),
     (Kernel::Linear, Scheme::Musl),
@@ -21,7 +21,7 @@ const METHODS: [(Kernel, Scheme); 4] = [
     (Kernel::Cpgimp, Scheme::Musl),
 ];
 
-/// Write and draw what was looked at closely, and the energy errors of the sweep.
+/// Write and draw the detailed runs, and the energy errors of the sweep.
 pub fn draw(close: &[Outcome], sweep: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     for outcome in close {
         write_rows(outcome, &folder.join(format!("history_{}.csv", outcome.setup.name())))?;
@@ -59,7 +59,7 @@ fn label(outcome: &Outcome) -> String {
     format!("{}, cell {} mm", outcome.setup.detection.name(), 1e3 * outcome.setup.cell)
 }
 
-/// A panel for each scheme, a curve for each detection and cell.
+/// Draw a panel per scheme, a curve per detection and cell.
 fn over_time(
     close: &[Outcome],
     what: &str,
@@ -92,7 +92,7 @@ fn over_time(
     Ok(panels.compose()?)
 }
 
-/// Change of the energy over the time factor. What stopped is left out; what is beyond the frame, too.
+/// Draw the change of the energy over the time factor. Stopped runs and values beyond the frame are omitted.
 fn errors(sweep: &[Outcome]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(2).title("Two rings: energy lost (below 0) or gained by the end");
     for (kernel, scheme) in METHODS {
@@ -146,7 +146,7 @@ fn write_sweep(sweep: &[Outcome], path: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// The outcomes of the last scheme at the coarsest cell, one a detection.
+/// Return the outcomes of the last scheme at the coarsest cell, one per detection.
 fn shown(close: &[Outcome]) -> Vec<&Outcome> {
     let Some(last) = close.last().map(|o| o.setup) else { return Vec::new() };
     let same = |o: &&Outcome| {
@@ -159,7 +159,7 @@ fn pressure() -> Quantity {
     Quantity::scalar("pressure").unit("MPa", 1e-6).range(-2.0e6, 2.0e6).map(ColourMap::CoolWarm)
 }
 
-/// A row of pictures for each detection.
+/// Draw a row of pictures per detection.
 fn rings(close: &[Outcome]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(PICTURES.len()).title("Two rings, 30 m/s each: pressure");
     for outcome in shown(close) {
@@ -174,7 +174,7 @@ fn rings(close: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// The place of contact from near, at the third of the moments.
+/// Draw a close-up of the contact zone at the third time.
 fn closeup(close: &[Outcome]) -> Result<Picture, CaseError> {
     let all = shown(close);
     let mut panels = Panels::new(all.len().max(1)).title("Two rings pressed together, from near");

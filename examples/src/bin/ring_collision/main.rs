@@ -1,6 +1,6 @@
-//! Two elastic rings collide at 60 m/s (Ma 2010): where contact is detected decides whether their surfaces meet.
-//! Closest approach of the surfaces over time, energy error over the time step, rebound, contact force; USF and
-//! MUSL, the test of approach against the distance of the surfaces.
+//! Collision of two elastic rings at 60 m/s (Ma 2010): the location of contact detection decides whether their surfaces touch. Closest
+//! approach of the surfaces over time, energy error over the time step, rebound, contact force; USF and MUSL, the approach test against the
+//! distance of the surfaces.
 
 mod checks;
 mod figures;
@@ -133,7 +133,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         .finish(&options.common, &folder)
 }
 
-/// The runs that are looked at closely, and those over the time factor at the coarsest cell, in order of factors.
+/// Run the detailed runs, and those over the time factor at the coarsest cell, in order of factors.
 fn collide(
     options: &Options,
     folder: &Path,
@@ -146,7 +146,7 @@ fn collide(
             setups.push((options.setup(method, cell, options.factor), Look::Closely));
         }
     }
-    // The finest first, so that no worker is left with it.
+    // Finest first for load balance.
     setups.reverse();
     for factor in options.factors() {
         for &method in &methods {

@@ -1,4 +1,4 @@
-//! The rings and the run.
+//! Scene and run.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -21,7 +21,7 @@ use crate::watch::{Look, Row, Watch, velocities};
 
 /// Inner radius of the rings, m.
 pub const INNER: f64 = 30.0e-3;
-/// Outer radius, m.
+/// Outer radius of the rings, m.
 pub const OUTER: f64 = 40.0e-3;
 /// Thickness of the rings, m: plane strain is per metre.
 pub const THICKNESS: f64 = 10.0e-3;
@@ -30,16 +30,16 @@ pub const SPEED: f64 = 30.0;
 /// Bulk and shear modulus, Pa; density, kg/m^3.
 const MODULI: [f64; 2] = [121.7e6, 26.1e6];
 const DENSITY: f64 = 1010.0;
-/// Distance of the rings at the start, m.
+/// Initial gap between the rings, m.
 pub const GAP: f64 = 20.0e-3;
 /// End of the run, s.
 pub const END: f64 = 3.5e-3;
-/// A run with this many times its energy has gone wrong.
+/// Energy over its initial value above which a run is stopped.
 pub const TOO_MUCH: f64 = 3.0;
 /// Times of the pictures, s.
 pub const PICTURES: [f64; 4] = [0.0, 0.6e-3, 1.2e-3, 3.0e-3];
 
-/// A ring about `centre`, seeded `particle` metres apart.
+/// Seed a ring about `centre` with particles of size `particle`, m.
 fn ring(
     centre: [f64; 2],
     particle: f64,
@@ -65,47 +65,47 @@ fn ring(
     Ok(Seeds::placed(positions, volumes, [0.5 * depth; 2]))
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
-    /// Closest approach that the first step with contact found, m; NaN without contact.
+    /// Closest approach at the start of the first step with contact, m; NaN without contact.
     pub onset: f64,
-    /// First and last step with contact end at, s.
+    /// End times of the first and last step with contact, s.
     pub contact: [f64; 2],
     pub snapshots: Vec<Snapshot>,
-    /// Change of kinetic and internal energy at the end, over that of the start. What friction took counts as lost.
+    /// Change of kinetic and internal energy at the end, over the initial energy. Frictional work counts as lost.
     pub error: f64,
-    /// Largest rise of the energy above the start, likewise.
+    /// Largest rise of the energy above the initial one, over the initial energy.
     pub rise: f64,
-    /// Work of friction by the ledger, likewise.
+    /// Work of friction by the ledger, over the initial energy.
     pub friction: f64,
-    /// Did the run stop early: more than [`TOO_MUCH`] times the energy, or a broken particle?
+    /// Reason for an early stop: more than [`TOO_MUCH`] times the energy, or a failed particle.
     pub stopped: Option<String>,
-    /// Speed of the rings away from each other at the end over that at the start.
+    /// Relative velocity of the rings at the end over that at impact (coefficient of restitution).
     pub rebound: f64,
     pub totals: Totals,
 }
 
 impl Outcome {
-    /// Mean closest approach while the rings press on each other, weighed by force, m.
+    /// Return the force-weighted mean of the closest approach during contact, m.
     pub fn pressed(&self) -> f64 {
         let sum = |of: fn(&Row) -> f64| self.rows.iter().map(of).sum::<f64>();
         sum(|r| r.force * r.gap) / sum(|r| r.force)
     }
-    /// Smallest closest approach, m.
+    /// Return the smallest closest approach, m.
     pub fn least(&self) -> f64 {
         self.rows.iter().map(|r| r.gap).fold(f64::INFINITY, f64::min)
     }
-    /// The largest force of contact, N.
+    /// Return the largest contact force, N.
     pub fn most_force(&self) -> f64 {
         self.rows.iter().map(|r| r.force).fold(0.0, f64::max)
     }
 }
 
-/// Let many pairs of rings collide, `workers` at a time: each has too few particles for more than one thread. Runs that
-/// are looked at closely leave a ParaView series in `folder`.
+/// Run many pairs of rings, `workers` at a time: each has too few particles for several threads. Detailed runs write a ParaView series to
+/// `folder`.
 pub fn collide_all(
     setups: &[(Setup, Look)],
     folder: &Path,
@@ -136,7 +136,7 @@ pub fn collide_all(
     Ok(ordered)
 }
 
-/// Let the rings collide.
+/// Run the collision of one pair of rings.
 fn collide(setup: &Setup, look: Look, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let method = match (setup.kernel, setup.scheme) {
         (Kernel::Linear, Scheme::Usf) => methods::linear_usf(),
@@ -144,7 +144,7 @@ fn collide(setup: &Setup, look: Look, folder: &Path, restart: &Restart) -> Resul
         (Kernel::Cpgimp, Scheme::Usf) => methods::cpgimp_usf(),
         (Kernel::Cpgimp, Scheme::Musl) => Method::new(CpGimp, Flip, Musl, PlaneStrain).into_kernels(),
     };
-    // All that tells it from the other runs.
+    // Label unique among all runs.
     let label = format!("{}_{}_{}", setup.name(), setup.factor, look.name());
     run(setup, (look, folder), method, restart.scene(label)?)
 }

@@ -1,4 +1,4 @@
-//! What a run may be made of, by name.
+//! Parameters of a run, by name.
 
 use clap::ValueEnum;
 use examples::{Detection, Law};
@@ -37,7 +37,7 @@ pub enum Kernel {
 macro_rules! names {
     ($($type:ty),*) => {$(
         impl $type {
-            /// As on the command line.
+            /// Return the name on the command line.
             pub fn name(self) -> String {
                 self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
             }
@@ -46,7 +46,7 @@ macro_rules! names {
 }
 names!(Scheme, Kernel);
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub seeding: Seeding,
@@ -57,14 +57,14 @@ pub struct Setup {
     /// Cell size, m; particles are half as far apart.
     pub cell: f64,
     pub friction: f64,
-    /// Distance of the centres across the flight, m.
+    /// Offset of the centres normal to the direction of flight, m.
     pub offset: f64,
-    /// Time step over h / (c + |v|).
+    /// Time factor: time step over h / (c + |v|).
     pub factor: f64,
 }
 
 impl Setup {
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(&self) -> String {
         let [kernel, scheme] = [self.kernel.name(), self.scheme.name()];
         format!("{kernel}_{scheme}_{}_{:.0}um", self.detection.name(), 1e6 * self.cell)

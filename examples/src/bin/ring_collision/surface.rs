@@ -1,9 +1,8 @@
-//! The outer surface of a ring, and how close two of them are.
+//! Outer surface of a ring, and closest approach of two surfaces.
 //!
-//! Particles sit inside the matter. But each knows where it started, where the surface was a circle, and how it is
-//! deformed: the point of the surface next to a particle is x + F (X_s - X), with X_s the point of the circle in
-//! the direction of X. The points of one ring in order of angle make a polygon; the closest approach is the
-//! smallest distance of a point of one polygon from the other, negative where it is inside.
+//! Particles are inside the matter. The surface point next to a particle, x + F (X_s - X), follows from its initial position X, its
+//! deformation gradient F and the point X_s of the initial circle in the direction of X. The points of one ring in order of angle form a
+//! polygon; the closest approach is the smallest distance of a point of one polygon from the other, negative for penetration.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,24 +11,23 @@ use mpm_core::geometry::Seeds;
 
 use crate::scene::OUTER;
 
-/// The particles of a ring that make its surface on the side of the other ring.
+/// Surface particles of a ring on the side of the other ring.
 #[derive(Clone, Debug)]
 pub struct Surface {
-    /// For each particle: its place in the polygon and the way from it to the circle in the undeformed ring, m.
+    /// For each particle: index in the polygon, and vector from it to the circle in the undeformed ring, m.
     next_to: Vec<Option<(usize, [f64; 2])>>,
     length: usize,
 }
 
 impl Surface {
-    /// The half of a ring about `centre` (m) in the direction `side` (+1 or -1) along x, seeded `particle` metres
-    /// apart.
+    /// Select the half of a ring about `centre` (m) in the direction `side` (+1 or -1) along x, with particles of size `particle`, m.
     pub fn new(seeds: &Seeds<2>, centre: [f64; 2], side: f64, particle: f64) -> Surface {
         let mut angles: Vec<(f64, usize)> = Vec::new();
         let mut next_to = vec![None; seeds.len()];
         for (number, x) in seeds.positions.iter().enumerate() {
             let [u, v] = [x[0] - centre[0], x[1] - centre[1]];
             let radius = u.hypot(v);
-            // Outwards is to the right of the polygon's direction for both rings.
+            // The outside is to the right of the polygon's direction for both rings.
             let angle = side * v.atan2(side * u);
             if radius > OUTER - particle && angle.abs() < FRAC_PI_2 {
                 let out = OUTER / radius - 1.0;
@@ -46,7 +44,7 @@ impl Surface {
         Surface { next_to, length: angles.len() }
     }
 
-    /// The polygon now, m. `body` keeps its deformation gradient.
+    /// Return the current polygon, m. `body` stores its deformation gradient.
     pub fn now(&self, body: &dyn Body) -> Vec<[f64; 2]> {
         let names = body.state_names();
         let at = |name: &str| names.iter().position(|n| n == name);
@@ -62,7 +60,7 @@ impl Surface {
     }
 }
 
-/// The smallest signed distance between two polygons that have their outside on the right, m.
+/// Return the smallest signed distance between two polygons whose outside is on the right, m.
 pub fn closest(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     let least = |points: &[[f64; 2]], line: &[[f64; 2]]| {
         points.iter().map(|p| distance(p, line)).fold(f64::INFINITY, f64::min)
@@ -70,7 +68,7 @@ pub fn closest(a: &[[f64; 2]], b: &[[f64; 2]]) -> f64 {
     least(a, b).min(least(b, a))
 }
 
-/// The signed distance of a point from a polygon, m.
+/// Return the signed distance of a point from a polygon, m.
 fn distance(p: &[f64; 2], line: &[[f64; 2]]) -> f64 {
     let (mut least, mut sign) = (f64::INFINITY, 1.0);
     for edge in line.windows(2) {
@@ -92,7 +90,7 @@ mod tests {
 
     #[test]
     fn outside_is_positive_and_inside_negative() {
-        // Two arcs of the unit circle that face each other, along x.
+        // Two arcs of the unit circle that face each other along x.
         let arc = |centre: f64, side: f64| -> Vec<[f64; 2]> {
             let at = |a: f64| [centre + side * a.cos(), side * a.sin()];
             (-150..=150).map(|i| at(0.01 * f64::from(i))).collect()

@@ -1,4 +1,4 @@
-//! What is seen of a run: surfaces, force, energy.
+//! Observer of a run: surfaces, force, energy.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::output::Snapshot;
@@ -7,24 +7,24 @@ use mpm_core::{Archive, CheckpointError};
 use crate::scene::{GAP, PICTURES, THICKNESS, TOO_MUCH};
 use crate::surface::{Surface, closest};
 
-/// A moment of a run.
+/// State of a run at one time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// Closest approach of the surfaces, m.
     pub gap: f64,
-    /// Force of contact on the right ring over the last interval, N.
+    /// Contact force on the right ring, mean of the last interval, N.
     pub force: f64,
     /// Velocity of the centre of mass of either ring, m/s.
     pub velocity: [f64; 2],
-    /// J.
+    /// Kinetic energy, J.
     pub kinetic: f64,
-    /// J.
+    /// Internal energy, J.
     pub internal: f64,
 }
 
-/// How much of a run to look at.
+/// Level of detail of the observer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Look {
     /// Surfaces, contact, pictures.
@@ -34,7 +34,7 @@ pub enum Look {
 }
 
 impl Look {
-    /// In names of files.
+    /// Return the name in file names.
     pub fn name(self) -> &'static str {
         match self {
             Look::Closely => "closely",
@@ -43,33 +43,33 @@ impl Look {
     }
 }
 
-/// Velocities of the centres of mass along x, m/s.
+/// Return the velocities of the centres of mass along x, m/s.
 pub fn velocities(now: &RunView<'_>) -> [f64; 2] {
     let of = |n: usize| now.bodies().get(n).map(|b| b.totals()).map_or(f64::NAN, |t| t.momentum[0] / t.mass);
     [of(0), of(1)]
 }
 
-/// Looks at the contact in every step, and at the surfaces when they are about to touch; else now and then.
+/// Observer of contact in every step and of the surfaces: frequent shortly before contact, otherwise occasional.
 pub struct Watch {
     pace: Pace,
     look: Look,
     surfaces: Vec<Surface>,
-    /// What was seen.
+    /// Recorded states.
     pub rows: Vec<Row>,
-    /// At the times of the pictures.
+    /// Snapshots at the times of the pictures.
     pub snapshots: Vec<Snapshot>,
     /// Closest approach at the start of the first step with contact, m; NaN without contact.
     pub onset: f64,
     /// End of the first and of the last step with contact, s.
     pub contact: [f64; 2],
-    /// The last closest approach, m.
+    /// Last closest approach, m.
     gap: f64,
-    /// Kinetic and internal energy at the start, J/m.
+    /// Initial kinetic and internal energy, J/m.
     energy: Option<f64>,
 }
 
 impl Watch {
-    /// Look at the surfaces of the left and the right ring.
+    /// Create the observer of the surfaces of the left and the right ring.
     pub fn new(surfaces: Vec<Surface>, look: Look) -> Result<Watch, ObserveError> {
         Ok(Watch {
             pace: if look == Look::Closely { Pace::every_step() } else { Pace::steps(20)? },
@@ -93,7 +93,7 @@ impl Watch {
         }
     }
 
-    /// Note a step with contact; the step found it where the rings were at its start.
+    /// Record a step with contact; detection used the positions at the start of the step.
     fn note_contact(&mut self, now: &RunView<'_>) {
         if self.onset.is_nan() {
             self.onset = self.gap;

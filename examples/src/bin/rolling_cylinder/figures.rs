@@ -9,10 +9,10 @@ use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 use crate::scene::{LENGTH, Outcome, RADIUS, THICKNESS};
 use crate::{course, errors};
 
-/// Sectors of the cylinder that are coloured by turns.
+/// Number of coloured sectors of the cylinder.
 const SECTORS: f64 = 8.0;
 
-/// The cylinder on its way, a column a coefficient of friction.
+/// Draw the rolling cylinder, one column per coefficient of friction.
 pub fn cylinder(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(outcomes.len().max(1));
     let frames = outcomes.iter().map(|o| o.snapshots.len()).min().unwrap_or(0);
@@ -27,7 +27,7 @@ pub fn cylinder(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// The incline as it stands, the cylinder with sectors that turn with it; in space the cells beside the middle.
+/// Draw the inclined plane, and the cylinder with rotating sectors; in three dimensions the cells beside the middle.
 fn tilted(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, CaseError> {
     let (sine, cosine) = outcome.setup.incline.angle.sin_cos();
     let turn = |[x, y, _]: [f64; 3]| [cosine * x + sine * y, cosine * y - sine * x, 0.0];
@@ -56,7 +56,7 @@ fn tilted(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, CaseError> 
         .draw(&turned)?)
 }
 
-/// Way and spin over time.
+/// Draw distance and spin over time.
 pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let chart = |title: &str, unit: &str| {
         Chart::new(720, 560).x(Axis::new("time").unit("s", 1.0)).y(Axis::new(title).unit(unit, 1.0))
@@ -78,7 +78,7 @@ pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(Panels::new(2).panel("", way.draw()?).panel("", spin.draw()?).compose()?)
 }
 
-/// Errors of way and spin over the cell size.
+/// Draw the errors of distance and spin over the cell size.
 pub fn spacings(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut frictions: Vec<f64> = outcomes.iter().map(|o| o.setup.incline.friction).collect();
     frictions.dedup();

@@ -1,5 +1,5 @@
-//! A cylinder of radius 3.2 m rolls, or rolls and slides, down a rough incline for 1.5 s \[Ma2010\]. Way and spin
-//! are compared with exact ones; three spacings show what the detection of contact does to them.
+//! A cylinder of radius 3.2 m rolls, or rolls and slides, down a rough incline for 1.5 s \[Ma2010\]. Distance and spin are compared with
+//! exact solutions; three spacings show the influence of contact detection.
 
 mod exact;
 mod figures;
@@ -56,14 +56,14 @@ struct Options {
     alone: bool,
 }
 
-/// Of the way.
+/// Relative tolerance of the distance.
 const WAY_TOLERANCE: f64 = 0.01;
-/// Of the spin.
+/// Relative tolerance of the spin.
 const SPIN_TOLERANCE: f64 = 0.02;
-/// The largest gap and overlap, cells.
+/// Tolerance of gap and overlap, cells.
 const GAP: f64 = 0.1;
-/// Of the momentum of the cylinder. The impulse of all weight, ten times the cylinder's, passes through the sums: 30
-/// times that momentum. Each of 1e4 steps rounds it by 1e-16, which makes 3e-11 if all fall the same way.
+/// Tolerance over the momentum of the cylinder. The impulse of the total weight, ten times the cylinder's, is 30 times that momentum;
+/// rounding of 1e-16 in each of 1e4 steps sums to 3e-11 if all errors have the same sign.
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 
 impl Options {
@@ -126,14 +126,13 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         .finish(&options.common, &folder)
 }
 
-/// A cylinder at the times of the rows since letting go.
+/// Return the exact motion of a cylinder at the times of the rows since release.
 pub fn course(outcome: &Outcome, cylinder: Cylinder) -> Vec<Course> {
     let times = outcome.free().iter().map(|r| r.time);
     outcome.setup.incline.course(GRAVITY, cylinder, scene::along, times)
 }
 
-/// How far way and spin at the end are from those of an elastic cylinder that creeps, relative; NaN where there is no
-/// end.
+/// Return the relative errors of distance and spin at the end, against an elastic cylinder with creep; NaN for an empty history.
 fn errors(outcome: &Outcome) -> [f64; 2] {
     let exact = course(outcome, outcome.setup.cylinder());
     let (Some(now), Some(exact)) = (outcome.free().last(), exact.last().copied()) else {
@@ -142,12 +141,12 @@ fn errors(outcome: &Outcome) -> [f64; 2] {
     [now.way / exact.way - 1.0, now.spin / exact.spin - 1.0]
 }
 
-/// The largest gap, cells.
+/// Return the largest gap, cells.
 fn gap(outcome: &Outcome) -> f64 {
     outcome.free().iter().map(|r| r.gap).fold(f64::NEG_INFINITY, f64::max) / outcome.setup.spacing()
 }
 
-/// The largest overlap, cells.
+/// Return the largest overlap, cells.
 fn overlap(outcome: &Outcome) -> f64 {
     outcome.free().iter().map(|r| -r.gap).fold(f64::NEG_INFINITY, f64::max) / outcome.setup.spacing()
 }
@@ -167,7 +166,7 @@ fn checks_of(outcome: &Outcome, resolution: Resolution) -> Vec<Check> {
         Check::gate(name("way"), now.way, "m", elastic.way, WAY_TOLERANCE, soft),
     ];
     if incline.friction > 0.0 {
-        // What is left of the deficit of the spin is of first order in the cell size: coarse grids show it.
+        // The remaining deficit of the spin is of first order in the cell size, and visible on coarse grids.
         let spin = name("spin");
         let fine = resolution != Resolution::Smoke;
         let coarse = "the deficit of the spin is of first order in the cell size";
@@ -205,7 +204,7 @@ const COLUMNS: [(&str, &str); 11] = [
     ("exact spin", "rad/s"),
 ];
 
-/// The history of the cylinder on the incline.
+/// Write the history of the cylinder on the incline.
 fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let mut file = History::create(folder.join(format!("cylinder_{}.csv", outcome.setup.name())), COLUMNS)?;
     for (r, e) in outcome.free().iter().zip(course(outcome, outcome.setup.cylinder())) {

@@ -1,10 +1,9 @@
-//! The cylinder, the plane and the run.
+//! Scene and run.
 //!
-//! The incline lies along x and gravity is turned instead. In space z is along the axis, and z = 0 is a plane of
-//! symmetry: sums are those of half a cylinder; in plane strain they are per metre. The cylinder is first laid down: the part of gravity
-//! that presses it on grows smoothly from zero, so that it rests and does not bounce. Then the part along the
-//! incline grows, smoothly and soon: an elastic cylinder let go at once winds up first, which takes 2 % of
-//! the spin after 1.5 s. Time counts from the middle of that.
+//! The incline is along x, and gravity is rotated instead. In three dimensions z is along the axis, and z = 0 is a plane of symmetry: sums
+//! are those of half a cylinder; in plane strain they are per metre. First the normal component of gravity grows smoothly from zero, so
+//! that the cylinder settles without bouncing. Then the tangential component grows, smoothly and quickly: an elastic cylinder released at
+//! once first winds up elastically, which costs 2 % of the spin after 1.5 s. The middle of that growth is time zero.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -28,44 +27,44 @@ use crate::track::{Row, Track};
 pub const RADIUS: f64 = 3.2;
 /// Length of the incline, m.
 pub const LENGTH: f64 = 20.0;
-/// Length of the cylinder in space, m.
+/// Length of the cylinder in three dimensions, m.
 const LONG: f64 = 4.0;
 /// Density, kg/m^3, and Young's modulus, Pa, of the cylinder and of the plane; Poisson's ratio of both.
 const SOFT: [f64; 2] = [1.0e3, 42.0e6];
 const HARD: [f64; 2] = [1.0e4, 420.0e6];
 const POISSON: f64 = 0.4;
-/// Speed of pressure waves in both bodies, m/s.
+/// Speed of longitudinal waves in both bodies, m/s.
 const WAVE: f64 = 300.0;
-/// The plane is wider than that by this much at either end, m.
+/// Extension of the plane beyond either end of the incline, m.
 const MARGIN: f64 = 0.8;
 /// Thickness of the plane, m; its lower side is fixed.
 pub const THICKNESS: f64 = 1.6;
 /// Gravity, m/s^2.
 pub const GRAVITY: f64 = 10.0;
-/// Seconds over which the cylinder is laid on the plane.
+/// Duration of the settling phase, s.
 const LAYING: f64 = 1.0;
-/// Seconds over which it is let go.
+/// Duration of the release, s.
 const LETTING: f64 = 0.3;
-/// Time between two entries of a history, s.
+/// Interval between two entries of a history, s.
 const HISTORY: f64 = 1.0e-2;
-/// Where the cylinder starts, m from the upper end of the incline.
+/// Initial position of the cylinder, m from the upper end of the incline.
 pub const START: f64 = RADIUS + 0.8;
 
-/// From 0 to 1, smoothly.
+/// Smooth ramp from 0 to 1.
 fn grown(part: f64) -> f64 {
     0.5 - 0.5 * (PI * part.clamp(0.0, 1.0)).cos()
 }
 
-/// The part of gravity along the incline that acts at a time, s.
+/// Return the fraction of the tangential component of gravity at a time, s.
 pub fn along(time: f64) -> f64 {
     grown(0.5 + time / LETTING)
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     pub incline: Incline,
-    /// Three: as in \[Ma2010\]; two: plane strain.
+    /// Three dimensions as in \[Ma2010\], or two for plane strain.
     pub dimensions: u32,
     pub detection: Detection,
     pub law: Law,
@@ -73,7 +72,7 @@ pub struct Setup {
     pub cells: u32,
     /// Moduli of both bodies over those of \[Ma2010\].
     pub stiffness: f64,
-    /// Seconds on the incline.
+    /// Time on the incline, s.
     pub end: f64,
     pub threads: usize,
 }
@@ -83,19 +82,19 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         RADIUS / f64::from(self.cells)
     }
-    /// The cylinder that exact courses are of.
+    /// Return the cylinder of the exact solution.
     pub fn cylinder(&self) -> Cylinder {
         let compliance: f64 = [SOFT, HARD].map(|[_, young]| (1.0 - POISSON * POISSON) / young).iter().sum();
         Cylinder::elastic(RADIUS, SOFT[0], self.stiffness / compliance, GRAVITY * self.incline.angle.cos())
     }
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(&self) -> String {
         let hundredths = (100.0 * self.incline.friction).round();
         format!("{}d_{}_{hundredths:03}_{}", self.dimensions, self.detection.name(), self.cells)
     }
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
@@ -105,19 +104,19 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Angles at which the cylinder's particles started, radians, by number.
+    /// Return the initial polar angles of the cylinder's particles, rad, by number.
     pub fn angles(&self) -> Result<Vec<f64>, GeometryError> {
         let seeds = layered::<3>(&self.setup)?;
         Ok(seeds.positions.iter().map(|[x, y, _]| (y - RADIUS).atan2(x - START)).collect())
     }
-    /// The rows since the cylinder is let go.
+    /// Return the rows since the release of the cylinder.
     pub fn free(&self) -> &[Row] {
         let start = self.rows.partition_point(|r| r.time < -0.5 * LETTING);
         &self.rows[start..]
     }
 }
 
-/// Let the cylinder go; with a folder, write ParaView files there.
+/// Run the motion of the cylinder; write ParaView files if a folder is given.
 pub fn roll(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     if setup.dimensions == 3 {
         run::<3>(setup, files, Method::new(Linear, Flip, Musl, FullSpace), restart)
@@ -126,19 +125,19 @@ pub fn roll(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Ou
     }
 }
 
-/// The first coordinates of a point.
+/// Truncate a point to its first `D` coordinates.
 fn cut<const D: usize>(point: [f64; 3]) -> [f64; D] {
     let mut x = [0.0; D];
     x.copy_from_slice(&point[..D]);
     x
 }
 
-/// Layers of particles along half of the cylinder's axis.
+/// Return the number of particle layers along half the cylinder's axis.
 fn layers(setup: &Setup) -> usize {
     if setup.dimensions == 3 { (LONG * f64::from(setup.cells) / RADIUS).round().max(1.0) as usize } else { 1 }
 }
 
-/// The cylinder as concentric rings of particles; in space layers of them over half its length.
+/// Seed the cylinder with concentric rings of particles; in three dimensions layers of them over half its length.
 fn layered<const D: usize>(setup: &Setup) -> Result<Seeds<D>, GeometryError> {
     let layers = layers(setup);
     let disc = rings([START, RADIUS], RADIUS, 2 * setup.cells as usize)?;
@@ -183,7 +182,7 @@ fn run<const D: usize>(
     });
     mpm.set_team(Team::new(setup.threads)?);
     if setup.detection != Detection::Plane {
-        // Shown for what they do, to the end: the old test gains energy.
+        // Other detections run to the end for comparison: the old test gains energy.
         mpm.set_watch(Watch::default().only_warn());
     }
 
@@ -196,7 +195,7 @@ fn run<const D: usize>(
         }
         None => None,
     };
-    // Energy and momentum are those on the incline.
+    // Energy and momentum are recorded on the incline only.
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut simulation = restart.scene(setup.name())?;
     for part in 0..=FRAMES {
@@ -211,7 +210,7 @@ fn run<const D: usize>(
             simulation.keep(|| mpm.snapshot())?;
         }
     }
-    // At the end, where the momentum that errors are measured by is that of a cylinder that rolls.
+    // Errors at the end, where the reference momentum is that of the rolling cylinder.
     let last = ledger.entries().last().copied().unwrap_or_default();
     let totals = Totals {
         energy_error: last.energy_error,
@@ -221,5 +220,5 @@ fn run<const D: usize>(
     Ok(Outcome { setup: *setup, rows: track.rows, snapshots: simulation.into_snapshots(), totals })
 }
 
-/// Moments of the picture.
+/// Number of snapshots for the picture.
 pub const FRAMES: u32 = 3;

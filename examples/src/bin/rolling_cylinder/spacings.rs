@@ -1,4 +1,4 @@
-//! Ways and spins over the cell size, by the detection of contact.
+//! Distance and spin over the cell size, by contact detection.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use mpm_core::output::History;
 use crate::scene::{self, Outcome};
 use crate::{Options, errors, figures, gap};
 
-/// Repeat the runs with the other detections and at three spacings; a table, a file and a picture, and a check a
+/// Repeat the runs with the other detections and at three spacings. Print and write a table, draw a picture, and return one check per
 /// coefficient of friction.
 pub fn compare(
     options: &Options,
@@ -37,7 +37,7 @@ pub fn compare(
     Ok(mains.iter().map(|main| dependence(&outcomes, main.setup.incline.friction)).collect())
 }
 
-/// How much the way changes with the spacing: by the distance of surfaces no more than by approach alone.
+/// Check the spread of the distance error over the spacings: with the surface-distance test at most that of the approach test.
 fn dependence(outcomes: &[Outcome], friction: f64) -> Check {
     let spread = |detection: Detection| {
         let of = outcomes.iter().filter(|o| o.setup.detection == detection);

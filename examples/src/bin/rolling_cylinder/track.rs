@@ -1,16 +1,16 @@
-//! Where the cylinder is, and how fast.
+//! Position and velocity of the cylinder over time.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::{Archive, CheckpointError};
 
 use crate::scene::START;
 
-/// The cylinder at one moment.
+/// State of the cylinder at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// Since the middle of letting it go, s.
+    /// Time since the middle of the release, s.
     pub time: f64,
-    /// Way of the centre of mass along the incline, m.
+    /// Distance travelled by the centre of mass along the incline, m.
     pub way: f64,
     /// Height of the centre of mass above the undeformed plane, m.
     pub height: f64,
@@ -18,27 +18,27 @@ pub struct Row {
     pub speed: f64,
     /// Angular momentum over the moment of inertia, rad/s, positive downhill.
     pub spin: f64,
-    /// From the lowest surface of the cylinder to the plane's, m.
+    /// Gap between the lowest surface of the cylinder and the surface of the plane, m.
     pub gap: f64,
-    /// Force of the plane on the cylinder, along the incline and across: N/m, in space N on half of it.
+    /// Tangential and normal force of the plane on the cylinder: N/m, in three dimensions N on half of it.
     pub force: [f64; 2],
-    /// Nodes in contact.
+    /// Number of nodes in contact.
     pub nodes: usize,
 }
 
-/// Follows the cylinder.
+/// Observer of the cylinder.
 pub struct Track {
     pace: Pace,
     /// Cell size and half size of a particle of the cylinder, m.
     spacing: f64,
     half: f64,
-    /// When the cylinder is let go, s.
+    /// Time of release, s.
     zero: f64,
     pub rows: Vec<Row>,
 }
 
 impl Track {
-    /// In cells of `spacing` (m), for particles of half the size `half` (m); the cylinder is let go at `zero` (s).
+    /// Create the observer for cells of `spacing` (m), particles of half size `half` (m), and release at `zero` (s).
     pub fn new(pace: Pace, spacing: f64, half: f64, zero: f64) -> Self {
         Track { pace, spacing, half, zero, rows: Vec::new() }
     }

@@ -7,12 +7,12 @@ use mpm_core::output::{ParticleSize, Snapshot};
 use crate::layout::RADIUS;
 use crate::scene::{Outcome, is_large};
 
-/// The pile at some moments: large discs in one colour, small ones in shades by where they started.
+/// Draw the pile at several times: large discs in one colour, small ones in shades by initial height.
 pub fn pile(outcome: &Outcome) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(outcome.snapshots.len().max(1));
     let layout = &outcome.layout;
     let top = layout.discs.iter().map(|d| d.centre[1]).fold(0.0, f64::max);
-    // The container, the large discs, and the small ones in four layers.
+    // Colour classes: container, large discs, and small discs in four layers.
     let kind = |body: u32| match body.checked_sub(1).and_then(|n| layout.discs.get(n as usize)) {
         None => 0.0,
         Some(disc) if is_large(disc.radius) => 5.0,
@@ -34,7 +34,7 @@ pub fn pile(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Heights, overlap and energy over time.
+/// Draw heights, overlap and energy over time.
 pub fn histories(outcome: &Outcome) -> Result<Picture, CaseError> {
     let rows = &outcome.rows;
     let t: Vec<f64> = rows.iter().map(|r| r.time).collect();

@@ -1,23 +1,23 @@
-//! Where the discs start.
+//! Initial layout of the discs.
 
-/// Of the small discs, m; all lengths follow from it.
+/// Radius of the small discs, m; all lengths are proportional to it.
 pub const RADIUS: f64 = 8.0e-3;
-/// Of the large discs: 1821 particles to 205 in \[Ma2010\].
+/// Radius of the large discs, m: 1821 particles to 205 in \[Ma2010\].
 pub const LARGE: f64 = 3.0 * RADIUS;
-/// Inside of the container of 3 large and 207 small discs, m: with walls four particles thick its 4832 particles are
-/// those of \[Ma2010\].
+/// Inner dimensions of the container for 3 large and 207 small discs, m: with walls four particles thick it has 4832 particles, as in
+/// \[Ma2010\].
 const INSIDE: [f64; 2] = [236.0 / 8.0 * RADIUS, 360.0 / 8.0 * RADIUS];
-/// Free way between discs at the start, m.
+/// Initial gap between discs, m.
 const GAP: f64 = 0.06 * RADIUS;
 
-/// A disc.
+/// Disc: centre and radius, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     pub centre: [f64; 2],
     pub radius: f64,
 }
 
-/// The container's inside, from the origin, and the discs in it: large ones at the bottom first.
+/// Inside of the container, from the origin, and its discs, large ones first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     pub inside: [f64; 2],
@@ -26,10 +26,9 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// Large discs in a row on the floor, small ones in rows around and above them, of alternating offset, from below
-    /// until there are enough.
+    /// Place large discs in a row on the floor, and small ones in rows of alternating offset around and above them, from below.
     pub fn new(large: usize, small: usize) -> Self {
-        // The container gets narrower with the number of large discs, and lower with that of small ones over each.
+        // The width is proportional to the number of large discs, and the height increases with the number of small discs per large one.
         let full = (small as f64 / (69.0 * large as f64)).min(1.0);
         let inside = [INSIDE[0] * large as f64 / 3.0, INSIDE[1] * (0.35 + 0.65 * full)];
         let pitch = inside[0] / large as f64;

@@ -1,4 +1,4 @@
-//! Three large and 207 small discs in a shaken container: the large ones rise \[Ma2010\].
+//! Three large and 207 small discs in a shaken container: the large discs rise \[Ma2010\].
 
 mod figures;
 mod layout;
@@ -51,13 +51,13 @@ struct Options {
     shaking: Option<f64>,
 }
 
-/// Seconds of shaking after which large discs shall have risen.
+/// Duration of shaking after which the rise of large discs is checked, s.
 const LONG: f64 = 3.5;
-/// Deepest overlap, cells.
+/// Largest allowed overlap, cells.
 const OVERLAP: f64 = 0.2;
-/// How much the energy may grow, over the largest: rounding.
+/// Tolerance of the energy growth over the largest energy: rounding.
 const GROWTH: f64 = 1e-9;
-/// Momentum: impulses of weight and floor are many times the momentum of the discs.
+/// Tolerance of the momentum: impulses of gravity and floor are many times the momentum of the discs.
 const MOMENTUM_TOLERANCE: f64 = 1e-10;
 
 fn main() -> ExitCode {
@@ -99,7 +99,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         .finish(&options.common, &folder)
 }
 
-/// Mean heights of large and small discs over the first and the last period of the shaking, m.
+/// Return the mean heights of large and small discs over the first and the last period of the shaking, m.
 fn heights(outcome: &Outcome) -> [[f64; 2]; 2] {
     let period = 1.0 / outcome.setup.frequency;
     let end = outcome.rows.last().map_or(0.0, |r| r.time);

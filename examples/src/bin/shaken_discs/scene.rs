@@ -1,10 +1,10 @@
-//! The container, the discs and the run.
+//! Scene and run.
 //!
-//! The container is a rigid body that rests; gravity shakes instead, as in a frame that moves with it. The discs fall
-//! into a pile for [`SETTLING`] seconds first. Quadratic splines with APIC let the pile come to rest; linear shape functions with FLIP,
-//! as in \[Ma2010\], keep a noise in which it sinks into itself (book, "Bodies under load for long"). \[Ma2010\] prints none of sizes, materials and forcing: chosen here are
-//! discs of 8 and 24 mm, soft so that steps are long, and shaking of 6 g at 10 Hz, which frees rough discs from the crystal that
-//! small ones settle in (book, "Discs in a shaken container").
+//! The container is a rigid body at rest, and gravity is shaken, as in the container's frame. First the discs fall into a pile for
+//! [`SETTLING`] seconds. Quadratic splines with APIC let the pile come to rest; linear shape functions with FLIP, as in \[Ma2010\], retain
+//! noise, by which the pile sinks into itself (book, "Bodies under load for long"). \[Ma2010\] lacks sizes, materials and forcing. Chosen
+//! here: discs of 8 and 24 mm, soft for long steps, and shaking of 6 g at 10 Hz, which frees rough discs from the crystal packing of the
+//! small ones (book, "Discs in a shaken container").
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -27,16 +27,16 @@ use crate::watch::{Row, Watch};
 pub const MATERIAL: [f64; 2] = [1000.0, 0.3];
 /// Gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
-/// Time for the discs to fall, s.
+/// Duration of the initial fall of the discs, s.
 pub const SETTLING: f64 = 0.4;
-/// Cells that discs may move before their gaps are measured anew: a tenth of the overlap that is asked for.
+/// Displacement of discs, in cells, after which their gaps are re-evaluated: a tenth of the allowed overlap.
 const KEEPS: f64 = 0.02;
-/// Moments of the picture.
+/// Number of snapshots for the picture.
 pub const FRAMES: u32 = 4;
-/// Histories have so many entries a period of the shaking.
+/// Rows of a history per period of the shaking.
 const ENTRIES: f64 = 16.0;
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     pub large: usize,
@@ -49,9 +49,9 @@ pub struct Setup {
     pub friction: f64,
     /// Largest acceleration of the shaking over gravity.
     pub strength: f64,
-    /// Its frequency, Hz.
+    /// Frequency of the shaking, Hz.
     pub frequency: f64,
-    /// Seconds of shaking.
+    /// Duration of the shaking, s.
     pub shaking: f64,
     pub threads: usize,
 }
@@ -61,7 +61,7 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         RADIUS / f64::from(self.cells)
     }
-    /// Gravity as seen in the container, m/s^2.
+    /// Return gravity in the container's frame, m/s^2.
     fn gravity(&self, time: f64) -> f64 {
         let shaken = time - SETTLING;
         let wave = if shaken > 0.0 { (TAU * self.frequency * shaken).sin() } else { 0.0 };
@@ -69,18 +69,18 @@ impl Setup {
     }
 }
 
-/// What came of it.
+/// Results of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub layout: Layout,
     pub rows: Vec<Row>,
     pub snapshots: Vec<Snapshot>,
-    /// The most that the energy rose beyond the work done from a moment to a later one, over the largest energy.
+    /// Largest later rise of the energy beyond the work done, over the largest energy.
     pub growth: f64,
     pub totals: Totals,
 }
 
-/// Shake.
+/// Run the shaking.
 pub fn shake(setup: &Setup, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let layout = Layout::new(setup.large, setup.small);
@@ -130,8 +130,8 @@ pub fn shake(setup: &Setup, folder: &Path, restart: &Restart) -> Result<Outcome,
     })
 }
 
-/// The most that kinetic + internal - work rose from a moment to a later one, over the largest energy. What friction
-/// and impacts dissipate is left out: at best the sum never rises.
+/// Return the largest later rise of kinetic + internal - work, over the largest energy. Dissipation by friction and impacts is not added:
+/// ideally the sum never rises.
 fn growth(ledger: &Ledger) -> f64 {
     let (mut least, mut most, mut scale) = (f64::INFINITY, 0.0f64, 0.0f64);
     for entry in ledger.entries() {
@@ -142,7 +142,7 @@ fn growth(ledger: &Ledger) -> f64 {
     most / scale
 }
 
-/// Is a disc of this radius, m, a large one?
+/// True for the radius of a large disc, m.
 pub fn is_large(radius: f64) -> bool {
     radius > 0.5 * (RADIUS + LARGE)
 }

@@ -1,4 +1,4 @@
-//! Where the discs are.
+//! Positions and overlaps of the discs over time.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::{Archive, CheckpointError};
@@ -6,24 +6,24 @@ use mpm_core::{Archive, CheckpointError};
 use crate::layout::Layout;
 use crate::scene::MATERIAL;
 
-/// The discs at one moment.
+/// State of the discs at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
     /// Time, s.
     pub time: f64,
     /// Mean height of the centres of the large discs, and of the small ones, above the floor, m.
     pub heights: [f64; 2],
-    /// The deepest overlap of the surfaces of two discs, or of a disc and the container, m.
+    /// Largest overlap of the surfaces of two discs, or of a disc and the container, m.
     pub overlap: f64,
-    /// Whose: discs by number, the container after all of them.
+    /// Bodies of that overlap: discs by number, the container after all discs.
     pub pair: [usize; 2],
     /// Kinetic energy, J/m.
     pub kinetic: f64,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
 }
 
-/// Follows the discs.
+/// Observer of the discs.
 pub struct Watch {
     pace: Pace,
     inside: [f64; 2],
@@ -36,7 +36,7 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// The discs of this layout, their particles of this half size (m), at this pace.
+    /// Create the observer of this layout, with particles of half size `half` (m).
     pub fn new(pace: Pace, layout: &Layout, half: f64) -> Self {
         let radii = layout.discs.iter().map(|d| d.radius).collect();
         Watch {
@@ -50,8 +50,8 @@ impl Watch {
         }
     }
 
-    /// The deepest overlap of surfaces, and whose: along the line of centres between discs, with the particles beside it;
-    /// at the container that of any particle.
+    /// Return the largest overlap of surfaces and its bodies: between discs along the line of centres from the particles near it, at the
+    /// container from any particle.
     fn overlap(&self, discs: &[Cloud]) -> (f64, [usize; 2]) {
         let mut deepest = (f64::NEG_INFINITY, [0; 2]);
         let mut note = |overlap: f64, pair| {
@@ -79,7 +79,7 @@ impl Watch {
     }
 }
 
-/// A disc's particles.
+/// Particles of a disc.
 struct Cloud {
     centre: [f64; 2],
     /// Positions and half sizes, m.
@@ -87,8 +87,8 @@ struct Cloud {
 }
 
 impl Cloud {
-    /// How far the surface is from the centre along a unit vector, by the particles within one of their sizes of the
-    /// line, of this half size.
+    /// Return the distance of the surface from the centre along a unit vector, from the particles of half size `half` within one particle
+    /// size of the line.
     fn reach(&self, normal: [f64; 2], half: f64) -> f64 {
         let from = |x: &[f64; 3]| [x[0] - self.centre[0], x[1] - self.centre[1], x[2]];
         let near = self
@@ -113,7 +113,7 @@ impl Observer for Watch {
             body.for_each(&mut |p| {
                 mass += p.mass;
                 (0..2).for_each(|d| place[d] += p.mass * p.position[d]);
-                // Flattened along the normal, where it touches.
+                // Half size along the contact normal: a particle in contact is flattened by its volume ratio.
                 let half = self.half * p.volume * self.density / p.mass;
                 particles.push([p.position[0], p.position[1], half]);
             });

@@ -1,28 +1,28 @@
-//! Limit equilibrium of a slope by Bishop's simplified method of slices \[Bishop1955\]: it knows nothing of particles.
+//! Limit equilibrium of a slope by Bishop's simplified method of slices \[Bishop1955\], independent of particle methods.
 //!
-//! A mass on a circle of radius R, in slices of width b and weight W on bases that fall by alpha towards the toe, slides
-//! where its strength, c and tan(phi) over the factor of safety F, no longer holds it:
+//! A mass above a circle of radius R, in slices of width b and weight W on bases inclined by alpha towards the toe, slides when its
+//! strength, c and tan(phi) over the factor of safety F, is exceeded:
 //!
 //! F = sum \[c b + W tan(phi)\] / m / sum W sin(alpha), m = cos(alpha) + sin(alpha) tan(phi) / F.
 //!
-//! The smallest F of all circles from crest to toe is the slope's.
+//! The factor of safety of the slope is the smallest F of all circles from crest to toe.
 
 use crate::setup::{BASE, CREST, HEIGHT, SHOULDER, TOE};
 
-/// Slices of a mass.
+/// Number of slices of a mass.
 const SLICES: usize = 80;
 
-/// Cohesion, Pa, and tan(phi) of Mohr and Coulomb.
+/// Mohr-Coulomb strength: cohesion, Pa, and tan(phi).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Strength {
     pub cohesion: f64,
     pub tangent: f64,
 }
 
-/// A circle through two points of the surface, and its factor of safety.
+/// Slip circle through two points of the surface, and its factor of safety.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Circle {
-    /// Where it leaves the surface, on the crest and before the toe, m.
+    /// Exit points on the crest and before the toe, m.
     pub ends: [f64; 2],
     pub centre: [f64; 2],
     pub radius: f64,
@@ -30,7 +30,7 @@ pub struct Circle {
 }
 
 impl Circle {
-    /// Height of the slip surface at x, m, where it is below the ground.
+    /// Return the height of the slip surface at x, m, if it is below the ground.
     pub fn height(&self, x: f64) -> Option<f64> {
         let across = x - self.centre[0];
         let inside = x > self.ends[0] && x < self.ends[1];
@@ -38,12 +38,12 @@ impl Circle {
     }
 }
 
-/// Height of the ground at x, m.
+/// Return the height of the ground at x, m.
 pub fn surface(x: f64) -> f64 {
     HEIGHT * ((TOE - x) / (TOE - SHOULDER)).clamp(0.0, 1.0)
 }
 
-/// The circle through the surface at two places whose arc hangs by `sag` below its chord, m.
+/// Return the circle through two surface points with an arc of sag `sag` below its chord, m.
 fn circle(ends: [f64; 2], sag: f64) -> Option<Circle> {
     let [a, b] = ends.map(|x| [x, surface(x)]);
     let (along, up) = (b[0] - a[0], b[1] - a[1]);
@@ -51,12 +51,12 @@ fn circle(ends: [f64; 2], sag: f64) -> Option<Circle> {
     let radius = (0.25 * length * length + sag * sag) / (2.0 * sag);
     let rise = radius - sag;
     let centre = [0.5 * (a[0] + b[0]) - rise * up / length, 0.5 * (a[1] + b[1]) + rise * along / length];
-    // The slip surface must not overhang, nor leave the model.
+    // The slip surface must neither overhang nor leave the model.
     let hangs = [a, b].iter().any(|p| p[1] > centre[1]);
     (!hangs && centre[1] - radius > BASE).then_some(Circle { ends, centre, radius, factor: f64::INFINITY })
 }
 
-/// Factor of safety of a circle for a soil of this strength and weight, N/m^3.
+/// Return the factor of safety of a circle for a soil of this strength and weight, N/m^3.
 fn factor(circle: &Circle, strength: &Strength, weight: f64) -> f64 {
     let width = (circle.ends[1] - circle.ends[0]) / SLICES as f64;
     let mut slices = [[0.0; 3]; SLICES];
@@ -76,7 +76,7 @@ fn factor(circle: &Circle, strength: &Strength, weight: f64) -> f64 {
     for _ in 0..50 {
         let held = |[load, sine, cosine]: &[f64; 3]| {
             let m = cosine + sine * strength.tangent / factor;
-            // At a steep toe the method divides by nothing; such circles are left out by their factor.
+            // At a steep toe m tends to zero; the bound avoids a division by zero, and such circles are not critical.
             (strength.cohesion * width + load * strength.tangent) / m.max(0.1)
         };
         let next = slices.iter().map(held).sum::<f64>() / driving;
@@ -89,9 +89,9 @@ fn factor(circle: &Circle, strength: &Strength, weight: f64) -> f64 {
     factor
 }
 
-/// The circle with the smallest factor of safety.
+/// Return the circle with the smallest factor of safety.
 pub fn critical(strength: &Strength, weight: f64) -> Circle {
-    // Where the circle ends, and its sag over the length of the chord.
+    // Search variables: exit points of the circle, and its sag over the chord length.
     let mut low = [CREST + 2.0, SHOULDER + 5.0, 0.05];
     let mut high = [SHOULDER - 0.5, TOE + 15.0, 0.5];
     let mut best: Option<([f64; 3], Circle)> = None;
@@ -144,8 +144,8 @@ mod tests {
 
     #[test]
     fn frictionless_and_steep_the_chart_of_taylor_is_met() {
-        // Stability number c/(gamma H F) of 1 : 1 slopes without friction: 0.164 for toe circles, at most 0.181 for deep
-        // ones (Taylor 1937 [M]); ours may go 15 m below the toe, three quarters of the height.
+        // Stability number c/(gamma H F) of 1 : 1 slopes without friction: 0.164 for toe circles, at most 0.181 for deep circles (Taylor
+        // 1937 [M]); circles here reach at most 15 m below the toe, three quarters of the height.
         let found = critical(&Strength { cohesion: 50e3, tangent: 0.0 }, 20e3);
         let number = 50e3 / (20e3 * HEIGHT * found.factor);
         assert!((0.160..0.185).contains(&number), "{number}");

@@ -1,4 +1,4 @@
-//! What the runs are held against.
+//! Checks of slope failure.
 
 use examples::Check;
 
@@ -6,38 +6,37 @@ use crate::bishop::Circle;
 use crate::scene::Outcome;
 use crate::setup::{HEIGHT, SHOULDER};
 
-/// Weight gives a hundred and fifty times the largest momentum over a run, and ten thousand impulses are rounded by 1e-16
-/// each.
+/// Rounding of 1e-16 in each of ten thousand steps; the impulse of gravity over a run is a hundred and fifty times the largest momentum.
 const MOMENTUM: f64 = 2e-10;
-/// No dilatancy; weight compresses the ground by rho g H / (2 K) = 0.6 %.
+/// Tolerance of the area: no dilatancy; gravity compresses the ground by rho g H / (2 K) = 0.6 %.
 const AREA: f64 = 0.01;
-/// Circles neglect forces between slices, which is known to cost some per cent of the factor; and a grid resolves the
-/// slip surface by a band of a cell or two, which adds strength.
+/// Tolerance of the factor of safety: the circle method neglects forces between slices, a known error of some per cent; and the grid
+/// resolves the slip surface by a band of one or two cells, which adds strength.
 const FACTOR: f64 = 0.05;
-/// Of the height: a band that is resolved by two cells of a twentieth each.
+/// Tolerance of the slip surface over the height: a band of two cells of a twentieth each.
 const SURFACE: f64 = 0.10;
 
-/// The reduction of strength at which the slope fails, between the last that stood and the first that did not.
+/// Bracket of the strength reduction at failure: largest stable and smallest failing value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
     pub stands: f64,
     pub fails: f64,
 }
 
-/// The largest cells for which the strength at failure and the slip surface decide, m: twenty cells over the height are
-/// needed for a band of two to be a tenth of it.
+/// Largest cell size for which strength at failure and slip surface are evaluated, m. Twenty cells over the height would make a band of two
+/// cells a tenth of it.
 const RESOLVED: f64 = 1.25;
 const COARSE: &str = "cells of more than 1.25 m do not resolve the band of slip";
 
-/// Distance of a slip surface from a circle, in the mean square, over the height.
+/// Return the root mean square distance of a slip surface from a circle, over the height.
 fn distance(slip: &[[f64; 2]], circle: &Circle) -> f64 {
     let squares = slip.iter().filter_map(|[x, z]| circle.height(*x).map(|c| (z - c).powi(2)));
     let (sum, count) = squares.fold((0.0, 0.0), |(s, n), square| (s + square, n + 1.0));
     (sum / count).sqrt() / HEIGHT
 }
 
-/// Of the strength at failure and of the slip surface of the strongest slope that failed, with cells of `spacing`, m;
-/// circles for the strength as it is and for that of flow without dilatancy.
+/// Check strength at failure and slip surface of the strongest failing slope, with cells of `spacing`, m; circles for the full strength and
+/// for that of flow without dilatancy.
 pub fn of_failure(found: &Failure, slip: &[[f64; 2]], circles: [&Circle; 2], spacing: f64) -> Vec<Check> {
     let resolved = |check: Check| check.judged_if(spacing <= RESOLVED, COARSE);
     let middle = 0.5 * (found.stands + found.fails);
@@ -78,7 +77,7 @@ pub fn of_failure(found: &Failure, slip: &[[f64; 2]], circles: [&Circle; 2], spa
     ]
 }
 
-/// Of the slope as it is, on grids that get finer; slip surfaces as places and heights, m.
+/// Check the slope at full strength on successively finer grids; slip surfaces as positions and heights, m.
 pub fn of_slides(outcomes: &[Outcome], slips: &[Vec<[f64; 2]>], circle: &Circle) -> Vec<Check> {
     let mut checks = Vec::new();
     for (outcome, slip) in outcomes.iter().zip(slips) {

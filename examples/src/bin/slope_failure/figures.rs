@@ -12,7 +12,7 @@ use crate::bishop::{Circle, surface};
 use crate::scene::Outcome;
 use crate::setup::{BASE, CREST, FAR, HEIGHT, TOE};
 
-/// The slope at the moments of the snapshots, by plastic strain.
+/// Draw the slope at the times of the snapshots, by plastic strain.
 pub fn slope(outcome: &Outcome) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(1);
     for snapshot in &outcome.snapshots {
@@ -30,7 +30,7 @@ pub fn slope(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Slip surfaces in the ground as it was, beside the critical circle.
+/// Draw the slip surfaces in the undeformed ground, and the critical circle.
 pub fn slips(outcomes: &[Outcome], slips: &[Vec<[f64; 2]>], circle: &Circle) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 520)
         .x(Axis::new("x").unit("m", 1.0).range(0.0, 70.0))
@@ -52,7 +52,7 @@ pub fn slips(outcomes: &[Outcome], slips: &[Vec<[f64; 2]>], circle: &Circle) -> 
     Ok(chart.draw()?)
 }
 
-/// Run-out over time, a line a run.
+/// Draw the run-out over time, one line per run.
 pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 460)
         .x(Axis::new("time").unit("s", 1.0))
@@ -65,7 +65,7 @@ pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// History and slip surface of a run as CSV.
+/// Write history and slip surface of a run as CSV.
 pub fn write(outcome: &Outcome, slip: &[[f64; 2]], folder: &Path) -> Result<(), CaseError> {
     let name = outcome.setup.name();
     let columns = [("time", "s"), ("largest displacement", "m"), ("front", "m")];

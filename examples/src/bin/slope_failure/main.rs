@@ -1,5 +1,5 @@
-//! A slope of soil fails under its weight (MPM3D-F90 `Slopefail.mpm`): strength at failure and slip surface, against
-//! limit equilibrium on circles.
+//! Failure of a soil slope under gravity (MPM3D-F90 `Slopefail.mpm`): strength at failure and slip surface, against limit equilibrium on
+//! circles.
 
 mod bishop;
 mod checks;
@@ -82,12 +82,12 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     if spacing > 0.0 {
         let slow = Setup { ramp: 3.0, end: 10.0, ..as_it_is(spacing) };
         let (bracket, runs) = reduce(&slow, restart)?;
-        // Flow without dilatancy slips where its strength is that of Davis: tan = sin(phi), c cos(phi).
+        // Flow without dilatancy slips at the strength of Davis: tan = sin(phi), c cos(phi).
         let sine = strength.tangent / (1.0 + strength.tangent.powi(2)).sqrt();
         let cosine = sine / strength.tangent;
         let davis = Strength { cohesion: strength.cohesion * cosine, tangent: sine };
         let reduced = bishop::critical(&davis, weight);
-        // The last run that failed is the strongest slope that did.
+        // The last failing run is the strongest failing slope.
         let last = runs.iter().rfind(|o| o.failed());
         let slip = last.map_or(Ok(Vec::new()), scene::slip)?;
         found.extend(checks::of_failure(&bracket, &slip, [&circle, &reduced], spacing));
@@ -105,7 +105,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     Report::new("slope_failure", resolution, settings, &totals, found).finish(&options.common, &folder)
 }
 
-/// Slopes of strength divided by what is looked for, by bisection to two hundredths.
+/// Find the strength reduction at failure by bisection to two hundredths.
 fn reduce(slow: &Setup, restart: &Restart) -> Result<(Failure, Vec<Outcome>), CaseError> {
     let (mut stands, mut fails) = (0.4, 1.6);
     let mut runs = Vec::new();

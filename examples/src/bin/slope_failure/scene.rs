@@ -1,4 +1,4 @@
-//! The slope and the run.
+//! Scene and run.
 
 use std::path::Path;
 
@@ -12,45 +12,45 @@ use mpm_core::{
 
 use crate::setup::{BASE, CREST, FAR, GRAVITY, HEIGHT, SHOULDER, Setup, TOE};
 
-/// A slope has failed when a point has moved this far, m: weight alone moves the crest by an eighth of a metre.
+/// Displacement from which a slope counts as failed, m: gravity alone moves the crest by an eighth of a metre.
 pub const FAILED: f64 = 1.0;
 
-/// What came of a run.
+/// Results of a run.
 pub struct Outcome {
     pub setup: Setup,
-    /// Where the particles were at the start, by number, m.
+    /// Initial positions of the particles, by number, m.
     pub start: Vec<[f64; 2]>,
-    /// With a field `moved`, m.
+    /// Snapshots with a field `moved`, m.
     pub snapshots: Vec<Snapshot>,
-    /// Time, s, the largest displacement, m, and the end of what has moved, m.
+    /// Time, s, largest displacement, m, and front of the displaced matter, m.
     pub history: Vec<[f64; 3]>,
-    /// Area at the end over that at the start.
+    /// Area at the end over its initial value.
     pub area: f64,
     pub totals: Totals,
 }
 
 impl Outcome {
-    /// Did the slope fail?
+    /// True if the slope failed.
     pub fn failed(&self) -> bool {
         self.history.iter().any(|h| h[1] > FAILED)
     }
-    /// How far beyond the toe the slide came, m.
+    /// Return the run-out of the slide beyond the toe, m.
     pub fn run_out(&self) -> f64 {
         self.history.last().map_or(f64::NAN, |h| h[2]) - TOE
     }
-    /// Largest displacement at the end, m.
+    /// Return the largest displacement at the end, m.
     pub fn moved(&self) -> f64 {
         self.history.last().map_or(f64::NAN, |h| h[1])
     }
-    /// Speed of the fastest particle at the last snapshot, m/s.
+    /// Return the speed of the fastest particle at the last snapshot, m/s.
     pub fn speed(&self) -> f64 {
         let all = self.snapshots.last().and_then(|s| s.vector("velocity").ok());
         all.map_or(f64::NAN, |v| v.iter().map(|v| v[0].hypot(v[1])).fold(0.0, f64::max))
     }
 }
 
-/// Let weight act; snapshots when the largest displacement first exceeds the given ones, m, and at the end. With
-/// `until_failed` the run ends when the slope has failed.
+/// Apply gravity; snapshots when the largest displacement first exceeds the given values, m, and at the end. With `until_failed` the run
+/// ends at failure.
 pub fn slide(
     setup: &Setup,
     looks: &[f64],
@@ -128,15 +128,15 @@ fn way(now: [f64; 3], start: [f64; 2]) -> f64 {
     (now[0] - start[0]).hypot(now[1] - start[1])
 }
 
-/// The same snapshot with a field `moved`, m.
+/// Return a copy of the snapshot with a field `moved`, m.
 fn with_ways(snapshot: &Snapshot, start: &[[f64; 2]]) -> Result<Snapshot, CaseError> {
     let numbers = snapshot.scalar("particle")?;
     let ways = snapshot.positions().iter().zip(numbers).map(|(x, n)| way(*x, start[*n as usize])).collect();
     Ok(snapshot.clone().with_scalar("moved", ways)?)
 }
 
-/// Height of the slip surface, where the ground was at the start, by place, m: under the deepest point of each column
-/// that moved by more than half of the most, at the first snapshot.
+/// Return the slip surface in the undeformed ground, positions and heights, m: below the deepest point of each column that moved by more
+/// than half of the maximum, at the first snapshot.
 pub fn slip(outcome: &Outcome) -> Result<Vec<[f64; 2]>, CaseError> {
     let Some(first) = outcome.snapshots.first() else { return Ok(Vec::new()) };
     let (ways, numbers) = (first.scalar("moved")?, first.scalar("particle")?);

@@ -1,4 +1,4 @@
-//! What a run is made of.
+//! Parameters of a run.
 
 use examples::CaseError;
 use mpm_materials::strength::DruckerPrager;
@@ -7,29 +7,29 @@ use serde::Serialize;
 
 use crate::bishop::Strength;
 
-/// The slope of MPM3D-F90 `Slopefail.mpm`: left end, shoulder, toe and right end, m.
+/// Slope of MPM3D-F90 `Slopefail.mpm`: left end, shoulder, toe and right end, m.
 pub const CREST: f64 = 0.0;
 pub const SHOULDER: f64 = 30.0;
 pub const TOE: f64 = 50.0;
 pub const FAR: f64 = 110.0;
-/// Height of the crest over the toe, and of the base under it, m.
+/// Height of the crest above the toe, and level of the base relative to the toe, m.
 pub const HEIGHT: f64 = 20.0;
 pub const BASE: f64 = -15.0;
-/// m/s^2.
+/// Gravity, m/s^2.
 pub const GRAVITY: f64 = 9.80;
-/// kg/m^3.
+/// Density, kg/m^3.
 pub const DENSITY: f64 = 2100.0;
-/// q_phi and k_phi, Pa, of the soil.
+/// Drucker-Prager constants q_phi and k_phi, Pa, of the soil.
 pub const CONE: [f64; 2] = [0.3545, 9740.0];
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
-    /// Cell size, m; two particles a cell along each axis.
+    /// Cell size, m; two particles per cell along each axis.
     pub spacing: f64,
-    /// Cohesion and tangent of the angle of friction are divided by this.
+    /// Divisor of cohesion and of the tangent of the friction angle.
     pub reduction: f64,
-    /// Weight grows from nothing over this time, s; 0 for at once.
+    /// Duration of the linear growth of gravity, s; 0 for a sudden load.
     pub ramp: f64,
     /// End of the run, s.
     pub end: f64,
@@ -37,16 +37,16 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// Cohesion and friction of Mohr and Coulomb that act in plane strain. Without dilatancy the stress along the third
-    /// axis is the mean of the others, so that tau + q_phi sigma_m <= k_phi is sin(phi) = q_phi, c = k_phi / cos(phi).
+    /// Return cohesion and friction of Mohr-Coulomb that are effective in plane strain. Without dilatancy the stress along the third axis
+    /// is the mean of the others, so that tau + q_phi sigma_m <= k_phi is sin(phi) = q_phi, c = k_phi / cos(phi).
     pub fn strength(&self) -> Strength {
         let cosine = (1.0 - CONE[0] * CONE[0]).sqrt();
         Strength { cohesion: CONE[1] / cosine / self.reduction, tangent: CONE[0] / cosine / self.reduction }
     }
-    /// The soil.
+    /// Build the law of the soil.
     ///
     /// # Errors
-    /// A reduction that leaves no soil.
+    /// Invalid reduction of the strength.
     pub fn soil(&self) -> Result<Ground<DruckerPrager<f64>>, CaseError> {
         let Strength { cohesion, tangent } = self.strength();
         let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
@@ -55,7 +55,7 @@ impl Setup {
         let apex = cohesion / friction;
         Ok(Ground::new(DruckerPrager::new(DENSITY, elastic, friction, cohesion, 0.0, apex)?))
     }
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(&self) -> String {
         format!("{:.0}mm", 1e3 * self.spacing)
     }

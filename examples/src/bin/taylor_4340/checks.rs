@@ -1,23 +1,23 @@
-//! What of a bar is judged, and by what.
+//! Checks of Taylor bars.
 
 use examples::{Check, largest, worst};
 
 use crate::scene::{Form, Outcome, ROOM, Setup};
 
-/// By finite elements, in mm and K.
+/// Finite element reference, in mm and K.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reference {
     /// Impact speed, m/s.
     pub speed: f64,
-    /// Length and diameter of the face: means of two axisymmetric codes (at 224 m/s one).
+    /// Length and face diameter: means of two axisymmetric codes (at 224 m/s of one).
     pub length: f64,
     pub face: f64,
-    /// By one code with 12 elements on the radius: diameter at a fifth of the length at the start, the largest rise of the temperature.
+    /// Results of one code with 12 elements per radius: diameter at a fifth of the initial length, largest temperature rise.
     pub waist: f64,
     pub rise: f64,
 }
 
-/// At the speeds of the paper. Lengths are good to 0.1 %, faces to 1 %.
+/// References at the speeds of the paper. Lengths are accurate to 0.1 %, faces to 1 %.
 pub const REFERENCES: [Reference; 3] = [
     Reference { speed: 181.0, length: 34.575, face: 10.016, waist: 8.32, rise: 220.0 },
     Reference { speed: 224.0, length: 32.98, face: 11.32, waist: 8.57, rise: 344.0 },
@@ -30,28 +30,28 @@ const UNKNOWN: &str = "no reference at this speed";
 const VISCOUS: &str = "the viscosity of pairs is proportional to the spacing";
 const DAMAGED: &str = "they fail with `--failing`; the references know no failure";
 pub const COARSE: &str = "fewer than the printed 20 particles over the radius";
-/// As printed.
+/// Particles per radius in the paper.
 pub const CELLS: u32 = 20;
 
-/// Of the results of the paper against experiment, mm: length, face.
+/// Tolerances of the original formulation, mm: errors of the paper against experiment in length and face.
 const PRINTED: [f64; 2] = [0.8, 0.3];
-/// Of ours.
+/// Relative tolerances of the updated and total Lagrangian forms: length, face.
 const OURS: [f64; 2] = [0.01, 0.03];
-/// Of the temperature: how good the reference is is not known.
+/// Tolerance of the temperature rise; the accuracy of the reference is unknown.
 const RISE: f64 = 0.1;
-/// Of the energy of springs against modes without energy, over the internal energy: what is usual of hourglass energy.
+/// Limit of the energy of the zero-energy penalty over the internal energy: usual limit of hourglass energy.
 const SPRINGS: f64 = 0.05;
-/// Of the energy that stabilisation takes or adds, over that at impact.
+/// Tolerance of the energy removed or added by stabilisation, over that at impact.
 const STABILISED: f64 = 0.02;
 const MOMENTUM: f64 = 1e-11;
 const MASS: f64 = 1e-12;
 
-/// The reference at a speed.
+/// Return the reference at a speed.
 pub fn reference(speed: f64) -> Option<Reference> {
     REFERENCES.into_iter().find(|r| r.speed == speed)
 }
 
-/// How far length and face may be off.
+/// Return the tolerances of length and face.
 fn sizes(setup: &Setup, reference: &Reference) -> [f64; 2] {
     match setup.form {
         Form::Printed => [PRINTED[0] / reference.length, PRINTED[1] / reference.face],
@@ -59,7 +59,7 @@ fn sizes(setup: &Setup, reference: &Reference) -> [f64; 2] {
     }
 }
 
-/// What may be missing of the energy: the gradients that laws see do not see mirror images of a wall as forces do.
+/// Return the tolerance of the energy: velocity gradients of the laws exclude the mirror images of a wall, which forces include.
 fn energy(form: Form) -> f64 {
     match form {
         Form::Printed | Form::Updated => 0.02,
@@ -67,7 +67,7 @@ fn energy(form: Form) -> f64 {
     }
 }
 
-/// Sizes, temperature and energy of a run.
+/// Check sizes, temperature and energy of a run.
 pub fn of(outcome: &Outcome) -> Vec<Check> {
     let Outcome { setup, sizes: found, peaks, totals, .. } = outcome;
     let known = reference(setup.speed);
@@ -129,7 +129,7 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
     rows
 }
 
-/// Why the temperature is known to be missed.
+/// Return the reason for a known failure of the temperature check.
 fn known_rise(setup: &Setup) -> Option<&'static str> {
     let hot = "single particles at the face, which flow about each other, are hotter than those around them";
     let single = "as at 181 m/s: the hottest particle is 89 K above its neighbours, the next ones are 9 % too hot, the hottest thousandth \
@@ -143,13 +143,13 @@ fn known_rise(setup: &Setup) -> Option<&'static str> {
     }
 }
 
-/// Why the face is known to be missed.
+/// Return the reason for a known failure of the face check.
 fn known_face(setup: &Setup) -> Option<&'static str> {
     let wide = "0.41 mm too wide, 0.3 mm asked: 0.29 mm while artificial stress followed the stress at once, which added energy";
     (setup.form == Form::Printed && setup.speed == 270.0).then_some(wide)
 }
 
-/// Why stabilisation is known to take or add more.
+/// Return the reason for a known failure of the stabilisation check.
 fn known_taken(setup: &Setup) -> Option<&'static str> {
     match setup.form {
         Form::Updated => Some("the viscosity of pairs takes 3.6 to 5 %, which is booked and does not heat"),
@@ -157,7 +157,7 @@ fn known_taken(setup: &Setup) -> Option<&'static str> {
     }
 }
 
-/// What holds of all runs alike.
+/// Check conservation in all runs.
 pub fn of_books(runs: &[&Outcome]) -> Vec<Check> {
     let momentum = largest(runs.iter().map(|o| o.totals.momentum_error));
     let mass = 1.0 + worst(runs.iter().map(|o| o.mass - 1.0));

@@ -1,4 +1,4 @@
-//! Sizes over spacings, and the order at which they converge.
+//! Sizes over spacings, and their order of convergence.
 
 use examples::{CaseError, Check, case};
 use mpm_core::output::History;
@@ -8,19 +8,19 @@ use crate::gauge::Sizes;
 use crate::scene::{self, Files, Form, Outcome};
 use crate::{Options, checks};
 
-/// The runs of a form, each with twice the particles over the radius of the one before.
+/// Runs of a form, each with twice the particles per radius of the previous one.
 pub struct Row {
     pub form: Form,
     pub outcomes: [Outcome; 3],
 }
 
-/// The sizes: name, and how to read them.
+/// Sizes: name and accessor.
 type Read = fn(&Sizes) -> f64;
 const SIZES: [(&str, Read); 2] = [("length", |s| s.length), ("diameter of the face", |s| s.face)];
 
 const MARKERS: [Marker; 3] = [Marker::Circle, Marker::Square, Marker::Triangle];
 
-/// Lengths that differ by less than this between spacings, over themselves, have converged: what is left is no power of the spacing.
+/// Relative change between spacings below which a length counts as converged: the remainder is no power of the spacing.
 const CONVERGED: f64 = 1e-3;
 
 impl Row {
@@ -28,20 +28,20 @@ impl Row {
         [0, 1, 2].map(|n| read(&self.outcomes[n].sizes))
     }
 
-    /// log2 of the ratio of the two changes; not a number where they differ in sign.
+    /// Return the order of convergence, log2 of the ratio of the two changes; NaN for changes of opposite sign.
     fn order(&self, read: Read) -> f64 {
         let [coarse, middle, fine] = self.of(read);
         ((coarse - middle) / (middle - fine)).log2()
     }
 
-    /// The change from the middle to the fine spacing, over the value.
+    /// Return the relative change from the middle to the fine spacing.
     fn change(&self, read: Read) -> f64 {
         let [_, middle, fine] = self.of(read);
         middle / fine - 1.0
     }
 }
 
-/// Run all forms with half, once and twice the particles over the radius.
+/// Run all forms with half, once and twice the particles per radius.
 pub fn study(options: &Options, files: Files) -> Result<Vec<Row>, CaseError> {
     let coarse = (options.cells() / 2).max(2);
     let speed = options.speeds().into_iter().fold(f64::INFINITY, f64::min);
@@ -59,7 +59,7 @@ pub fn study(options: &Options, files: Files) -> Result<Vec<Row>, CaseError> {
     Ok(rows)
 }
 
-/// Lengths that have converged, and at which order faces do.
+/// Check the convergence of lengths, and list the order of convergence of faces.
 pub fn checks(rows: &[Row]) -> Vec<Check> {
     let mut list = Vec::new();
     for row in rows {
@@ -75,7 +75,7 @@ pub fn checks(rows: &[Row]) -> Vec<Check> {
         };
         list.push(change.judged_if(fine, checks::COARSE));
         let (what, order) = ("order of convergence of the face", row.order(face));
-        // Without an order there is none to show.
+        // Without an order there is no row.
         if order.is_finite() {
             list.push(Check::unreferenced(name(what), order, "-", "by three spacings"));
         }
@@ -83,7 +83,7 @@ pub fn checks(rows: &[Row]) -> Vec<Check> {
     list
 }
 
-/// For the settings.
+/// Return a summary for the settings.
 pub fn summary(rows: &[Row]) -> serde_json::Value {
     let of = |row: &Row| {
         let cells: Vec<u32> = row.outcomes.iter().map(|o| o.setup.cells).collect();
@@ -160,7 +160,7 @@ fn write(rows: &[Row], files: Files) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Each size over the spacing, with that of finite elements.
+/// Draw each size over the spacing, with that of finite elements.
 fn draw(rows: &[Row], speed: f64) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(2).title(format!("Bars of 4340 steel at {speed} m/s"));
     for (size, (name, read)) in SIZES.into_iter().enumerate() {

@@ -1,17 +1,17 @@
-//! Damage that is counted.
+//! Damage as a diagnostic.
 
 use mpm_materials::failure::{Failure, JohnsonCookDamage, NoCrack, Observed};
 use mpm_materials::lane::{Lane, Mask};
 
-/// Johnson-Cook damage of 4340 steel. Finite elements, which the bars are compared with, have no failure: a point fails at one only if it
-/// is `failing`; else damage is told and does nothing.
+/// Johnson-Cook damage of 4340 steel. The reference finite elements have no failure: a point fails at a damage of one only if `failing`;
+/// otherwise damage is recorded without effect.
 #[derive(Clone, Copy, Debug)]
 pub struct Counted {
     pub damage: JohnsonCookDamage<f64>,
     pub failing: bool,
 }
 
-/// What the damage remembers.
+/// History variables of the damage model.
 type History<L> = <JohnsonCookDamage<f64> as Failure<f64>>::History<L>;
 
 impl Failure<f64> for Counted {

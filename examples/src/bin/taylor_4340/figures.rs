@@ -10,9 +10,9 @@ use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 
 use crate::scene::{LENGTH, Outcome, RADIUS, ROOM, Space};
 
-/// A picture for each quantity, a row of bars for each speed; and the energy over time.
+/// Draw a picture per quantity with a row of bars per speed, and the energy over time.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
-    // A quarter in space is for ParaView.
+    // The quarter in three dimensions is for ParaView only.
     let flat: Vec<&Outcome> = outcomes.iter().filter(|o| o.setup.space == Space::Axisymmetric).collect();
     if flat.is_empty() {
         return Ok(());
@@ -46,7 +46,7 @@ fn bars(outcomes: &[&Outcome], quantity: Quantity, (field, low): (&str, f64)) ->
     Ok(panels.compose()?)
 }
 
-/// Where the colours end: all but one particle in two hundred are below.
+/// Return the upper end of the colour range: all but one particle in two hundred are below.
 fn most(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -55,7 +55,7 @@ fn most(values: &[f64]) -> f64 {
 
 fn bar(outcome: &Outcome, field: &str, quantity: Quantity) -> Result<Picture, OutputError> {
     let s = &outcome.snapshot;
-    // As large as the gaps at the face, so that matter looks closed.
+    // Particles as large as the gaps at the face, so that the matter looks closed.
     let size = ParticleSize::Uniform(2.0 * outcome.setup.spacing());
     let s = Snapshot::new(2, s.time(), s.step(), s.positions().to_vec(), size)?
         .with_scalar(field, s.scalar(field)?.to_vec())?;
@@ -67,14 +67,14 @@ fn bar(outcome: &Outcome, field: &str, quantity: Quantity) -> Result<Picture, Ou
         .draw(&s)
 }
 
-/// What is missing of the energy over time, a panel a speed.
+/// Draw the energy error over time, one panel per speed.
 fn energy(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
     let beside = |a: &&Outcome, b: &&Outcome| a.setup.speed == b.setup.speed;
     let mut panels = Panels::new(outcomes.chunk_by(beside).count().min(3))
         .title("Error of the energy, over that at impact");
     let all = || outcomes.iter().flat_map(|o| &o.ledger).map(|e| e.energy_error);
     let (low, high) = (all().fold(0.0, f64::min), all().fold(1e-4, f64::max));
-    // Room for the legend above.
+    // Margin for the legend above.
     let (low, high) = (low - 0.1 * (high - low), high + 0.6 * (high - low));
     for runs in outcomes.chunk_by(beside) {
         let mut chart =

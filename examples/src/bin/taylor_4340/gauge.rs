@@ -1,19 +1,19 @@
-//! Sizes of a bar by particles that know where they were.
+//! Sizes of a bar from particles and their initial positions.
 //!
-//! Particles lie within the surface or on it. Each row along an axis of the undeformed bar is continued on a straight line through its last
-//! two particles to where the surface was.
+//! Particles are within the surface or on it. Each row along an axis of the undeformed bar is extrapolated linearly through its last two
+//! particles to the initial surface.
 
 use sph::{Composition, Layout, Sph};
 
 use crate::scene::{LENGTH, RADIUS};
 
-/// Height of the diameter between the ends, over the length at the start.
+/// Height of the second diameter above the face, over the initial length.
 pub const WAIST: f64 = 0.2;
 
-/// What is compared, m.
+/// Sizes for comparison, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizes {
-    /// From the lowest place of the face to the mean of the other end.
+    /// Length from the lowest point of the face to the mean of the other end.
     pub length: f64,
     /// Diameter of the face.
     pub face: f64,
@@ -21,7 +21,7 @@ pub struct Sizes {
     pub waist: f64,
 }
 
-/// A place of the undeformed surface: where the line from particle `behind` through `last` ends, `share` of their distance beyond.
+/// Point of the undeformed surface on the line from particle `behind` through `last`, at `share` of their distance beyond `last`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct End {
     last: usize,
@@ -29,20 +29,20 @@ struct End {
     share: f64,
 }
 
-/// Which particles tell the sizes, by their numbers in the layout.
+/// Particles that define the sizes, by their numbers in the layout.
 #[derive(Clone, Debug)]
 pub struct Gauge {
     foot: Vec<End>,
     top: Vec<End>,
-    /// Of each layer from the foot up, its outermost particles and those of the ring behind; and how far the surface is beyond.
+    /// For each layer from the foot up: outermost ring of particles, ring behind, and extrapolation factor to the surface.
     mantle: Vec<([Vec<usize>; 2], f64)>,
 }
 
-/// Coordinates at rest closer than this are the same, m.
+/// Tolerance of equal initial coordinates, m.
 const ROUNDING: f64 = 1e-9 * RADIUS;
 
 impl Gauge {
-    /// Of a layout of rows along the axis, the last one, in rings around it.
+    /// Create the gauge of a layout with rows along the axis, the last coordinate, in rings around it.
     pub fn of<const D: usize>(layout: &Layout<D>) -> Self {
         let at = &layout.positions;
         let height = |n: &usize| at[*n][D - 1];
@@ -78,7 +78,7 @@ impl Gauge {
         }
     }
 
-    /// The sizes of a body of this layout now.
+    /// Return the current sizes of a body of this layout.
     pub fn sizes<const D: usize, M: Composition<D>>(&self, body: &Sph<D, M>) -> Sizes {
         let mut at = vec![[f64::NAN; D]; body.positions().len()];
         for (x, &n) in body.positions().iter().zip(body.numbers()) {
@@ -102,7 +102,7 @@ impl Gauge {
                 [of(&|x| radius(x)), of(&|x| x[D - 1])]
             })
             .collect();
-        // The face is where the lines along the axis end, too.
+        // The face is extrapolated along the axis, too.
         let ends = |ring: &[usize]| {
             let of = self.foot.iter().filter(|end| ring.contains(&end.last));
             mean(of.map(|end| on(end.share, radius(&at[end.last]), radius(&at[end.behind]))))
@@ -116,13 +116,13 @@ impl Gauge {
     }
 }
 
-/// Groups of numbers of the same `key`, in its order.
+/// Group numbers of equal `key`, in order of the key.
 fn levels(mut list: Vec<usize>, key: impl Fn(&usize) -> f64) -> Vec<Vec<usize>> {
     list.sort_by(|a, b| key(a).total_cmp(&key(b)));
     list.chunk_by(|a, b| key(b) - key(a) < ROUNDING).map(<[usize]>::to_vec).collect()
 }
 
-/// Distance from the axis.
+/// Return the distance from the axis.
 fn radius<const D: usize>(x: &[f64; D]) -> f64 {
     x[..D - 1].iter().map(|c| c * c).sum::<f64>().sqrt()
 }
@@ -132,12 +132,12 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     sum / count
 }
 
-/// `share` of the way from `behind` to `last` beyond that.
+/// Extrapolate from `behind` through `last` by `share` of their distance.
 fn on(share: f64, last: f64, behind: f64) -> f64 {
     last + share * (last - behind)
 }
 
-/// Radius of an outline of radii and heights at a height; not a number where there is none.
+/// Interpolate the radius of an outline of radii and heights at a height; NaN outside.
 fn radius_at(outline: &[[f64; 2]], height: f64) -> f64 {
     let around = outline.windows(2).find(|pair| pair[0][1] <= height && height < pair[1][1]);
     around.map_or(f64::NAN, |pair| {
@@ -151,7 +151,7 @@ mod tests {
     use super::*;
     use crate::{quarter, scene};
 
-    /// A cone of two thirds of the length on a face of twice the radius.
+    /// Map to a cone of two thirds of the length with a face of twice the radius.
     fn cone<const D: usize>(x: &[f64; D]) -> [f64; D] {
         let z = x[D - 1];
         std::array::from_fn(|d| if d < D - 1 { x[d] * (2.0 - z / LENGTH) } else { 2.0 / 3.0 * z + 1e-4 })

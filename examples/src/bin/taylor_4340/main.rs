@@ -1,5 +1,5 @@
-//! Taylor bars of 4340 steel, 7.595 mm x 37.97 mm, on a rigid wall at 181, 224 and 270 m/s \[Xiao2015\], by smoothed particles: as printed,
-//! and by our updated and total Lagrangian forms.
+//! Taylor bars of 4340 steel, 7.595 mm x 37.97 mm, on a rigid wall at 181, 224 and 270 m/s \[Xiao2015\], by smoothed particles: original
+//! formulation, and updated and total Lagrangian forms.
 
 mod checks;
 mod convergence;
@@ -65,7 +65,8 @@ enum Methods {
     Sph,
 }
 
-/// Of 0.01 to 0.1 that are used in public. Its springs do not yield: with more of it the face is too small (book, the case).
+/// Default zero-energy penalty, within the 0.01 to 0.1 in public use. Its springs do not yield: a larger penalty makes the face too small
+/// (book, the case).
 const PENALTY: f64 = 0.02;
 
 impl Options {
@@ -77,7 +78,7 @@ impl Options {
         if self.speed.is_empty() { checks::REFERENCES.map(|r| r.speed).to_vec() } else { self.speed.clone() }
     }
 
-    /// In the order of tables and pictures.
+    /// Return the forms in the order of tables and pictures.
     fn forms(&self) -> Vec<Form> {
         let all = Form::value_variants().iter().copied();
         all.filter(|form| self.form.is_empty() || self.form.contains(form)).collect()
@@ -88,7 +89,7 @@ impl Options {
         Setup { form, space: Space::Axisymmetric, speed, cells, penalty, failing, threads }
     }
 
-    /// Speed by speed.
+    /// Return the setups in order of speed.
     fn setups(&self) -> Vec<Setup> {
         let mut list = Vec::new();
         for speed in self.speeds() {

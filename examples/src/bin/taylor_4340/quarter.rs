@@ -1,4 +1,4 @@
-//! A quarter of the bar in three dimensions.
+//! Quarter of the bar in three dimensions.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
@@ -6,8 +6,8 @@ use sph::Layout;
 
 use crate::scene::{LENGTH, RADIUS};
 
-/// Layers of rings, so that the mantle is smooth; layers lie on both ends, with half of the volume there, and no particle on a plane of
-/// symmetry. Rings are as wide as the spacing, and their particles about as long.
+/// Generate layers of rings, so that the mantle is smooth. Layers are on both ends, with half of the volume, and no particle is on a plane
+/// of symmetry. Ring width equals the spacing, and particles are about as long.
 pub fn layout(h: f64) -> Layout<3> {
     let (rings, layers) = ((RADIUS / h).round() as u32, (LENGTH / h).round() as u32);
     let (mut positions, mut volumes) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! The bar on its way into the wall.
+//! Scene and run.
 
 use std::path::Path;
 
@@ -20,20 +20,21 @@ use crate::damage::Counted;
 use crate::gauge::{Gauge, Sizes};
 use crate::quarter;
 
-/// Length, m, as printed.
+/// Length, m, of the paper.
 pub const LENGTH: f64 = 37.97e-3;
-/// Radius, m. Printed are a diameter of 7.595 mm and 20 x 200 particles alike both ways, which go together but for 1.3e-4.
+/// Radius, m. The paper has a diameter of 7.595 mm and 20 x 200 particles of equal spacing, which agree within 1.3e-4.
 pub const RADIUS: f64 = 0.1 * LENGTH;
-/// End, s: "taken as final".
+/// End of the run, s: "taken as final".
 pub const END: f64 = 60.0e-6;
-/// Between two lines of the history, s.
+/// Interval between two rows of the history, s.
 const HISTORY: f64 = 1.0e-6;
-/// Temperature at the start, K, that of the law.
+/// Initial temperature, K, that of the law.
 pub const ROOM: f64 = 294.0;
 
-/// "After Johnson and Beissel": Q = C_L rho c h |tr d| + C_Q rho h^2 (tr d)^2 in compression, C_L and C_Q from memory of the literature.
+/// Bulk viscosity "after Johnson and Beissel": Q = C_L rho c h |tr d| + C_Q rho h^2 (tr d)^2 in compression, C_L and C_Q from memory of the
+/// literature.
 pub const PRINTED_VISCOSITY: [f64; 2] = [0.5, 4.0];
-/// The usual one of public decks.
+/// Usual bulk viscosity of public decks.
 pub const USUAL_VISCOSITY: [f64; 2] = [0.06, 1.5];
 
 /// A form of the method.
@@ -49,7 +50,7 @@ pub enum Form {
 }
 
 impl Form {
-    /// In names of files.
+    /// Return the name in file names.
     pub fn name(self) -> &'static str {
         match self {
             Form::Printed => "printed",
@@ -58,7 +59,7 @@ impl Form {
         }
     }
 
-    /// In tables and pictures.
+    /// Return the name in tables and pictures.
     pub fn words(self) -> &'static str {
         match self {
             Form::Printed => "as printed",
@@ -67,67 +68,67 @@ impl Form {
         }
     }
 
-    /// Bulk viscosity of the law, linear and quadratic.
+    /// Return the bulk viscosity of the law, linear and quadratic coefficient.
     pub fn viscosity(self) -> [f64; 2] {
         if self == Form::Printed { PRINTED_VISCOSITY } else { USUAL_VISCOSITY }
     }
 }
 
-/// How the bar lies in space.
+/// Embedding of the bar in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Space {
     Axisymmetric,
-    /// A quarter of the bar in three dimensions.
+    /// Quarter of the bar in three dimensions.
     Quarter,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub form: Form,
     pub space: Space,
     /// Impact speed, m/s.
     pub speed: f64,
-    /// Particles over the radius.
+    /// Particles per radius.
     pub cells: u32,
     /// Zero-energy penalty of the total Lagrangian form.
     pub penalty: f64,
-    /// Do particles fail at a Johnson-Cook damage of one?
+    /// True if particles fail at a Johnson-Cook damage of one.
     pub failing: bool,
     #[serde(skip)]
     pub threads: usize,
 }
 
 impl Setup {
-    /// Its label, and name in files.
+    /// Return the label, and name in files.
     pub fn name(&self) -> String {
         let space = if self.space == Space::Quarter { "quarter_" } else { "" };
         format!("{space}{}_{}", self.form.name(), self.speed)
     }
 
-    /// In tables.
+    /// Return the name in tables.
     pub fn words(&self) -> String {
         let space = if self.space == Space::Quarter { " in 3D" } else { "" };
         format!("{} m/s, {}{space}", self.speed, self.form.words())
     }
 
-    /// Spacing of particles, m.
+    /// Return the particle spacing, m.
     pub fn spacing(&self) -> f64 {
         RADIUS / f64::from(self.cells)
     }
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
-    /// The method in words.
+    /// Description of the method.
     pub method: String,
     pub sizes: Sizes,
     /// Mass over that of the bar.
     pub mass: f64,
-    /// Kinetic energy that stabilisation took and particles lost as they were stopped at the wall, over that at the start.
+    /// Kinetic energy removed by stabilisation and by the inelastic stop of particles at the wall, over the initial one.
     pub impacts: f64,
     /// Energy in the springs of the zero-energy penalty over the internal energy.
     pub springs: f64,
@@ -137,7 +138,7 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-/// The most that a particle has at the end.
+/// Largest values of the particles at the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Peaks {
     /// Temperature, K.
@@ -146,11 +147,11 @@ pub struct Peaks {
     pub plastic_strain: f64,
     /// Johnson-Cook damage.
     pub damage: f64,
-    /// How many have a damage of one.
+    /// Number of particles with a damage of one.
     pub damaged: usize,
 }
 
-/// Where files go.
+/// Output of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Files<'a> {
     pub folder: &'a Path,
@@ -158,7 +159,7 @@ pub struct Files<'a> {
     pub restart: &'a Restart,
 }
 
-/// Run the bar into the wall, under a label for its checkpoint; with files unless it is one of many.
+/// Run the impact of the bar, with a label for its checkpoint; write files if `write`.
 pub fn impact(setup: &Setup, label: &str, files: Files, write: bool) -> Result<Outcome, CaseError> {
     let [linear, quadratic] = setup.form.viscosity();
     let law = library::steel_4340()
@@ -191,7 +192,7 @@ pub fn impact(setup: &Setup, label: &str, files: Files, write: bool) -> Result<O
     }
 }
 
-/// [`Method::total_lagrangian`] with another penalty.
+/// Return [`Method::total_lagrangian`] with another penalty.
 fn total_lagrangian<E>(
     embedding: E,
     penalty: f64,
@@ -200,21 +201,21 @@ fn total_lagrangian<E>(
     Ok(Method::new(embedding, WendlandC2::NARROW, TotalLagrangian::default(), GradientCorrection, penalty))
 }
 
-/// Particles half a spacing within the surface.
+/// Generate particles half a spacing inside the surface.
 pub fn within(spacing: f64) -> Result<Layout<2>, CaseError> {
     let bar = Cuboid::new([0.0; 2], [RADIUS, LENGTH])?;
     let lattice = Lattice::new([0.0; 2], spacing)?;
     Ok(Layout::of_seeds(&fill(&bar, &lattice, 1, &Filling::new().axisymmetric())?))
 }
 
-/// Rows of particles on both ends, half a spacing within the mantle.
+/// Generate rows of particles on both ends, half a spacing inside the mantle.
 pub fn on_the_ends(spacing: f64) -> Result<Layout<2>, CaseError> {
     let bar = Cuboid::new([0.0; 2], [RADIUS, LENGTH])?;
     let lattice = Lattice::new([0.0; 2], spacing)?;
     Ok(Layout::on_faces(&bar, &lattice, [false, true], &Filling::new().axisymmetric())?)
 }
 
-/// A run that begins.
+/// Run to be started.
 struct Run<'a> {
     setup: &'a Setup,
     label: &'a str,
@@ -223,7 +224,7 @@ struct Run<'a> {
 }
 
 impl Run<'_> {
-    /// The bar, which flies along its last axis, with planes of symmetry across the others.
+    /// Build the bar, which moves along its last axis, with planes of symmetry normal to the others.
     fn body<const D: usize, M: Composition<D>>(
         &self,
         method: M,
@@ -240,7 +241,7 @@ impl Run<'_> {
         Ok(body)
     }
 
-    /// With a wall of mirror images.
+    /// Run with a wall of mirror images.
     fn on_mirrors<M: Composition<2>>(
         &self,
         method: M,
@@ -289,7 +290,7 @@ impl Run<'_> {
     }
 }
 
-/// Volume, m^3: per radian around the axis, or of a quarter.
+/// Return the volume, m^3: per radian in axisymmetric runs, or of a quarter.
 fn volume(setup: &Setup) -> f64 {
     let radian = 0.5 * RADIUS * RADIUS * LENGTH;
     if setup.space == Space::Quarter { std::f64::consts::FRAC_PI_2 * radian } else { radian }

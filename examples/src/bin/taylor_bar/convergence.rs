@@ -16,7 +16,7 @@ const SCHEMES: [(Scheme, &str, Marker); 3] = [
     (Scheme::QuadraticApic, "quadratic USL-APIC", Marker::Triangle),
 ];
 
-/// The three sizes: name, and how to read them.
+/// Sizes: name and accessor.
 type Read = fn(&Sizes) -> f64;
 const SIZES: [(&str, Read); 3] =
     [("length", |s| s.length), ("foot diameter", |s| s.foot), ("diameter at 0.2 L0", |s| s.waist)];
@@ -102,7 +102,7 @@ fn write(outcomes: &[Outcome], path: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Each size over the cell size, with the finite elements' value.
+/// Draw each size over the cell size, with the value of finite elements.
 fn draw(outcomes: &[Outcome], constants: Constants) -> Result<mpm_core::output::picture::Picture, CaseError> {
     let fe = finite_elements(constants);
     let mut panels = Panels::new(3).title(format!("Taylor bar, {} constants", constants.name()));

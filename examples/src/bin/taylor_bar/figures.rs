@@ -13,7 +13,7 @@ use crate::scene::{Model, Outcome};
 use crate::shape::{Sizes, WAIST};
 use crate::{EXPERIMENT, finite_elements, scene};
 
-/// Draw and write everything that one set of constants gave.
+/// Draw and write all results of one set of constants.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     let Some(first) = outcomes.first() else { return Ok(()) };
     let set = first.setup.constants.name();
@@ -26,7 +26,7 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// The deformed bars side by side: cut open in space, in section axisymmetrically.
+/// Draw the deformed bars side by side: cut open in three dimensions, as a section in axisymmetric runs.
 fn bars(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let strain = Quantity::scalar("plastic_strain")
         .label("equivalent plastic strain")
@@ -48,8 +48,8 @@ fn bars(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Where the colours end: all but one particle in a hundred are below, rounded up to a quarter. The corner and the
-/// middle of the foot go beyond.
+/// Return the upper end of the colour range: all but one particle in a hundred are below, rounded up to a quarter. The corner and the
+/// middle of the foot exceed it.
 fn most_strain(outcomes: &[Outcome]) -> f64 {
     let mut strains: Vec<f64> = outcomes
         .iter()
@@ -61,8 +61,8 @@ fn most_strain(outcomes: &[Outcome]) -> f64 {
     (4.0 * most).ceil().max(1.0) / 4.0
 }
 
-/// The snapshot with particles as large as the widest gaps between them: the matter at the foot is stretched
-/// to more than twice its width, which cubes of its volume would not fill.
+/// Return a snapshot with particles as large as the widest gaps between them: the matter at the foot is stretched to more than twice its
+/// width, and cubes of its volume would leave gaps.
 fn closed(outcome: &Outcome, stretch: f64) -> Result<Snapshot, OutputError> {
     let s = &outcome.snapshot;
     let size = ParticleSize::Uniform(0.5 * stretch * outcome.setup.spacing());
@@ -87,7 +87,7 @@ fn section(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError>
         .draw(&closed(outcome, 1.8)?)
 }
 
-/// Where the kinetic energy goes.
+/// Draw the energy balance over time.
 fn energy(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(900, 640)
         .title("Energy of the bar")
@@ -111,13 +111,13 @@ fn energy(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// The three sizes as points of the outline.
+/// Return the three sizes as points of the outline.
 fn points(sizes: &Sizes) -> ([f64; 3], [f64; 3]) {
     let top = scene::RADIUS;
     ([0.5 * sizes.foot, 0.5 * sizes.waist, top], [0.0, WAIST * scene::LENGTH, sizes.length])
 }
 
-/// Radius over height, with the reference points.
+/// Draw the radius over height, with the reference points.
 fn profile(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let constants = outcomes[0].setup.constants;
     let mut chart = Chart::new(900, 640)

@@ -1,7 +1,6 @@
-//! Taylor bar: a copper cylinder of diameter 7.6 mm and length 25.4 mm hits a rigid frictionless wall at
-//! 190 m/s. Johnson-Cook strength, Mie-Grueneisen equation of state; 80 microseconds. The final length, the
-//! diameter of the foot and that at 0.2 initial lengths are compared with independent axisymmetric finite
-//! elements and shown beside the experiment (Johnson and Holmquist 1988).
+//! Taylor bar: a copper cylinder of diameter 7.6 mm and length 25.4 mm hits a rigid frictionless wall at 190 m/s. Johnson-Cook strength,
+//! Mie-Grueneisen equation of state; 80 microseconds. The final length, the diameter of the foot and that at 0.2 initial lengths are
+//! compared with independent axisymmetric finite elements; the experiment (Johnson and Holmquist 1988) is shown as well.
 
 mod convergence;
 mod figures;
@@ -69,7 +68,7 @@ enum WhichConstants {
     Both,
 }
 
-/// Independent axisymmetric finite elements, m.
+/// Results of independent axisymmetric finite elements, m.
 fn finite_elements(constants: Constants) -> Sizes {
     let [length, foot, waist] = match constants {
         Constants::Taylor => [16.28e-3, 13.37e-3, 10.16e-3],
@@ -78,7 +77,7 @@ fn finite_elements(constants: Constants) -> Sizes {
     Sizes { length, foot, waist }
 }
 
-/// Johnson and Holmquist 1988, from memory of the literature, m.
+/// Experiment of Johnson and Holmquist 1988, from memory of the literature, m.
 const EXPERIMENT: Sizes = Sizes { length: 16.2e-3, foot: 13.5e-3, waist: 10.1e-3 };
 
 const LENGTH_TOLERANCE: f64 = 0.015;
@@ -86,8 +85,8 @@ const DIAMETER_TOLERANCE: f64 = 0.04;
 const MODELS_TOLERANCE: f64 = 0.02;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 
-/// What of the energy may be lost. At impact the wall stops the nodes on it, which carry half a cell of the bar:
-/// h / 2 L of the energy is gone at once, 1.5 % at 5 cells per radius. USL and APIC smooth, and lose more.
+/// Return the tolerance of the energy loss. At impact the wall stops its nodes, which carry half a cell of the bar: h / 2 L of the energy
+/// is dissipated at once, 1.5 % at 5 cells per radius. USL and APIC filter, and lose more.
 fn energy_tolerance(scheme: Scheme, resolution: Resolution) -> f64 {
     match scheme {
         Scheme::LinearMusl => resolution.choose(0.02, 0.01, 0.01),
@@ -95,7 +94,7 @@ fn energy_tolerance(scheme: Scheme, resolution: Resolution) -> f64 {
     }
 }
 
-/// Cells per radius of the free flight, at most.
+/// Largest number of cells per radius in the free flight.
 const FLIGHT_CELLS: u32 = 5;
 
 impl Options {
@@ -154,7 +153,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         .finish(&options.common, &folder)
 }
 
-/// One set of constants with all models.
+/// Run all models with one set of constants.
 fn impacts(
     options: &Options,
     constants: Constants,
@@ -183,11 +182,11 @@ fn settings(options: &Options) -> serde_json::Value {
     })
 }
 
-/// Why the length with standard constants is missed.
+/// Reason for the known failure of the length with standard constants.
 const SHORT: &str = "linear shape functions where surfaces of particles meet the wall: 17.08, 17.05, 17.13 mm with 5, 10, 20 cells on the radius, \
                      where quadratic splines come to 17.18 to 17.29; a wall that acted a cell early had hidden half of it";
 
-/// The sizes of a bar against finite elements and experiment, and what it lost.
+/// Check the sizes of a bar against finite elements and experiment, and its energy loss.
 fn checks_of(outcome: &Outcome, resolution: Resolution) -> Vec<Check> {
     let name =
         |what: &str| format!("{} {}: {what}", outcome.setup.model.name(), outcome.setup.constants.name());
@@ -216,7 +215,7 @@ fn checks_of(outcome: &Outcome, resolution: Resolution) -> Vec<Check> {
     checks
 }
 
-/// Three dimensions against the axisymmetric model.
+/// Compare the three-dimensional with the axisymmetric model.
 fn agreement(space: &Outcome, flat: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("3d {}: {what}", space.setup.constants.name());
     let rows = [
@@ -230,7 +229,7 @@ fn agreement(space: &Outcome, flat: &Outcome) -> Vec<Check> {
     rows.map(check).to_vec()
 }
 
-/// Momentum without a wall.
+/// Check momentum conservation without a wall.
 fn flight(options: &Options, totals: &mut Totals, restart: &Restart) -> Result<Check, CaseError> {
     let mut setup = options.setup(options.models()[0], options.constants()[0]);
     setup.cells = setup.cells.min(FLIGHT_CELLS);

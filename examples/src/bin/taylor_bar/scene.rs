@@ -1,4 +1,4 @@
-//! The bar, the wall and the run.
+//! Scene and run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ pub const LENGTH: f64 = 25.4e-3;
 pub const SPEED: f64 = 190.0;
 /// End of the run, s.
 pub const END: f64 = 80.0e-6;
-/// Time between two entries of a history, s.
+/// Interval between two entries of a history, s.
 const HISTORY: f64 = 1.0e-6;
 /// Linear and quadratic coefficient of the bulk viscosity, as in public decks.
 const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
@@ -69,7 +69,7 @@ pub enum Scheme {
 macro_rules! names {
     ($($type:ty),*) => {$(
         impl $type {
-            /// As on the command line.
+            /// Return the name on the command line.
             pub fn name(self) -> String {
                 self.to_possible_value().map_or(String::new(), |v| v.get_name().to_string())
             }
@@ -78,7 +78,7 @@ macro_rules! names {
 }
 names!(Model, Constants, Scheme);
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub model: Model,
@@ -90,7 +90,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(&self) -> String {
         format!("{}_{}", self.model.name(), self.constants.name())
     }
@@ -98,7 +98,7 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         RADIUS / f64::from(self.cells)
     }
-    /// How many of the model make the whole bar.
+    /// Return the number of copies of the model in the whole bar.
     pub fn copies(&self) -> f64 {
         match self.model {
             Model::Quarter => 4.0,
@@ -107,15 +107,15 @@ impl Setup {
     }
 }
 
-/// What a run writes.
+/// Output of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Files<'a> {
     pub folder: &'a Path,
-    /// ParaView frames over the run; 0 for none.
+    /// Number of ParaView frames; 0 for none.
     pub frames: u32,
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
@@ -126,13 +126,13 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-/// Run the bar into the wall.
+/// Run the impact of the bar on the wall.
 pub fn impact(setup: &Setup, files: Option<Files>, simulation: Simulation) -> Result<Outcome, CaseError> {
     with_scheme(setup, Task::Impact(files), simulation)
 }
 
-/// Fly the whole bar, stretching and spinning, without a wall, in space or axisymmetrically (without spin);
-/// returns the momentum error.
+/// Run a free flight of the whole bar with stretching and spin, without a wall, in three dimensions or axisymmetric (without spin). Return
+/// the momentum error.
 pub fn free_flight(setup: &Setup, simulation: Simulation) -> Result<f64, CaseError> {
     Ok(with_scheme(setup, Task::FreeFlight, simulation)?.totals.momentum_error)
 }
@@ -180,7 +180,7 @@ fn scheme_revolved(scheme: Scheme) -> Kernels<f64, 2> {
     }
 }
 
-/// Three dimensions: a quarter of the bar on the wall z = 0, or the whole bar in flight.
+/// Run in three dimensions: a quarter of the bar on the wall z = 0, or the whole bar in flight.
 fn in_space(
     setup: &Setup,
     task: Task,
@@ -212,7 +212,7 @@ fn in_space(
     run(setup, task, mpm, &seeds, simulation)
 }
 
-/// Radius and height, with the axis r = 0 and the wall z = 0.
+/// Run in radius and height, with the axis r = 0 and the wall z = 0.
 fn axisymmetric(
     setup: &Setup,
     task: Task,
@@ -269,7 +269,7 @@ fn run<const D: usize>(
     Ok(Outcome { setup: *setup, sizes, outline, ledger, snapshot, totals })
 }
 
-/// The history of the sizes, and frames for ParaView.
+/// Create the history of the sizes, and frames for ParaView.
 fn files_of<'a, const D: usize>(
     setup: &Setup,
     files: Files,

@@ -1,26 +1,24 @@
-//! The outline of the bar, measured from particles that know where they started.
+//! Outline of the bar from particles and their initial positions.
 //!
-//! Particles sit inside the matter, half a particle below its surface, and a surface drawn around them would
-//! move with their spacing. But each knows its place in the undeformed bar, where the surface is known. So for
-//! each layer of particles (same height z0 in the undeformed bar) the deformed radius and height are fitted by
-//! straight lines over the depth R - r0 of the particles next to the surface, and read off at depth 0: the
-//! outline. The foot and the top end are read off a parabola through the three layers next to them, at z0 = 0
-//! and z0 = L.
+//! Particles are inside the matter, half a particle below its surface, and a surface drawn around them would depend on their spacing. Their
+//! initial depths below the undeformed surface are known, however. For each layer of particles (same height z0 in the undeformed bar)
+//! straight lines over the depth R - r0 are fitted to the deformed radius and height of the particles next to the surface, and evaluated at
+//! depth 0: the outline. Foot and top end are evaluated on a parabola through the three layers next to them, at z0 = 0 and z0 = L.
 
 use mpm_core::geometry::Seeds;
 use mpm_core::observe::RunView;
 
 use crate::scene::{LENGTH, RADIUS};
 
-/// Particles this many cells below the surface count as next to it.
+/// Depth below the surface, in cells, up to which particles are fitted.
 const DEPTH: f64 = 2.2;
-/// Height of the second diameter, of the initial length.
+/// Height of the second diameter over the initial length.
 pub const WAIST: f64 = 0.2;
 
-/// A line of the undeformed surface after deformation.
+/// Circle of the undeformed surface after deformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ring {
-    /// Height in the undeformed bar, m.
+    /// Initial height, m.
     pub start: f64,
     /// Radius, m.
     pub radius: f64,
@@ -28,11 +26,11 @@ pub struct Ring {
     pub height: f64,
 }
 
-/// The deformed mantle of the bar, from foot to top.
+/// Deformed mantle of the bar, from foot to top.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outline(pub Vec<Ring>);
 
-/// What is compared with experiment, m.
+/// Sizes for comparison with experiment, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sizes {
     /// Length, from the foot to the top end.
@@ -43,7 +41,7 @@ pub struct Sizes {
     pub waist: f64,
 }
 
-/// Sums for the two lines of a layer.
+/// Sums for the two linear fits of a layer.
 #[derive(Clone, Copy, Default)]
 struct Fit {
     count: f64,
@@ -66,7 +64,7 @@ impl Fit {
         self.zd += z * d;
     }
 
-    /// Radius and height at the surface, where d = 0.
+    /// Return radius and height at the surface, d = 0.
     fn at_surface(&self) -> (f64, f64) {
         let det = self.count * self.dd - self.d * self.d;
         let at = |y: f64, yd: f64| (self.dd * y - self.d * yd) / det;
@@ -75,7 +73,7 @@ impl Fit {
 }
 
 impl Outline {
-    /// The outline now, of a bar seeded with two particles per cell of edge `spacing` (m) along each axis.
+    /// Return the current outline of a bar seeded with two particles per cell of edge `spacing` (m) along each axis.
     pub fn of<const D: usize>(now: &RunView<'_>, seeds: &Seeds<D>, spacing: f64) -> Outline {
         let step = 0.5 * spacing;
         let place = |x: &[f64]| if D == 3 { (x[0].hypot(x[1]), x[2]) } else { (x[0], x[1]) };
@@ -100,21 +98,21 @@ impl Outline {
         Outline(fits.iter().enumerate().map(ring).collect()).with_ends()
     }
 
-    /// Continue to the two ends of the bar.
+    /// Extrapolate to both ends of the bar.
     fn with_ends(mut self) -> Outline {
         let n = self.0.len();
         if n >= 3 {
             let foot = continued([self.0[0], self.0[1], self.0[2]], 0.0);
             let top = continued([self.0[n - 1], self.0[n - 2], self.0[n - 3]], LENGTH);
             self.0.insert(0, foot);
-            // The last layer may lie half a particle's edge above the end of the bar, or below.
+            // The last layer may be up to half a particle edge above or below the end of the bar.
             self.0.retain(|ring| ring.start < LENGTH);
             self.0.push(top);
         }
         self
     }
 
-    /// Length and diameters. NaN for a bar that has no such place.
+    /// Return length and diameters; NaN for missing heights.
     pub fn sizes(&self) -> Sizes {
         let (Some(foot), Some(top)) = (self.0.first(), self.0.last()) else {
             return Sizes { length: f64::NAN, foot: f64::NAN, waist: f64::NAN };
@@ -123,7 +121,7 @@ impl Outline {
         Sizes { length: top.height - foot.height, foot: 2.0 * foot.radius, waist: 2.0 * waist }
     }
 
-    /// Radius at a height, m.
+    /// Interpolate the radius at a height, m.
     fn radius_at(&self, height: f64) -> f64 {
         for pair in self.0.windows(2) {
             let [low, high] = [pair[0], pair[1]];
@@ -136,7 +134,7 @@ impl Outline {
     }
 }
 
-/// The parabola through three rings, at another initial height.
+/// Evaluate the parabola through three rings at another initial height.
 fn continued(rings: [Ring; 3], start: f64) -> Ring {
     let weight = |i: usize| {
         let others = (0..3).filter(|j| *j != i);

@@ -1,4 +1,4 @@
-//! What of a bar is judged, and by what.
+//! Checks of Taylor bars.
 
 use examples::{Check, Totals};
 
@@ -8,12 +8,12 @@ use crate::{beside, points};
 
 const LENGTH_TOLERANCE: f64 = 0.02;
 const RADIUS_TOLERANCE: f64 = 0.05;
-/// Of our finite elements.
+/// Tolerances of our finite elements: length, face.
 const OF_ELEMENTS: [f64; 2] = [0.005, 0.02];
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 const ENERGY_TOLERANCE: f64 = 0.005;
-/// Elements at the corner of the face that are stretched tenfold, or whose angles fall below half a degree, crack: a few
-/// of thousands, with the heat in them.
+/// Tolerance of the covered mass. Elements at the corner of the face that are stretched tenfold, or with angles below half a degree, become
+/// cracks: a few of thousands, with the heat in them.
 const COVER_TOLERANCE: f64 = 0.005;
 const ADDED_TOLERANCE: f64 = 0.02;
 
@@ -35,7 +35,7 @@ fn source(space: Space) -> &'static str {
 const LENGTH: &str = "length";
 const FACE: &str = "radius of the face";
 
-/// A size, mm: there are references for the speed of the paper.
+/// Check a size, mm; references exist for the speed of the paper only.
 fn sized(name: String, value: f64, reference: f64, tolerance: f64, from: &str, speed: f64) -> Check {
     if speed == SPEED {
         Check::gate(name, value, "mm", reference, tolerance, from)
@@ -44,8 +44,8 @@ fn sized(name: String, value: f64, reference: f64, tolerance: f64, from: &str, s
     }
 }
 
-/// The sizes of a bar, and what it lost. What is printed, or meant to show a defect, is judged alike; where it fails is
-/// declared.
+/// Check sizes, covered mass and energy of a bar. The original formulation and demonstrations of defects have the same tolerances; their
+/// known failures are declared.
 pub fn of(outcome: &Outcome) -> Vec<Check> {
     let Setup { name: run, space, parts, hardening, speed, .. } = outcome.setup;
     let name = |what: &str| format!("{run}: {what}");
@@ -89,10 +89,10 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// Length of the rod model with the printed hardening, m.
+/// Length of the rod model with the hardening of the paper, m.
 const ROD_MODEL: f64 = 38.1e-3;
 
-/// What is measured of a bar.
+/// Measured quantity of a bar.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Size {
     Length,
@@ -101,7 +101,7 @@ enum Size {
     Added,
 }
 
-/// Why a run is known to miss a size.
+/// Return the reason for a known failure of a check.
 fn known(setup: &Setup, size: Size) -> Option<&'static str> {
     match (setup.parts, size) {
         (Parts::Locking, Size::Radius) => {
@@ -126,8 +126,8 @@ fn known(setup: &Setup, size: Size) -> Option<&'static str> {
     }
 }
 
-/// By what part the face of a bar of fragile points is too small at most, where it is known to be: as measured, and some hundredths more. Less
-/// than a penalty of `eta` times Young's modulus makes it less so.
+/// Return the largest known relative deficit of the face radius of a bar of fragile points: the measured value plus some hundredths. A
+/// penalty `eta` below Young's modulus reduces it.
 fn too_small(space: Space, cells: u32, eta: f64) -> Option<f64> {
     match (space, cells) {
         _ if eta > 1.0 => None,
@@ -140,7 +140,7 @@ fn too_small(space: Space, cells: u32, eta: f64) -> Option<f64> {
     }
 }
 
-/// The same bar by another method, with the penalty of fragile points over Young's modulus.
+/// Check a bar by another method; `eta` is the penalty of fragile points over Young's modulus.
 pub fn beside(outcome: &beside::Outcome, eta: f64) -> Vec<Check> {
     let (space, cells) = (outcome.bar.space, outcome.bar.cells);
     let [length, radius] = outcome.sizes.map(|x| 1e3 * x);
@@ -195,9 +195,9 @@ pub fn beside(outcome: &beside::Outcome, eta: f64) -> Vec<Check> {
     rows
 }
 
-/// Why the face of cells is too small.
+/// Reason for the small face of bars of fragile points.
 const YIELDS: &str = "the penalty is by Young's modulus and does not yield as copper does: in plane strain 35 % with 4 cells on the radius, 22 % \
                       with 10, 7 % with 20 (4.9 % with 25); with a penalty of 5 E 27 % with 10, of 0.1 E 11 % with 10 and 4 % with 20";
 
-/// Hourglass energy over internal energy, at most.
+/// Limit of the hourglass energy over the internal energy.
 const HOURGLASS: f64 = 0.05;

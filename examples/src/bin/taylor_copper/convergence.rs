@@ -11,12 +11,12 @@ use crate::coupled::{self, Coupling};
 use crate::scene::Space;
 use crate::{Methods, Options, elements, mpm};
 
-/// Processor time of a row at least, s: shorter runs are repeated.
+/// Minimum processor time of a row, s: shorter runs are repeated.
 const LEAST: f64 = 0.5;
-/// By which elements are to be cheaper than material points at equal errors.
+/// Required cost of material points over that of finite elements at equal errors.
 const CHEAPER: f64 = 3.0;
 
-/// Most that elements which become particles are to cost at equal errors, over material points.
+/// Largest allowed cost of elements that convert to particles, over that of material points, at equal errors.
 const CONVERTED: f64 = 0.5;
 
 const METHODS: [(Methods, &str, Marker); 4] = [
@@ -29,35 +29,35 @@ const FEM: usize = 0;
 const MPM: usize = 1;
 const AFEMP: usize = 3;
 
-/// Sizes, and the errors at which costs are compared, and where elements alone tangle.
+/// Sizes, and the errors at which costs are compared, below and above the speed at which finite elements tangle.
 const SIZES: [(&str, [f64; 2]); 2] = [("length", [0.002, 0.01]), ("radius of the face", [0.02, 0.02])];
 
-/// Why the length of a fast bar by elements that become particles costs more.
+/// Reason for the cost of the length of a fast bar by elements that convert to particles.
 const SHORT: &str = "the bar is small: much of it is converted, and elements ask for steps half as long as particles of their size";
-/// Speed from which elements alone tangle, m/s, and the most cells on the radius that are tried then.
+/// Speed from which finite elements tangle, m/s, and the largest number of cells per radius that is run above it.
 const TANGLES: (f64, u32) = (300.0, 4);
 
-/// Why elements are not cheaper in the face.
+/// Reason for the cost of the face by finite elements.
 const FACE: &str = "the edge of the face has an error of first order in the size of elements, and those there are flat, which shortens \
                     steps; particles are not squeezed";
 
-/// A run, and what it took.
+/// Run and its cost.
 struct Row {
     method: usize,
     outcome: Outcome,
-    /// Processor time, s, scene and all.
+    /// Processor time, s, including set-up.
     seconds: f64,
 }
 
-/// Length and radius of the face, m, to which runs converge.
+/// Extrapolated length and radius of the face, m.
 struct Limit {
-    /// By each method.
+    /// Limit of each method.
     each: [[f64; 2]; METHODS.len()],
-    /// The mean of those of finite elements and material points, or of the latter alone where the former tangle: errors are taken from it.
+    /// Reference of errors: mean limit of finite elements and material points, or that of the latter if the former tangle.
     sizes: [f64; 2],
 }
 
-/// Run all; print, write and draw errors and costs. On one thread, as costs are compared.
+/// Run all methods; print, write and draw errors and costs. One thread, so that costs are comparable.
 pub fn study(options: &Options, folder: &Path) -> Result<(Totals, Vec<Check>), CaseError> {
     let all: &[u32] =
         options.common.resolution.choose(&[3, 4, 6], &[3, 4, 6, 8, 12, 16], &[3, 4, 6, 8, 12, 16, 24, 32]);
@@ -83,7 +83,7 @@ pub fn study(options: &Options, folder: &Path) -> Result<(Totals, Vec<Check>), C
     Ok((totals, checks(&rows, &limit, resolved, options.speed)))
 }
 
-/// Is it elements alone, which are deformed too far?
+/// True for finite elements without conversion at speeds at which they tangle.
 fn tangles(which: Methods, speed: f64) -> bool {
     which == Methods::Fem && speed >= TANGLES.0
 }
@@ -107,8 +107,8 @@ fn run(method: usize, which: Methods, bar: Bar, options: &Options) -> Result<Row
 }
 
 impl Limit {
-    /// The radius of the face has an error of first order, at its edge: each method's two finest runs are continued so, and the means of the
-    /// methods are taken.
+    /// Extrapolate the two finest runs of each method to the limit with an error of first order, that of the radius at the edge of the
+    /// face, and average over the methods.
     fn of(rows: &[Row]) -> Self {
         let limit = |method: usize| -> [f64; 2] {
             let mut own = rows.iter().rev().filter(|row| row.method == method).map(|row| &row.outcome);
@@ -121,14 +121,14 @@ impl Limit {
         Limit { each, sizes: [0, 1].map(|n| if each[FEM][n].is_nan() { each[MPM][n] } else { mean(n) }) }
     }
 
-    /// Relative error of a size.
+    /// Return the relative error of a size.
     fn error(&self, row: &Row, size: usize) -> f64 {
         (row.outcome.sizes[size] / self.sizes[size] - 1.0).abs()
     }
 }
 
-/// What an error of a size costs with a method, s: from the run on from which all finer ones keep it, on a straight line between the
-/// logarithms of that and the one before. None where no run has it.
+/// Return the cost of an error of a size with a method, s: logarithmic interpolation between the first run from which all finer ones are
+/// within the error and the run before. `None` without such a run.
 fn cost(rows: &[Row], limit: &Limit, (method, size): (usize, usize), error: f64) -> Option<f64> {
     let own = rows.iter().filter(|row| row.method == method);
     let own: Vec<(f64, f64)> = own.map(|row| (limit.error(row, size), row.seconds)).collect();
@@ -138,11 +138,11 @@ fn cost(rows: &[Row], limit: &Limit, (method, size): (usize, usize), error: f64)
     Some(cheap * (dear / cheap).powf((coarse / error).ln() / (coarse / fine).ln()))
 }
 
-/// Elements are to be cheaper at equal errors.
+/// Check that elements are cheaper at equal errors.
 fn checks(rows: &[Row], limit: &Limit, resolved: bool, speed: f64) -> Vec<Check> {
     let mut checks = Vec::new();
     let few = "three sizes of cells do not say where methods converge to";
-    // A method that never gets there costs more than its finest run.
+    // The cost of a method that never reaches the error exceeds that of its finest run.
     let dearest = |method: usize| {
         rows.iter().rev().find(|row| row.method == method).map_or(f64::NAN, |row| row.seconds)
     };
@@ -251,7 +251,7 @@ fn write(rows: &[Row], limit: &Limit, path: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Errors over cost, a panel a size.
+/// Draw errors over cost, one panel per size.
 fn draw(rows: &[Row], limit: &Limit) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(2).title("Error over cost, one thread");
     for (size, (name, _)) in SIZES.into_iter().enumerate() {

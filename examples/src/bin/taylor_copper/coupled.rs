@@ -1,4 +1,4 @@
-//! The same bar by elements that become particles: at the foot from the start (MPFEM), or where they are deformed too far (AFEMP).
+//! Taylor bar by elements that convert to particles: at the foot from the start (MPFEM), or where they are deformed too far (AFEMP).
 
 use coupling::{Conversion, ConversionBook, ConversionLog, Elements};
 use examples::{CaseError, Check, Simulation, Totals};
@@ -16,26 +16,25 @@ use crate::beside::{self, Bar, copper};
 use crate::scene::{END, Files, LENGTH, RADIUS, Space};
 use crate::{SPEED, mpm};
 
-/// Speeds at which they run unless told otherwise, m/s.
+/// Default impact speeds, m/s.
 pub const SPEEDS: [f64; 4] = [SPEED, 190.0, 400.0, 1000.0];
 /// Height above the wall within which elements are particles from the start, in radii.
 const REGION: f64 = 2.0;
 
-/// The part of the length that a bar has lost, if it went on as fast, where runs end that are too fast for the end of the others: by then nothing is
-/// left of them but what flies apart.
+/// End of fast runs: path at impact speed over the length of the bar. By then only dispersing debris is left.
 const CONSUMED: f64 = 0.6;
 
-/// End of a run, s.
+/// Return the end of a run, s.
 fn end_of(speed: f64) -> f64 {
     if speed > 500.0 { END.min(CONSUMED * LENGTH / speed) } else { END }
 }
 
-/// When elements become particles.
+/// Criterion of conversion to particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coupling {
-    /// Within a region.
+    /// Elements within a region, from the start.
     Mpfem,
-    /// Where they must.
+    /// Elements that are deformed too far.
     Afemp,
 }
 
@@ -48,30 +47,30 @@ impl Coupling {
     }
 }
 
-/// What came of a bar, and of particles alone.
+/// Results of a bar, and of particles alone.
 pub struct Outcome {
     pub coupling: Coupling,
     pub bar: Bar,
-    /// Length and largest radius, m, with elements and of particles alone.
+    /// Length and largest radius, m, of the coupled bar and of particles alone.
     pub sizes: [[f64; 2]; 2],
     pub book: ConversionBook,
-    /// The shortest step over the first one.
+    /// Shortest time step over the first one.
     pub shortest: f64,
-    /// Elements at the start.
+    /// Number of elements at the start.
     pub elements: usize,
     pub snapshot: Snapshot,
-    /// With elements, and of particles alone.
+    /// Totals of the coupled bar and of particles alone.
     pub totals: [Totals; 2],
 }
 
 impl Outcome {
-    /// Its name in tables.
+    /// Return the name in tables.
     pub fn name(&self) -> String {
         format!("{}, {}, {} m/s", self.coupling.name(), self.bar.space.words(), self.bar.speed)
     }
 }
 
-/// Run the bar into the wall, and particles alone beside it.
+/// Run the impact of the bar, and of particles alone for comparison.
 pub fn impact(coupling: Coupling, bar: Bar, files: Files) -> Result<Outcome, CaseError> {
     match bar.space {
         Space::PlaneStrain => {
@@ -116,7 +115,7 @@ fn run<E: Embedding<2>>(
     })
 }
 
-/// The bar before the wall, and how many elements it has.
+/// Build the bar in front of the wall. Return it with the conversion log and the number of elements.
 fn built<E: Embedding<2>>(
     coupling: Coupling,
     bar: Bar,
@@ -144,7 +143,7 @@ fn built<E: Embedding<2>>(
     Ok((mpm, log, counts[0] * counts[1]))
 }
 
-/// Run the bar, axisymmetric and without files, as methods beside it are.
+/// Run the axisymmetric bar without files, for the comparison of methods.
 pub fn beside(coupling: Coupling, bar: Bar) -> Result<beside::Outcome, CaseError> {
     let method = Method::impact(Axisymmetric).into_kernels();
     let (mut mpm, ..) = built(coupling, bar, Axisymmetric, method)?;
@@ -157,7 +156,7 @@ pub fn beside(coupling: Coupling, bar: Bar) -> Result<beside::Outcome, CaseError
     outermost(coupling.name(), bar, &mut mpm, totals)
 }
 
-/// Particles alone with the sizes of elements that become particles, which hold for a foot that has flowed apart.
+/// Run particles alone, and measure them as converting elements, which is valid for a fragmented foot.
 pub fn particles(bar: Bar) -> Result<beside::Outcome, CaseError> {
     let (mut mpm, totals) = alone(bar)?;
     outermost("mpm", bar, &mut mpm, totals)
@@ -181,7 +180,7 @@ fn outermost(
     })
 }
 
-/// Particles alone, on the same grid.
+/// Run particles alone on the same grid.
 fn alone(bar: Bar) -> Result<(Mpm<2>, Totals), CaseError> {
     let mut mpm = mpm::scene(bar)?;
     let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
@@ -193,13 +192,13 @@ fn alone(bar: Bar) -> Result<(Mpm<2>, Totals), CaseError> {
     Ok((mpm, totals))
 }
 
-/// Length and largest radius, m, from the outermost points with half their size by their volume: of elements and particles alike.
+/// Return length and largest radius, m, from the outermost points extended by half their size, for elements and particles alike.
 fn sizes(mpm: &Mpm<2>, hoop: bool) -> [f64; 2] {
     let (mut low, mut high, mut wide) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64);
     for body in mpm.bodies() {
         body.for_each(&mut |p| {
             let depth = if hoop { p.position[0] } else { 1.0 };
-            // Elements tell their own half edges, which are those of now.
+            // Elements provide their current half edges.
             let half = match p.corners.is_empty() {
                 true => [0.5 * (p.volume / depth).sqrt(); 2],
                 false => [0, 1].map(|d| p.half_edges.iter().map(|edge| edge[d].abs()).sum::<f64>()),
@@ -212,7 +211,7 @@ fn sizes(mpm: &Mpm<2>, hoop: bool) -> [f64; 2] {
     [high - low, wide]
 }
 
-/// The first and the shortest step of a run.
+/// First and shortest time step of a run.
 struct Steps {
     pace: Pace,
     end: f64,
@@ -234,7 +233,7 @@ impl Observer for Steps {
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let step = now.time() - self.last;
         self.last = now.time();
-        // The last two steps are cut to the end of the run.
+        // The last two steps are shortened to reach the end.
         if step > 0.0 && now.time() < self.end - 3.0 * self.first {
             self.first = if self.first == 0.0 { step } else { self.first };
             self.shortest = self.shortest.min(step);
@@ -246,22 +245,22 @@ impl Observer for Steps {
     }
 }
 
-/// As of particles alone.
+/// Tolerance of the radius, that of particles alone.
 const RADIUS_TOLERANCE: f64 = 0.05;
 const TOO_WIDE: &str = "5.4 % too wide with 10 cells on the radius, as particles alone are";
 
-/// Why energy is missed in plane strain.
+/// Reason for the energy loss in plane strain.
 const STRETCHED: &str = "the face spreads three-fold, and two particles a cell are then more than a cell apart: particles alone \
     lose 1.6 % with two a cell along each axis, 0.8 % with three, 0.5 % with four; 2.2, 1.6, 1.5 % with 5, 10, 14 cells";
 
-/// From so many cells on the radius on a face and the energy that the wall takes at once say something.
+/// Cells per radius from which the face and the energy dissipated by the wall at once are evaluated.
 const FINE: u32 = 10;
 const COARSE: &str = "half a cell of the bar is stopped at once, and the face is some cells wide";
 
-/// Why the length of coarse bars in plane strain is missed.
+/// Reason for the length error of coarse bars in plane strain.
 const STOPPED: &str = "1 to 2 % too long with few cells: the wall stops particles at their surfaces, and elements at their own nodes";
 
-/// What of it is judged, and by what.
+/// Return the checks of a bar.
 pub fn checks(outcome: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("{}: {what}", outcome.name());
     let mm = |x: f64| 1e3 * x;
@@ -334,7 +333,7 @@ pub fn checks(outcome: &Outcome) -> Vec<Check> {
     rows
 }
 
-/// Kinetic energy at the start, J.
+/// Return the initial kinetic energy, J.
 fn energy_of(outcome: &Outcome) -> f64 {
     let area = match outcome.bar.space {
         Space::PlaneStrain => RADIUS,

@@ -1,4 +1,4 @@
-//! The same bar by finite elements.
+//! Taylor bar by finite elements.
 
 use clap::ValueEnum;
 use examples::{CaseError, Simulation, Totals};
@@ -23,7 +23,7 @@ pub enum Integration {
 }
 
 impl Integration {
-    /// The method in tables.
+    /// Return the name in tables.
     fn name(self) -> &'static str {
         match self {
             Integration::OnePoint => "fem of one point",
@@ -33,7 +33,7 @@ impl Integration {
     }
 }
 
-/// Run the bar into the wall.
+/// Run the impact of the bar on the wall.
 pub fn impact(bar: Bar, integration: Integration, files: Option<Files>) -> Result<Outcome, CaseError> {
     let simplices = integration == Integration::Simplices;
     let counts = [bar.cells as usize, (f64::from(bar.cells) * LENGTH / RADIUS).round() as usize];
@@ -52,7 +52,7 @@ pub fn impact(bar: Bar, integration: Integration, files: Option<Files>) -> Resul
     }
 }
 
-/// A quarter of the bar in three dimensions, of bricks.
+/// Mesh a quarter of the bar in three dimensions by bricks.
 pub fn quarter(across: u32, along: usize) -> Result<ElementMesh<3>, CaseError> {
     let whole = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], LENGTH, RADIUS)?;
     let mesh = cylinder_mesh(&whole, Butterfly::of_edge(RADIUS, RADIUS / f64::from(across))?, along)?;
@@ -64,7 +64,7 @@ pub fn quarter(across: u32, along: usize) -> Result<ElementMesh<3>, CaseError> {
     Ok(mesh.part(&|block, element| kept[block][element])?)
 }
 
-/// Run the bar, whose axis is the last one, with planes of symmetry across the others.
+/// Run the bar along the last axis, with planes of symmetry normal to the others.
 fn run<const D: usize, E: Embedding<D>>(
     bar: Bar,
     embedding: E,
@@ -112,12 +112,12 @@ fn run<const D: usize, E: Embedding<D>>(
     })
 }
 
-/// Length and radius of the face, m, by the nodes of both ends.
+/// Return length and radius of the face, m, from the nodes of both ends.
 fn sizes<const D: usize>(fem: &Fem<D>, [foot, top]: &[Vec<u32>; 2]) -> [f64; 2] {
     sizes_of([foot, top], |&n| fem.body(0).nodes()[n as usize].position)
 }
 
-/// The history of a bar with these ends.
+/// Create the history of a bar with these ends.
 fn history<const D: usize>(
     files: Files,
     label: &str,

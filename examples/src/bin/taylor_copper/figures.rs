@@ -18,7 +18,7 @@ pub fn draw(
 ) -> Result<(), CaseError> {
     let title = format!("Copper bar, 10 mm x 70 mm, {speed} m/s: 260 µs after impact");
     let mut panels = Panels::new(4).title(title);
-    // The quarter in space is for ParaView.
+    // The quarter in three dimensions is for ParaView only.
     for bar in bars.iter().filter(|b| b.setup.space != Space::Quarter) {
         let half = bar.setup.space == Space::Axisymmetric || bar.setup.parts != Parts::Printed;
         let title = format!("{}, {} particles", bar.setup.name, bar.totals.particles);
@@ -29,7 +29,7 @@ pub fn draw(
         let (size, what) = if outcome.method == points::NAME {
             (None, "cells")
         } else if snapshot.cells().is_some() {
-            // As large as they are, and more: they are flat at the face.
+            // Enlarge the elements, which are flat at the face.
             let size = |n: usize| 1.5 * snapshot.size_of(n);
             (Some(ParticleSize::Each((0..snapshot.len()).map(size).collect())), "elements")
         } else {
@@ -42,7 +42,7 @@ pub fn draw(
     Ok(())
 }
 
-/// Draw the feet of bars whose elements become particles, both as large as they are.
+/// Draw the feet of bars of converting elements, with enlarged elements and particles.
 pub fn coupled(all: &[coupled::Outcome], folder: &Path) -> Result<(), CaseError> {
     let mut panels =
         Panels::new(4).title("Copper bar, 10 mm x 70 mm, 260 µs after impact: elements and particles");
@@ -56,12 +56,12 @@ pub fn coupled(all: &[coupled::Outcome], folder: &Path) -> Result<(), CaseError>
     Ok(())
 }
 
-/// As large as the gaps at the face, so that matter looks closed.
+/// Return particles as large as the gaps at the face, so that the matter looks closed.
 fn gaps(spacing: f64) -> ParticleSize {
     ParticleSize::Uniform(1.7 * spacing)
 }
 
-/// By particles of some size, or by cells as they are.
+/// Draw a foot by particles of the given size, or by its cells.
 fn foot(snapshot: &Snapshot, size: Option<ParticleSize>, half: bool) -> Result<Picture, OutputError> {
     let strain =
         Quantity::scalar("plastic_strain").label("plastic strain").range(0.0, 2.0).map(ColourMap::Viridis);

@@ -1,6 +1,6 @@
-//! Taylor bar of OFHC copper, 10 mm x 70 mm, on a rigid wall at 165 m/s (case 2 of Feng 2014), by the particle-contact
-//! meshfree method: as printed, with the constants of the material put right, axisymmetric, and the same bar by the
-//! material point method, by finite elements and by fragile points.
+//! Taylor bar of OFHC copper, 10 mm x 70 mm, on a rigid wall at 165 m/s (case 2 of Feng 2014), by the particle-contact meshfree method:
+//! original formulation, corrected material constants, axisymmetric; and the same bar by the material point method, by finite elements and
+//! by fragile points.
 
 mod beside;
 mod checks;
@@ -83,7 +83,7 @@ enum Methods {
 
 /// Impact speed of the paper, m/s.
 const SPEED: f64 = 165.0;
-/// B, Pa: the usual one, and the printed one.
+/// Hardening coefficient B, Pa: usual value, and value of the paper.
 const STANDARD: f64 = 291.64e6;
 const MISPRINT: f64 = 45e6;
 impl Options {
@@ -91,12 +91,12 @@ impl Options {
         self.cells.unwrap_or(self.common.resolution.choose(5, 10, 25))
     }
 
-    /// Spacings on the radius of the runs beside them.
+    /// Return the spacings per radius of the runs for comparison.
     fn coarse(&self) -> u32 {
         self.cells().min(self.common.resolution.choose(4, 5, 10))
     }
 
-    /// Cells on the radius of the material point method.
+    /// Return the cells per radius of the material point method.
     fn beside(&self) -> u32 {
         self.cells().min(self.common.resolution.choose(4, 10, 10))
     }
@@ -105,12 +105,12 @@ impl Options {
         [Methods::All, method].contains(&self.method)
     }
 
-    /// A run beside particle contacts, with so many cells on the radius.
+    /// Return the parameters of a run by another method, with `cells` cells per radius.
     fn bar(&self, space: Space, cells: u32) -> Bar {
         Bar { space, speed: self.speed, cells, threads: self.common.threads() }
     }
 
-    /// Speeds of elements that become particles.
+    /// Return the impact speeds of elements that convert to particles.
     fn coupled_speeds(&self) -> Vec<f64> {
         if self.speed != SPEED {
             return vec![self.speed];
@@ -118,7 +118,7 @@ impl Options {
         coupled::SPEEDS.to_vec()
     }
 
-    /// The runs of particle contacts.
+    /// Return the runs of particle contacts.
     fn setups(&self) -> Vec<Setup> {
         if !self.runs(Methods::Pcmm) {
             return Vec::new();

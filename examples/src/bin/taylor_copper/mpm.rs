@@ -1,4 +1,4 @@
-//! The same bar by the material point method.
+//! Taylor bar by the material point method.
 
 use examples::{CaseError, Simulation, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
@@ -10,7 +10,7 @@ use mpm_core::{
 use crate::beside::{Bar, Outcome, copper};
 use crate::scene::{END, Files, LENGTH, RADIUS, Space};
 
-/// The bar before the wall.
+/// Build the bar in front of the wall.
 pub fn scene(bar: Bar) -> Result<Mpm<2>, CaseError> {
     Ok(built(bar)?.0)
 }
@@ -32,7 +32,7 @@ fn built(bar: Bar) -> Result<(Mpm<2>, Seeds<2>), CaseError> {
     Ok((mpm, seeds))
 }
 
-/// Run the bar into the wall: [`Method::impact`], two particles a cell and axis. There is none in three dimensions.
+/// Run the impact of the bar: [`Method::impact`], two particles per cell and axis. Not available in three dimensions.
 pub fn impact(bar: Bar, files: Option<Files>) -> Result<Outcome, CaseError> {
     let (mut mpm, seeds) = built(bar)?;
     let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
@@ -55,8 +55,8 @@ pub fn impact(bar: Bar, files: Option<Files>) -> Result<Outcome, CaseError> {
     Ok(Outcome { method: "mpm", bar, sizes, hourglass: None, broke: None, snapshot, totals })
 }
 
-/// Length and radius of the face: particles lie a quarter of a cell within the surface they had, and are continued to
-/// it linearly from the layer behind. The length is that from the lowest place of the face, whose rim curls up.
+/// Return length and radius of the face. Particles were initially a quarter of a cell inside the surface, and are extrapolated to it
+/// linearly from the layer behind. The length starts at the lowest point of the face, whose rim curls up.
 fn sizes(seeds: &Seeds<2>, places: &[[f64; 2]]) -> [f64; 2] {
     let size = 2.0 * seeds.half_size[1];
     let layer = |at: f64| -> Vec<usize> {
@@ -67,7 +67,7 @@ fn sizes(seeds: &Seeds<2>, places: &[[f64; 2]]) -> [f64; 2] {
     let mean = |list: &[usize]| list.iter().map(|&n| places[n][1]).sum::<f64>() / list.len() as f64;
     let top = beyond(mean(&layer(LENGTH - 0.5 * size)), mean(&layer(LENGTH - 1.5 * size)));
     let foot = [layer(0.5 * size), layer(1.5 * size)];
-    // The particle of a layer in a column.
+    // Particle of a layer in a column.
     let of = |layer: &[usize], column: f64| {
         let near = |n: &&usize| (seeds.positions[**n][0] - column).abs() < 0.25 * size;
         layer.iter().find(near).map_or([f64::NAN; 2], |&n| places[n])

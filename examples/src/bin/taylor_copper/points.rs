@@ -1,4 +1,4 @@
-//! The same bar by the fragile points method, whose cells are the elements of the others: without cracks.
+//! Taylor bar by the fragile points method without cracks; its cells are the elements of the other methods.
 
 use std::sync::Arc;
 
@@ -13,13 +13,13 @@ use crate::beside::{Bar, Outcome, copper};
 use crate::elements::quarter;
 use crate::scene::{END, Files, HISTORY, LENGTH, RADIUS, Space, sizes_of};
 
-/// The method in tables.
+/// Name of the method in tables.
 pub const NAME: &str = "fpm";
 
-/// A corner of a cell: the cell as it is sorted in space, and where the corner is in the reference configuration, m.
+/// Corner of a cell: sorted index of the cell, and position of the corner in the reference configuration, m.
 type Corner<const D: usize> = (usize, [f64; D]);
 
-/// Run the bar into the wall: there are no fragile points around an axis.
+/// Run the impact of the bar; fragile points are not available in axisymmetric scenes.
 pub fn impact(bar: Bar, eta: f64, files: Option<Files>) -> Result<Outcome, CaseError> {
     let along = (f64::from(bar.cells) * LENGTH / RADIUS).round() as usize;
     match bar.space {
@@ -31,7 +31,7 @@ pub fn impact(bar: Bar, eta: f64, files: Option<Files>) -> Result<Outcome, CaseE
     }
 }
 
-/// Run the bar, whose axis is the last one, with planes of symmetry across the others.
+/// Run the bar along the last axis, with planes of symmetry normal to the others.
 fn run<const D: usize, E: Fragile<D> + std::fmt::Debug>(
     bar: Bar,
     eta: f64,
@@ -85,7 +85,7 @@ fn run<const D: usize, E: Fragile<D> + std::fmt::Debug>(
     let mut series = files.map(|f| f.series(&label)).transpose()?.flatten();
     observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
     let mut simulation = files.map_or_else(|| Ok(Simulation::alone()), |f| f.restart.scene(label))?;
-    // A face that folds stops the run, which is a result.
+    // A folding face stops the run, which is a result.
     let broke = match simulation.until(&mut body, observers, END) {
         Ok(()) => None,
         Err(RunError::Step(error)) => Some((body.time(), error.to_string())),
@@ -103,10 +103,10 @@ fn run<const D: usize, E: Fragile<D> + std::fmt::Debug>(
     })
 }
 
-/// The method of an embedding.
+/// Method of an embedding.
 type Of<E> = Method<E, fpm::Symmetric, fpm::NoCracks>;
 
-/// Length and radius of the face, m, by the corners of cells at both ends.
+/// Return length and radius of the face, m, from the corners of cells at both ends.
 fn sizes<const D: usize, E: Fragile<D> + std::fmt::Debug>(
     body: &Fpm<D, Of<E>>,
     [foot, top]: &[Vec<Corner<D>>; 2],

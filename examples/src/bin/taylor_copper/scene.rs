@@ -1,4 +1,4 @@
-//! The bar, the wall and the run by the particle-contact meshfree method.
+//! Scene and run by the particle-contact meshfree method.
 
 use std::path::Path;
 
@@ -18,28 +18,28 @@ use pcmm::{
 
 /// Radius (half width) of the bar, m.
 pub const RADIUS: f64 = 5.0e-3;
-/// Length, m.
+/// Length of the bar, m.
 pub const LENGTH: f64 = 70.0e-3;
-/// End of a run, s: the bar has left the wall.
+/// End of a run, s, after the rebound of the bar.
 pub const END: f64 = 260.0e-6;
-/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; the paper has none.
 pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
-/// Time between two entries of a history, s.
+/// Interval between two entries of a history, s.
 pub const HISTORY: f64 = 1.0e-6;
-/// Steps between two revisions.
+/// Number of steps between two revisions.
 const EVERY: u64 = 10;
 
-/// How the bar lies in space.
+/// Embedding of the bar in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Space {
     PlaneStrain,
     Axisymmetric,
-    /// A quarter of the bar in three dimensions.
+    /// Quarter of the bar in three dimensions.
     Quarter,
 }
 
 impl Space {
-    /// As in the names of files.
+    /// Return the name in file names.
     pub fn name(self) -> &'static str {
         match self {
             Space::PlaneStrain => "plane_strain",
@@ -48,7 +48,7 @@ impl Space {
         }
     }
 
-    /// As in tables.
+    /// Return the name in tables.
     pub fn words(self) -> &'static str {
         match self {
             Space::PlaneStrain => "plane strain",
@@ -58,18 +58,18 @@ impl Space {
     }
 }
 
-/// Which parts of the method.
+/// Parts of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parts {
-    /// As printed: fans, means of particles, no rotation of stress, volume of elements.
+    /// Original formulation: fans, means of particles, no rotation of stress, volume of elements.
     Printed,
-    /// Ours.
+    /// Consistent parts.
     Consistent,
-    /// Ours, but the volume of elements: what locking does.
+    /// Consistent parts with the volume of elements: demonstrates locking.
     Locking,
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setup {
     pub name: &'static str,
@@ -79,40 +79,40 @@ pub struct Setup {
     pub speed: f64,
     /// Hardening coefficient B, Pa.
     pub hardening: f64,
-    /// Tolerance of contact of the printed method, in spacings.
+    /// Contact tolerance of the original method, in spacings.
     pub reach: f64,
-    /// Spacings on the radius.
+    /// Spacings per radius.
     pub cells: u32,
     pub threads: usize,
 }
 
 impl Setup {
-    /// Spacing of the particles, m.
+    /// Return the particle spacing, m.
     pub fn spacing(&self) -> f64 {
         RADIUS / f64::from(self.cells)
     }
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
     /// Length and radius of the face, m.
     pub sizes: [f64; 2],
-    /// Time reached, s; below [`END`] if the run broke.
+    /// Time reached, s; below [`END`] for a premature stop.
     pub time: f64,
-    /// What broke, if anything did.
+    /// Error that stopped the run, if any.
     pub broke: Option<String>,
     pub audit: Audit,
-    /// Kinetic energy at the start, J.
+    /// Initial kinetic energy, J.
     pub start: f64,
-    /// Mass of the elements at the end over that at the start.
+    /// Mass of the elements at the end over its initial value.
     pub covered: f64,
     pub snapshot: Snapshot,
     pub totals: Totals,
 }
 
-/// Where files go.
+/// Output of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Files<'a> {
     pub folder: &'a Path,
@@ -121,7 +121,7 @@ pub struct Files<'a> {
 }
 
 impl Files<'_> {
-    /// Frames for ParaView of a run of this name, if any are asked for.
+    /// Create the ParaView series of a run, if frames are requested.
     pub fn series(&self, name: &str) -> Result<Option<VtkSeries>, CaseError> {
         if self.frames == 0 {
             return Ok(None);
@@ -131,8 +131,8 @@ impl Files<'_> {
     }
 }
 
-/// Copper as in the table of the paper, but for B and what it does not print (heat capacity, melting temperature): the
-/// strength with the standard rate factor.
+/// Return the strength of the paper's copper with the standard rate factor; B, heat capacity and melting temperature are not from the
+/// paper.
 pub fn strength(hardening: f64) -> Result<JohnsonCook<f64, Logarithmic<f64>, Adiabatic<f64>>, CaseError> {
     Ok(JohnsonCook::new(47.7e9, 89.63e6, hardening, 0.31)?
         .with_rate(Logarithmic::new(0.025, 1.0)?)
@@ -143,12 +143,12 @@ fn heat() -> Heat<f64> {
     Heat { room: 294.0, melt: 1356.0, exponent: 1.09, heat_capacity: 383.0, taylor_quinney: 0.9 }
 }
 
-/// Equation of state: Steinberg's constants, which the paper's are but for the volume correction.
+/// Return the equation of state: Steinberg's constants, which equal the paper's except for the volume correction.
 pub fn eos() -> Result<MieGruneisen<f64>, CaseError> {
     Ok(MieGruneisen::new(8940.0, 3940.0, 1.49, 2.02)?)
 }
 
-/// Run the bar into the wall.
+/// Run the impact of the bar on the wall.
 pub fn impact(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     match setup.space {
         Space::PlaneStrain => with_embedding(setup, PlaneStrain, files),
@@ -157,7 +157,7 @@ pub fn impact(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     }
 }
 
-/// A quarter of the bar in three dimensions: layers of concentric rings, with particles on both planes of symmetry.
+/// Run a quarter of the bar in three dimensions: layers of concentric rings, with particles on both planes of symmetry.
 fn quarter(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let [linear, quadratic] = BULK_VISCOSITY;
@@ -168,7 +168,7 @@ fn quarter(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
             let r = h * f64::from(ring);
             let parts = (std::f64::consts::FRAC_PI_2 * f64::from(ring)).round() as u32;
             for k in 0..=parts {
-                // The ends exactly on the planes.
+                // Ends exactly on the planes of symmetry.
                 let (s, c) = if k == parts && k > 0 {
                     (1.0, 0.0)
                 } else {
@@ -186,17 +186,17 @@ fn quarter(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
 fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let [linear, quadratic] = BULK_VISCOSITY;
-    // The printed method knows no planes of symmetry.
+    // The original method has no planes of symmetry.
     let whole = setup.parts == Parts::Printed && setup.space == Space::PlaneStrain;
     let shape = Cuboid::new([if whole { -RADIUS } else { 0.0 }, 0.0], [RADIUS, LENGTH])?;
     let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 2], h)?)?;
     let planes = usize::from(!whole);
-    // Elements may stretch to ten times their length before they are cracks.
+    // Elements may stretch to ten times their length before they become cracks.
     let delaunay = || LocalDelaunay::new(0.45 * h, 20.0);
     match setup.parts {
         Parts::Printed => {
-            // As printed: G 60.74 GPa, a 1.5, the smooth rate factor, no rotation; but the right sign in the
-            // denominator of the equation of state (book, "How far the printed method goes").
+            // Constants of the paper: G 60.74 GPa, a 1.5, the smooth rate factor, no rotation; but the correct sign in the denominator of
+            // the equation of state (book, "How far the printed method goes").
             let strength = JohnsonCook::new(60.74e9, 89.63e6, setup.hardening, 0.31)?
                 .with_rate(SmoothLogarithmic::new(0.025, 1.0)?)
                 .with_heat(Adiabatic::new(heat())?);
@@ -227,7 +227,7 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
     }
 }
 
-/// Run the bar, whose axis is the last one, with planes of symmetry across the first axes.
+/// Run the bar along the last axis, with planes of symmetry normal to the first axes.
 fn run<const D: usize, M: Composition<D>>(
     setup: &Setup,
     method: M,
@@ -286,7 +286,7 @@ fn run<const D: usize, M: Composition<D>>(
     let mut series = files.series(setup.name)?;
     let mut observers: Vec<&mut dyn Observer> = vec![&mut history, &mut ledger, &mut progress];
     observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
-    // What breaks the method as printed is a result.
+    // An error that stops the original method is a result.
     let mut simulation = files.restart.scene(setup.name)?;
     let broke = match simulation.until(&mut bar, observers, END) {
         Ok(()) => None,
@@ -308,8 +308,8 @@ fn run<const D: usize, M: Composition<D>>(
     })
 }
 
-/// Length and radius of the face of a bar, m, by the points of its face and its other end: from the lowest one of the face, whose rim curls
-/// up, to the mean of the other end's; the farthest one of the face.
+/// Return length and face radius of a bar, m, from the points of its face and its other end. The length extends from the lowest point of
+/// the face, whose rim curls up, to the mean height of the other end; the radius is that of the outermost point of the face.
 pub fn sizes_of<N, const D: usize>([foot, top]: [&[N]; 2], at: impl Fn(&N) -> [f64; D]) -> [f64; 2] {
     let axis = D - 1;
     let height = |n: &N| at(n)[axis];

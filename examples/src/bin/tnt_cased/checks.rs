@@ -1,20 +1,20 @@
-//! What decides.
+//! Checks of cased charges.
 
 use examples::{Check, Resolution};
 
 use crate::scene::Outcome;
 use crate::setup::{GURNEY, gurney, mass_ratio};
 
-/// By resolution: the error falls with the cell size, 2.4 % with 16 cells.
+/// Tolerance of the case speed by resolution: the error decreases with the cell size, 2.4 % with 16 cells.
 const SPEED_TOLERANCE: [f64; 3] = [0.04, 0.015, 0.01];
-/// A tenth of what the coarsest run is allowed beside it.
+/// Tolerance of the one-dimensional run with half as many zones: a tenth of the smallest tolerance of the speed.
 const ZONES_TOLERANCE: f64 = 0.001;
 const ROUND_TOLERANCE: f64 = 0.05;
 const ENERGY_TOLERANCE: f64 = 0.02;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 const MASS_TOLERANCE: f64 = 0.01;
 
-/// Of the cylinder: `alone` is the one-dimensional run, and `coarse` the same with half as many zones.
+/// Check the cylinder: `alone` is the one-dimensional run, and `coarse` the same with half as many zones.
 pub fn of_cylinder(
     outcome: &Outcome,
     alone: &[[f64; 3]],
@@ -69,12 +69,12 @@ pub fn of_cylinder(
     ]
 }
 
-/// Of either form.
+/// Check conservation for either form.
 pub fn of_books(outcome: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("{}: {what}", outcome.setup.name());
     let last = outcome.last();
     let kinetic = (last.kinetic[0] + last.kinetic[1]) / outcome.chemical;
-    // The ledger measures against the largest sum it saw, which may be small beside what the charge holds.
+    // The ledger's error is relative to its largest energy, which may be small compared with the energy of the charge.
     let energy = (outcome.books.kinetic + outcome.books.internal) / outcome.chemical;
     let [gas, case] = outcome.masses;
     let free = "conservation";

@@ -11,7 +11,7 @@ use mpm_core::output::{History, OutputError, ParticleSize, Snapshot};
 use crate::scene::Outcome;
 use crate::setup::{CASE, CHARGE, Form, gurney};
 
-/// The section z = 0 at the moments of the snapshots.
+/// Draw the section z = 0 at the times of the snapshots.
 pub fn sections(outcome: &Outcome) -> Result<Picture, CaseError> {
     let title =
         format!("TNT in a copper case, {}: {} particles", outcome.setup.name(), outcome.totals.particles);
@@ -22,7 +22,7 @@ pub fn sections(outcome: &Outcome) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// The particles within half a cell of z = 0: gas by its speed, the case by its.
+/// Draw the particles within half a cell of z = 0, coloured by speed.
 fn section(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let h = outcome.setup.spacing();
     let (mut places, mut speeds, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
@@ -30,7 +30,7 @@ fn section(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputErro
         if z < 0.5 * h {
             places.push([x, y, 0.0]);
             speeds.push(v[0].hypot(v[1]));
-            // The slice of the cylinder keeps its thickness, and what is in it grows in the plane alone.
+            // The slice of the cylinder keeps its thickness, and its particles grow in the plane only.
             let size = snapshot.size_of(n);
             sizes.push(match outcome.setup.form {
                 Form::Cylinder => (size.powi(3) / (0.5 * h)).sqrt(),
@@ -56,7 +56,7 @@ fn section(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputErro
         .draw(&flat)
 }
 
-/// Speed of the case over its expansion, with the one-dimensional run and Gurney's speed.
+/// Draw the speed of the case over its expansion, with the one-dimensional run and Gurney's speed.
 pub fn speeds(outcome: &Outcome, alone: &[[f64; 3]]) -> Result<Picture, CaseError> {
     let middle = CHARGE + 0.5 * CASE;
     let (t, v): (Vec<f64>, Vec<f64>) = outcome.rows.iter().map(|r| (r.time, r.speed)).unzip();
@@ -78,7 +78,7 @@ pub fn speeds(outcome: &Outcome, alone: &[[f64; 3]]) -> Result<Picture, CaseErro
         .draw()?)
 }
 
-/// Where the chemical energy goes.
+/// Draw the distribution of the chemical energy over time.
 pub fn energies(outcome: &Outcome) -> Result<Picture, CaseError> {
     let t: Vec<f64> = outcome.rows.iter().map(|r| r.time).collect();
     let part = |body: usize| -> Vec<f64> {
@@ -92,7 +92,7 @@ pub fn energies(outcome: &Outcome) -> Result<Picture, CaseError> {
         .draw()?)
 }
 
-/// The history of a run as CSV.
+/// Write the history of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

@@ -1,5 +1,5 @@
-//! Cased charge: TNT in a case of copper, a long cylinder lit along its axis and the cube of the MPM3D deck `TNT3D`, lit
-//! in its middle. The speed of the case against a one-dimensional computation and Gurney's formula; energy books.
+//! Cased charge: TNT in a copper case, a long cylinder lit along its axis and the cube of the MPM3D deck `TNT3D`, lit at its centre. Speed
+//! of the case against a one-dimensional computation and Gurney's formula; energy balance.
 
 mod checks;
 mod figures;
@@ -48,9 +48,9 @@ struct Options {
     frames: bool,
 }
 
-/// End of the cube's flight, s.
+/// End of the run of the cube, s.
 const CUBE_END: f64 = 6.0e-6;
-/// Zones along the radius of the charge in one dimension.
+/// Number of zones along the radius of the charge in the one-dimensional computation.
 const ZONES: usize = 400;
 
 fn main() -> ExitCode {

@@ -1,7 +1,7 @@
-//! Charge, case and the run.
+//! Scene and run.
 //!
-//! Planes of symmetry at x = 0, y = 0 and z = 0. Both bodies move in one velocity field, as in the deck: the gas pushes
-//! along the normal of the case, and would slip along it by nothing.
+//! Planes of symmetry at x = 0, y = 0 and z = 0. Both bodies share one velocity field, as in the deck: the gas pushes along the normal of
+//! the case, without tangential slip.
 
 use std::path::Path;
 
@@ -19,29 +19,29 @@ use crate::setup::{CASE, CHARGE, DENSITY, Form, Setup};
 
 /// Width of the burn, cells.
 const BURN_WIDTH: f64 = 4.0;
-/// Rows of a history.
+/// Number of rows of a history.
 const ROWS: f64 = 120.0;
-/// Sectors of a quarter.
+/// Number of sectors of a quarter.
 const SECTORS: usize = 9;
-/// When pictures are taken, parts of the time.
+/// Times of the snapshots over the end time.
 const LOOKS: [f64; 4] = [0.1, 0.35, 0.7, 1.0];
 
-/// The case at a moment.
+/// State of the case at one time.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     /// Time, s.
     pub time: f64,
-    /// Mean speed of the case away from axis or middle, m/s.
+    /// Mean radial speed of the case, from axis or centre, m/s.
     pub speed: f64,
-    /// The same of the fastest and of the slowest of the sectors of ten degrees about z, m/s.
+    /// Mean radial speeds of the fastest and slowest sector of ten degrees about z, m/s.
     pub range: [f64; 2],
-    /// Mean distance of the case from axis or middle, m.
+    /// Mean distance of the case from axis or centre, m.
     pub radius: f64,
-    /// Kinetic energy of the gas and of the case, J, of the part that is computed.
+    /// Kinetic energy of the gas and of the case in the model, J.
     pub kinetic: [f64; 2],
 }
 
-/// Follows the case.
+/// Observer of the case.
 struct Track {
     pace: Pace,
     form: Form,
@@ -90,7 +90,7 @@ impl Observer for Track {
     }
 }
 
-/// What came of a run.
+/// Results of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub rows: Vec<Row>,
@@ -104,14 +104,13 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// The last row.
+    /// Return the last row.
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
 }
 
-/// Seeds of charge and case: the lattice's, by where their middles are; those of a round charge that the surface cuts
-/// have what is inside of it.
+/// Seed charge and case on the lattice, assigned by their centres; seeds of a round charge that the surface cuts have the volume inside it.
 fn seeds(setup: &Setup, lattice: &Lattice<3>) -> Result<[Seeds<3>; 2], CaseError> {
     let h = setup.spacing();
     let outer = CHARGE + CASE;
@@ -133,7 +132,7 @@ fn seeds(setup: &Setup, lattice: &Lattice<3>) -> Result<[Seeds<3>; 2], CaseError
     })
 }
 
-/// Light the charge and let the case fly.
+/// Run the detonation and the expansion of the case.
 pub fn burst(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 3], h)?;

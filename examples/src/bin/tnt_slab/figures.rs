@@ -10,10 +10,10 @@ use crate::scene::{LENGTH, Outcome};
 use crate::taylor_wave::{CHAPMAN_JOUGUET, State};
 
 const EXACT: [u8; 3] = [20; 3];
-/// Points of an exact curve.
+/// Number of points of an exact curve.
 const POINTS: usize = 600;
 
-/// Draw and write everything.
+/// Draw and write all results.
 pub fn draw(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let title = format!("TNT slab lit at a wall, {:.1} µs after", 1e6 * outcome.time);
     Panels::new(2)
@@ -49,7 +49,7 @@ fn profile(outcome: &Outcome, value: Value) -> Result<Chart, OutputError> {
     let x: Vec<f64> = outcome.profile.iter().map(|p| p.x).collect();
     let y: Vec<f64> = outcome.profile.iter().map(|p| of(p.pressure, p.speed)).collect();
     let mut places: Vec<f64> = (0..=POINTS).map(|i| LENGTH * i as f64 / POINTS as f64).collect();
-    // The front is a jump.
+    // Two points at the front, which is a jump.
     let front = CHAPMAN_JOUGUET[0] * outcome.time;
     places.extend([front * (1.0 - 1e-9), front * (1.0 + 1e-3)]);
     places.sort_by(f64::total_cmp);

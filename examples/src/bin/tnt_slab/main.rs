@@ -1,6 +1,5 @@
-//! TNT slab: a layer of TNT, lit at a rigid wall, burns to its other end in plane strain. The detonation front, the
-//! pressure behind it and the wave of Taylor that follows are compared with the Chapman-Jouguet theory of the
-//! products (JWL), computed independently.
+//! TNT slab: a layer of TNT, lit at a rigid wall, burns to its other end in plane strain. The detonation front, the pressure behind it and
+//! the following Taylor wave are compared with the Chapman-Jouguet theory of the products (JWL), computed independently.
 
 mod figures;
 mod scene;
@@ -41,7 +40,7 @@ struct Options {
     frames: u32,
 }
 
-/// The gauges from which on the front has built up.
+/// Position from which gauges are evaluated, m: the front has built up.
 const DECIDES_FROM: f64 = 0.03;
 const BUILDS_UP: &str = "the front has not built up there yet: 1.1 % late and 6.2 % low with 2000 cells";
 const ARRIVAL_TOLERANCE: f64 = 0.01;

@@ -1,8 +1,8 @@
-//! The slab: a row of cells between two planes of symmetry.
+//! Slab: a row of cells between two planes of symmetry.
 //!
-//! Contiguous-particle GIMP, because the products expand to one and a half times their volume while they flow through
-//! the grid: boxes that stay in touch make no force where the pressure is even. (A quadratic spline with APIC does, and
-//! burns up a tenth of the energy at 4000 cells.) The noise that FLIP keeps fades within a hundred transits of a cell.
+//! Contiguous-particle GIMP, because the products expand to one and a half times their volume while they flow through the grid: contiguous
+//! domains generate no force under uniform pressure. (A quadratic spline with APIC does, and dissipates a tenth of the energy at 4000
+//! cells.) The noise of FLIP decays within a hundred transits of a cell.
 
 use std::path::Path;
 
@@ -18,33 +18,33 @@ use crate::taylor_wave::{CHAPMAN_JOUGUET, TaylorWave};
 
 /// Length of the slab, m.
 pub const LENGTH: f64 = 0.1;
-/// Where the pressure is recorded, m (particles 500, 1600, 2800 and 3900 of the deck `Deto1k`).
+/// Positions of the pressure gauges, m (particles 500, 1600, 2800 and 3900 of the deck `Deto1k`).
 pub const GAUGES: [f64; 4] = [0.0125, 0.04, 0.07, 0.0975];
 /// End of the run, s: the front is then at 99.4 mm.
 const END: f64 = 14.35e-6;
 /// Cells across the slab.
 const ROWS: f64 = 1.0;
-/// Time constant of FLIP's noise, in transits of a cell by the detonation.
+/// Time constant of the FLIP-PIC blend, in transits of a cell by the detonation.
 const FADING: f64 = 100.0;
 /// Linear and quadratic coefficient of the bulk viscosity, of the same deck.
 const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
-/// Rows of the gauges' histories.
+/// Number of rows of the gauges' histories.
 const LOOKS: f64 = 1500.0;
-/// The wave is compared from the wall to here behind the front, in cells: the front itself has a width.
+/// Distance behind the front up to which the wave is compared, in cells: the front has a width.
 const BEHIND_FRONT: f64 = 15.0;
 
-/// What to run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     /// Cells along the slab.
     pub cells: u32,
     /// Width of the burn, cells.
     pub burn_width: f64,
-    /// Does compression burn?
+    /// True if compression ignites the explosive.
     pub compression_burn: bool,
-    /// Time step over that of the sound speed.
+    /// Courant number: time step over that of the sound speed.
     pub time_factor: f64,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
 }
 
@@ -55,16 +55,16 @@ impl Setup {
     }
 }
 
-/// What a gauge saw.
+/// Record of a gauge.
 #[derive(Clone, Debug)]
 pub struct Gauge {
-    /// Where its cell was at the start, m.
+    /// Initial position of its cell, m.
     pub place: f64,
-    /// When the pressure passed half of its peak, s.
+    /// Arrival time, s: the pressure exceeds half of its peak.
     pub arrival: f64,
     /// Largest pressure, Pa.
     pub peak: f64,
-    /// Time, s, and pressure, Pa.
+    /// History of time, s, and pressure, Pa.
     pub history: Vec<[f64; 2]>,
 }
 
@@ -78,7 +78,7 @@ impl Gauge {
     }
 }
 
-/// A particle at the end.
+/// Particle at the end.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     /// Position, m.
@@ -89,23 +89,23 @@ pub struct Point {
     pub pressure: f64,
 }
 
-/// What came of it.
+/// Results of a run.
 pub struct Outcome {
-    /// The gauges, by distance.
+    /// Gauges, by distance.
     pub gauges: Vec<Gauge>,
     /// Particles at the end, by position.
     pub profile: Vec<Point>,
-    /// The exact flow.
+    /// Exact flow.
     pub wave: TaylorWave,
     /// Time at the end, s.
     pub time: f64,
-    /// Mean differences from the exact flow, of u / u_CJ and of p / p_CJ.
+    /// Mean deviations from the exact flow, of u / u_CJ and of p / p_CJ.
     pub wave_errors: [f64; 2],
-    /// Sums of the run.
+    /// Totals of the run.
     pub totals: Totals,
 }
 
-/// Light the slab at the wall x = 0 and let it burn.
+/// Run the detonation of the slab, lit at the wall x = 0.
 pub fn burn(setup: &Setup, folder: &Path, frames: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 2], h)?;
@@ -172,14 +172,14 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32, restart: &Restart) -> Res
         totals,
     })
 }
-/// The seeds in the cells at a place: they differ a little from each other behind a front.
+/// Return the indices of the seeds in the cell at a position: behind a front their states differ slightly.
 fn in_cell(seeds: &Seeds<2>, place: f64, h: f64) -> Vec<usize> {
     let cell = (place / h).floor();
     let numbered = seeds.positions.iter().enumerate();
     numbered.filter(|(_, x)| (x[0] / h).floor() == cell).map(|(n, _)| n).collect()
 }
 
-/// Mean differences between the particles behind the front and the exact flow.
+/// Return the mean deviations of the particles behind the front from the exact flow.
 fn wave_errors(profile: &[Point], wave: &TaylorWave, time: f64, h: f64) -> [f64; 2] {
     let [detonation, pressure, _, speed] = CHAPMAN_JOUGUET;
     let front = detonation * time - BEHIND_FRONT * h;

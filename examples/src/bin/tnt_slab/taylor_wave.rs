@@ -1,18 +1,17 @@
-//! The exact flow behind a plane detonation that starts at a rigid wall: Taylor's wave.
+//! Taylor wave: exact flow behind a plane detonation that starts at a rigid wall.
 //!
-//! The products expand along the isentrope through the Chapman-Jouguet state. Behind the front, x = D t, the flow is
-//! a centred simple wave, x/t = u + c with u = u_CJ - int c drho/rho, until u = 0; from there to the wall they rest.
+//! The products expand along the isentrope through the Chapman-Jouguet state. Behind the front, x = D t, the flow is a centred simple wave,
+//! x/t = u + c with u = u_CJ - int c drho/rho, until u = 0; from there to the wall the products are at rest.
 
 use mpm_materials::{Jwl, JwlConstants};
 
-/// The Chapman-Jouguet state of this charge computed independently: speed, m/s, pressure, Pa, volume ratio, particle
-/// speed, m/s.
+/// Chapman-Jouguet state of this charge, computed independently: speed, m/s, pressure, Pa, volume ratio, particle speed, m/s.
 pub const CHAPMAN_JOUGUET: [f64; 4] = [6928.0, 20.98e9, 0.7318, 1858.0];
 
-/// One state of the wave.
+/// State of the wave.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
-    /// x / t, m/s.
+    /// Similarity variable x / t, m/s.
     pub place: f64,
     /// Pressure, Pa.
     pub pressure: f64,
@@ -20,14 +19,14 @@ pub struct State {
     pub speed: f64,
 }
 
-/// The wave, from the front to where the products rest.
+/// States of the wave, from the front to the products at rest.
 pub struct TaylorWave(Vec<State>);
 
-/// Steps of the integration along the isentrope.
+/// Number of steps of the integration along the isentrope.
 const STEPS: usize = 4000;
 
 impl TaylorWave {
-    /// Of a charge with these products.
+    /// Integrate the wave of a charge with these products.
     pub fn of(products: &Jwl<f64>) -> Self {
         let &JwlConstants { density, a, b, r1, r2, omega, .. } = products.constants();
         let [_, pressure, volume, mut speed] = CHAPMAN_JOUGUET;
@@ -54,12 +53,12 @@ impl TaylorWave {
         TaylorWave(states)
     }
 
-    /// Pressure of the products at rest, Pa.
+    /// Return the pressure of the products at rest, Pa.
     pub fn rest_pressure(&self) -> f64 {
         self.0.last().map_or(0.0, |s| s.pressure)
     }
 
-    /// The state at x / t: at rest behind the wave, unreacted before it.
+    /// Return the state at x / t: at rest behind the wave, unreacted in front of it.
     pub fn at(&self, place: f64) -> State {
         let states = &self.0;
         if place > states[0].place {
@@ -94,7 +93,7 @@ mod tests {
         assert!((wave.0[0].place / detonation - 1.0).abs() < 1e-3, "{}", wave.0[0].place);
         assert_eq!(wave.at(0.999 * rest).speed, 0.0);
         assert_eq!(wave.at(1.01 * detonation).pressure, 0.0);
-        // Half the way or so, as for a gas of gamma = 3, whose rest begins at D/2 with 8/27 of the pressure.
+        // About half the distance, as for a gas of gamma = 3, whose rest zone begins at D/2 with 8/27 of the pressure.
         assert!((0.4..0.6).contains(&(rest / detonation)), "{rest}");
         assert!((0.25..0.4).contains(&(wave.rest_pressure() / pressure)), "{}", wave.rest_pressure());
         let middle = wave.at(0.8 * detonation);

@@ -1,4 +1,4 @@
-//! Pictures of the shot, and the way of the tip.
+//! Pictures of the shot, and position of the tip over time.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use mpm_core::output::picture::{
 use crate::estimate;
 use crate::scene::{BULLET, END, MOMENTS, Outcome, SPEED, Space, TARGET};
 
-/// Draw everything.
+/// Draw all results.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     for space in [Space::PlaneStrain, Space::Axisymmetric] {
         let of: Vec<_> = outcomes.iter().filter(|o| o.space == space).collect();
@@ -39,7 +39,7 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// What a cut through bullet and target shows at three moments.
+/// Draw sections through bullet and target at three times.
 fn section(outcomes: &[&Outcome], space: Space) -> Result<Picture, CaseError> {
     let (from, to) = (-BULLET[0] - 4e-3, TARGET[0] + 14e-3);
     let across = 0.2 * TARGET[1];

@@ -1,4 +1,4 @@
-//! By the material point method.
+//! Shot by the material point method.
 
 use examples::{CaseError, Restart, Totals};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
@@ -11,7 +11,7 @@ use mpm_core::{
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, celled};
 
-/// Shoot with cpGIMP, MUSL and FLIP: with linear shape functions metal that flows round the axis locks until a particle breaks down.
+/// Run with cpGIMP, MUSL and FLIP: with linear shape functions, metal that flows around the axis locks until a particle fails.
 pub fn shoot(setup: &Setup, restart: &Restart) -> Result<Outcome, CaseError> {
     match setup.space {
         Space::PlaneStrain => with_method(setup, Method::new(CpGimp, Flip, Musl, PlaneStrain), restart),

@@ -1,5 +1,5 @@
-//! A tungsten bullet goes through an aluminium plate (case 4 of Feng 2014), by the particle-contact meshfree method and by
-//! the material point method: the same laws of the two metals drive both.
+//! Perforation of an aluminium plate by a tungsten bullet (case 4 of Feng 2014), by the particle-contact meshfree method and by the
+//! material point method, with the same laws of the two metals.
 
 mod estimate;
 mod figures;
@@ -47,7 +47,7 @@ enum Methods {
     Both,
 }
 
-/// Particles of the paper's size an axis from which on the range decides: two particles on a radius are too few.
+/// Refinement over the paper's particle size from which the range is evaluated: two particles per radius are too few.
 const DECIDES: f64 = 1.0;
 const EARLY: &str = "0.2 to 0.4 mm beyond the range: the bullet begins faster than steady flow";
 const FAST: &str =
@@ -55,7 +55,8 @@ const FAST: &str =
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 const MASS_TOLERANCE: f64 = 1e-9;
 const ADDED_TOLERANCE: f64 = 0.02;
-/// Of the kinetic energy at impact, at the paper's size of particles; contact on cells loses in proportion to their size.
+/// Tolerance of the energy over the kinetic energy at impact, at the paper's particle size; the loss of contact on cells is proportional to
+/// their size.
 const ENERGY_TOLERANCE: f64 = 0.06;
 
 fn main() -> ExitCode {
@@ -67,7 +68,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = common.folder("tungsten_bullet")?;
     let refine = options.refine.unwrap_or(common.resolution.choose(0.5, 1.0, 2.0));
     let spacing = PAPER_AREA.sqrt() / refine;
-    // The laws that both methods run with.
+    // Laws of the metals, the same in both methods.
     let metals = [scene::tungsten()?, scene::aluminium()?];
     let (mut totals, mut checks, mut outcomes) = (Totals::default(), Vec::new(), Vec::new());
     for &space in &options.space {
@@ -127,7 +128,7 @@ fn checks_of(outcome: &Outcome, refine: f64) -> Vec<Check> {
     ];
     let last = outcome.history.last().map_or(f64::NAN, |e| e.speed);
     let (missing, energy) = (outcome.totals.momentum_error, outcome.totals.energy_error);
-    // Steady flow from the first moment on, by the range of its speed.
+    // Depths of steady flow from the first moment, for the range of interface speeds.
     let depth = |what: &str, time: f64| {
         let [least, most] = estimate::interface(outcome.space).map(|speed| 1e3 * speed * time);
         let check = interval(what, 1e3 * outcome.tip(time), "mm", [least, most]);

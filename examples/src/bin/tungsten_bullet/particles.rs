@@ -1,4 +1,4 @@
-//! By the particle-contact meshfree method.
+//! Shot by the particle-contact meshfree method.
 
 use std::marker::PhantomData;
 
@@ -12,26 +12,26 @@ use pcmm::{Bodies, Consistent, Limits, LocalDelaunay, Masses, Method, Packing, P
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, packed};
 
-/// Bullet and target.
+/// Scene of bullet and target.
 type Scene = Bodies<2, SurfaceDistance>;
-/// One of them.
+/// Bullet or target.
 type Body<E> = Pcmm<2, Consistent<E>>;
 
-/// Steps between two revisions.
+/// Number of steps between two revisions.
 const EVERY: u64 = 2;
-/// Every particle is moved at random by up to this part of half a spacing.
+/// Random displacement of particles, as a fraction of half a spacing.
 const JITTER: f64 = 0.5;
 /// Smallest angle of an element, degrees.
 const KEEP: f64 = 4.0;
 
-/// Elements flatter than those that new ones may be by much go sooner than by default: they would shorten every step.
+/// Delete elements that are much flatter than the limit for new ones earlier than by default: they would shorten every step.
 fn tessellation(spacing: f64) -> Result<LocalDelaunay, CaseError> {
     let create = Limits::new(0.8 * spacing, [10.0, 160.0], 0.5)?;
     let keep = Limits::new(2.4 * spacing, [KEEP, 180.0 - 2.0 * KEEP], 0.2)?;
     Ok(LocalDelaunay::new(0.8 * spacing, 3.0)?.with_limits(create, keep))
 }
 
-/// Shoot.
+/// Run the shot.
 pub fn shoot(setup: &Setup, restart: &Restart) -> Result<Outcome, CaseError> {
     match setup.space {
         Space::PlaneStrain => with_embedding(setup, PlaneStrain, restart),
@@ -74,7 +74,7 @@ fn with_embedding<E: Embedding<2>>(
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut bar = Progress::new("particle contacts");
     let mut simulation = restart.scene(format!("pcmm_{}", space.name()))?;
-    // Pictures are of their moments.
+    // Snapshots at the times of the pictures.
     for end in MOMENTS.into_iter().chain([END]) {
         let observers: [&mut dyn Observer; 3] = [&mut tip, &mut ledger, &mut bar];
         simulation.until(&mut scene, observers, end)?;
@@ -89,11 +89,11 @@ fn with_embedding<E: Embedding<2>>(
     Ok(Outcome { method: "pcmm", space, history: tip.history, frames, mass, added, totals })
 }
 
-/// Follows the bullet.
+/// Observer of the bullet.
 struct Tip<E> {
     pace: Pace,
     space: Space,
-    /// Kinetic energy at the start, J.
+    /// Initial kinetic energy, J.
     start: f64,
     history: Vec<Entry>,
     embedding: PhantomData<E>,
@@ -109,7 +109,7 @@ impl<E: Embedding<2>> Observer for Tip<E> {
         let wanted = std::any::type_name::<Body<E>>();
         let bullet = scene.part::<Body<E>>(0).ok_or(ObserveError::OtherSolver { wanted })?;
         let (axis, particles, corners) = (self.space.axis(), bullet.particles(), bullet.element_nodes());
-        // Of the largest piece that hangs together: others may fly ahead.
+        // Tip of the largest connected piece: others may fly ahead.
         let pieces = pieces::<2>(corners, particles.len());
         let whole = pieces.iter().take(1).flatten().flat_map(|&e| &corners[3 * e as usize..][..3]);
         let reach = |n: &u32| particles[*n as usize].position[axis] + particles[*n as usize].radius;

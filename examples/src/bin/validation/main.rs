@@ -1,5 +1,4 @@
-//! The validation page: runs the cases of one commit and writes what came of them, beside what should, to one page and one
-//! table.
+//! Validation page: run the cases of one commit, and write their results and references to one page and one table.
 
 mod page;
 mod runs;
@@ -83,10 +82,10 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     Ok(if runs.iter().all(Run::passed) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Build the cases into the folder of this program, so that they are those of the commit.
+/// Build the cases into the folder of this program, so that they belong to the commit.
 fn build() -> Result<(), CaseError> {
     let here = std::env::current_exe().map_err(|e| CaseError::Other(e.to_string()))?;
-    // The folder of a profile has its name, but that of `dev`.
+    // The folder of a profile has the profile's name, except for `dev`.
     let folder =
         here.parent().and_then(|p| p.file_name()).map_or("release".into(), |name| name.to_string_lossy());
     let profile = if folder == "debug" { "dev".into() } else { folder };

@@ -1,4 +1,4 @@
-//! The page and the table.
+//! Validation page and table.
 
 use std::path::Path;
 
@@ -8,20 +8,20 @@ use serde_json::Value;
 
 use crate::runs::{CASES, Counts, Run};
 
-/// What the runs were made with.
+/// Commit and machine of the runs.
 #[derive(Clone, Debug)]
 pub struct Made {
-    /// The one of all of them, in full.
+    /// Full hash of the single commit.
     pub commit: String,
     pub machine: String,
-    /// By programs that were not built for the page.
+    /// True if the programs were not built for the page.
     pub as_built: bool,
 }
 
 /// Write `validation.md` and `validation.csv`.
 ///
 /// # Errors
-/// A file or folder that cannot be written.
+/// File or folder that cannot be written.
 pub fn write(made: &Made, runs: &[Run], folder: &Path) -> Result<(), CaseError> {
     std::fs::create_dir_all(folder)
         .map_err(|source| CaseError::File { path: folder.to_path_buf(), source })?;
@@ -67,7 +67,7 @@ fn page(made: &Made, runs: &[Run]) -> String {
     text
 }
 
-/// The rows of a case.
+/// Format the rows of a case.
 fn section(run: &Run) -> String {
     let mut text = format!("\n## {}\n", run.case);
     let head = "| quantity | this code | reference | difference | source | met or not |\n|---|---|---|---|---|---|\n";
@@ -118,7 +118,7 @@ fn verdict(check: &Value) -> String {
     }
 }
 
-/// Without zeros at the end.
+/// Format a number without trailing zeros.
 fn short(x: f64) -> String {
     let text = format!("{x:.3}");
     text.trim_end_matches('0').trim_end_matches('.').to_string()
@@ -133,7 +133,7 @@ fn number(x: f64, unit: &str) -> String {
     if unit == "-" { text } else { format!("{text} {unit}") }
 }
 
-/// Text that a table's cell may hold.
+/// Escape text for the cell of a table.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|").replace('\n', " ")
 }

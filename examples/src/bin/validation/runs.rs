@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
-/// All cases. (`throughput` measures speed alone.)
+/// Names of all cases; `throughput` is excluded, since it measures speed only.
 pub const CASES: [&str; 32] = [
     "taylor_bar",
     "taylor_copper",
@@ -47,16 +47,16 @@ pub const CASES: [&str; 32] = [
 const RESOLUTIONS: [(Resolution, &str); 3] =
     [(Resolution::Smoke, "smoke"), (Resolution::Standard, "standard"), (Resolution::Paper, "paper")];
 
-/// What came of a case.
+/// Results of a case.
 #[derive(Clone, Debug)]
 pub struct Run {
     pub case: String,
     pub resolution: String,
-    /// Its JSON object, if it ended.
+    /// JSON object of a completed case.
     pub result: Value,
-    /// Why there is none.
+    /// Reason for a missing result.
     pub broken: Option<String>,
-    /// Processor time, s; of start, pictures and files, too.
+    /// Processor time, s, including start, pictures and files.
     pub core_seconds: f64,
 }
 
@@ -65,10 +65,10 @@ fn name_of(resolution: Resolution) -> &'static str {
 }
 
 impl Run {
-    /// Run the case `name`; its files go to a folder in `out`.
+    /// Run the case `name`; its files are written to a folder in `out`.
     ///
     /// # Errors
-    /// A program that is not there, or files that cannot be written.
+    /// Missing program, or files that cannot be written.
     pub fn make(
         name: &str,
         resolution: Resolution,
@@ -83,7 +83,7 @@ impl Run {
             move |source| CaseError::File { path, source }
         };
         std::fs::create_dir_all(&folder).map_err(failed(&folder))?;
-        // To files, so that no full pipe stops it.
+        // Output to files, so that no full pipe blocks the case.
         let [text, errors] = ["output.txt", "errors.txt"].map(|f| folder.join(f));
         let mut command = Command::new(&program);
         command.args(["--resolution", name_of(resolution), "--json", "--out"]).arg(&folder);
@@ -128,7 +128,7 @@ impl Run {
         })
     }
 
-    /// A line for the terminal.
+    /// Return a line for the terminal.
     pub fn summary(&self) -> String {
         match &self.broken {
             Some(why) => format!("BROKE OFF: {why}"),
@@ -144,17 +144,17 @@ impl Run {
         }
     }
 
-    /// Its rows, missed ones first, as the case has put them.
+    /// Return its checks in the order of the case, failed ones first.
     pub fn checks(&self) -> &[Value] {
         self.result["checks"].as_array().map_or(&[], Vec::as_slice)
     }
 
-    /// Rows that it did not judge.
+    /// Return the checks that the case did not evaluate.
     pub fn unjudged(&self) -> &[Value] {
         self.result["not_judged"].as_array().map_or(&[], Vec::as_slice)
     }
 
-    /// How many rows are what.
+    /// Count the checks by result.
     pub fn counts(&self) -> Counts {
         let count = |of: &dyn Fn(&Value) -> bool| self.checks().iter().filter(|c| of(c)).count();
         Counts {
@@ -166,28 +166,28 @@ impl Run {
         }
     }
 
-    /// Did it come to its end, and miss no row but those that are declared?
+    /// True if the case completed, and only declared checks failed.
     pub fn passed(&self) -> bool {
         let counts = self.counts();
         self.broken.is_none() && counts.missed == counts.declared
     }
 }
 
-/// Rows of a case.
+/// Numbers of checks of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Counts {
     pub met: usize,
-    /// All of them.
+    /// All failed checks.
     pub missed: usize,
-    /// Those of the missed that are declared.
+    /// Failed checks with a declared reason.
     pub declared: usize,
-    /// From memory, or without a reference.
+    /// Checks from memory, or without a reference.
     pub shown: usize,
-    /// Not at this resolution.
+    /// Checks not evaluated at this resolution.
     pub unjudged: usize,
 }
 
-/// The program of a case, beside this one.
+/// Return the path of the program of a case, in the folder of this one.
 fn program(name: &str) -> Result<PathBuf, CaseError> {
     let here = std::env::current_exe().map_err(|e| CaseError::Other(e.to_string()))?;
     let path = here.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX));

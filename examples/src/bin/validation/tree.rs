@@ -1,19 +1,19 @@
-//! The commit that a page is made from: one, with nothing changed beside it.
+//! Commit of a page, from a clean working tree.
 
 use std::process::Command;
 
 use examples::CaseError;
 
-/// The commit that is checked out.
+/// Return the checked-out commit.
 ///
 /// # Errors
-/// No repository, or files that differ from the commit, whichever they are: the first are named.
+/// No repository, or any files that differ from the commit: the error names the first ones.
 pub fn clean_commit() -> Result<String, CaseError> {
     unchanged(&git(&["status", "--porcelain"])?)?;
     git(&["rev-parse", "HEAD"]).map(|head| head.trim().to_string())
 }
 
-/// Refuse what `git status --porcelain` lists.
+/// Refuse files in the output of `git status --porcelain`.
 fn unchanged(status: &str) -> Result<(), CaseError> {
     const NAMED: usize = 5;
     let files: Vec<&str> = status.lines().map(|l| l.get(3..).unwrap_or(l)).collect();

@@ -1,4 +1,4 @@
-//! What of a run is judged, and by what.
+//! Checks of waves in a plate.
 
 use examples::fragile::Joint;
 use examples::{Check, worst};
@@ -6,11 +6,11 @@ use examples::{Check, worst};
 use crate::load::Shape;
 use crate::scene::{FOLLOWED, LENGTH, Outcome, speed};
 
-/// Of peaks, as in the paper.
+/// Tolerance of peaks, as in the paper.
 const PEAKS: f64 = 0.025;
 const SPEED: f64 = 0.005;
 const ENERGY: f64 = 1e-3;
-/// Of the plate, over the time that a wave takes along it.
+/// Period of the plate over the transit time of a wave along it.
 const PERIOD: f64 = 4.0;
 const EXACT: &str = "exact, images [C]";
 const NAMES: [&str; FOLLOWED] = [
@@ -20,7 +20,7 @@ const NAMES: [&str; FOLLOWED] = [
     "stress where it is held",
 ];
 
-/// Rows of a run.
+/// Return the checks of a run.
 pub fn of(outcome: &Outcome) -> Vec<Check> {
     let setup = &outcome.setup;
     let name = |what: &str| format!("{}: {what}", setup.name());
@@ -33,7 +33,7 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
             Check::gate(name, 1.0 + error, "-", 1.0, PEAKS, EXACT)
         };
         if stress && !continuous {
-            // Where stress jumps any method rings over.
+            // All methods overshoot at jumps of the stress.
             let remark = "over the largest exact one: no spacing resolves a jump";
             checks.push(Check::unreferenced(name(&format!("{what}, overshoot")), error, "-", remark));
             continue;
@@ -56,7 +56,7 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// Why a run is known to miss a peak.
+/// Return the reason for a known failure of a peak.
 fn known(outcome: &Outcome, followed: usize) -> Option<&'static str> {
     let setup = &outcome.setup;
     let coarse = setup.counts[0] < 80;
@@ -84,7 +84,7 @@ fn known(outcome: &Outcome, followed: usize) -> Option<&'static str> {
     }
 }
 
-/// By how much the highest and the lowest value of a run up to a time are off, over the largest exact amount: the worse of both.
+/// Return the error of the highest and lowest value up to a time, over the largest exact magnitude: the worse of both.
 fn peaks(outcome: &Outcome, n: usize, until: f64) -> f64 {
     let [high, low] = [1.0, -1.0].map(|sign: f64| {
         let most = |of: &dyn Fn(&crate::scene::Entry) -> f64| {
@@ -101,7 +101,7 @@ fn peaks(outcome: &Outcome, n: usize, until: f64) -> f64 {
     worst([high, low].map(|(found, exact)| (found - exact) / scale))
 }
 
-/// Speed of waves, m/s, by the swings of the end about its mean after the load is constant: one passes it every 2 L / c.
+/// Return the wave speed, m/s, from the oscillation of the end about its mean under constant load: it crosses the mean every 2 L / c.
 fn swings(outcome: &Outcome) -> f64 {
     let (load, exact) = (&outcome.setup.load, outcome.setup.exact());
     let after = if load.shape == Shape::Step { 0.0 } else { load.duration };

@@ -12,26 +12,26 @@ use mpm_core::{PlaneStrain, Solver};
 use crate::load::Shape;
 use crate::scene::{LENGTH, Setup, speed};
 
-/// Order of displacement that is asked for.
+/// Required order of convergence of the displacement.
 const ORDER: f64 = 1.9;
-/// Length of the strip over its height: all is along it.
+/// Length of the strip over its height: the motion is one-dimensional.
 const SLENDER: usize = 10;
-/// End, over the time that a wave takes along the plate.
+/// End of the run over the transit time of a wave along the plate.
 const END: f64 = 8.5;
-/// Why half a sine does not make it.
+/// Reason for the low order with half a sine.
 const JUMPS: &str = "the rate of half a sine jumps where it begins and ends: errors of waves fall with the power 5/3 at best, 1.98 by a \
                      sine squared";
 const CANCEL: &str =
     "errors of phase of both signs nearly cancel, so that what is left is small and falls unevenly";
 
-/// A run, and what it took.
+/// Run, and its cost.
 #[derive(Clone, Debug)]
 pub struct Row {
     shape: Shape,
     joint: Joint,
     /// Cells along the plate.
     along: usize,
-    /// Root mean square errors over all cells and steps of displacement and stress, over those of the exact waves.
+    /// Root mean square errors of displacement and stress over all cells and steps, over those of the exact waves.
     errors: [f64; 2],
     cells: usize,
     steps: u64,
@@ -39,7 +39,7 @@ pub struct Row {
     seconds: f64,
 }
 
-/// Run strips with so many cells along, once, twice and four times, of each load and flux; sums over all.
+/// Run strips with one, two and four times the cells along, for each load and flux. Return totals and rows.
 pub fn study(setups: &[Setup], along: usize) -> Result<(Totals, Vec<Row>), CaseError> {
     let (mut rows, mut totals) = (Vec::new(), Totals::default());
     for setup in setups {
@@ -100,12 +100,12 @@ fn follow<M: Composition<2>>(setup: &Setup, method: M) -> Result<(Row, Totals), 
     Ok((row, totals))
 }
 
-/// The order between a run and that before it, of displacement or stress.
+/// Return the order of convergence between two runs, of displacement or stress.
 fn order([coarse, fine]: [&Row; 2], k: usize) -> f64 {
     (coarse.errors[k] / fine.errors[k]).log2()
 }
 
-/// The last order of displacement of each load and flux is to be 1.9.
+/// Check the last order of the displacement for each load and flux: at least 1.9.
 pub fn checks(rows: &[Row], standard: bool, resolved: bool) -> Vec<Check> {
     let judged = |three: &[Row]| -> Option<Check> {
         let [first, middle, last] = three else { return None };
@@ -123,7 +123,7 @@ pub fn checks(rows: &[Row], standard: bool, resolved: bool) -> Vec<Check> {
     rows.chunks(3).filter_map(judged).collect()
 }
 
-/// A table of errors, orders and costs.
+/// Format a table of errors, orders and costs.
 pub fn table(rows: &[Row]) -> String {
     let head = [
         "load",
@@ -161,7 +161,7 @@ pub fn table(rows: &[Row]) -> String {
     case::columns(&lines)
 }
 
-/// Keep it, and draw it.
+/// Write the rows, and draw them.
 pub fn keep(rows: &[Row], folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("load (1 half sine, 2 sine squared)", "-"),
@@ -182,7 +182,7 @@ pub fn keep(rows: &[Row], folder: &Path) -> Result<(), CaseError> {
     Ok(())
 }
 
-/// Errors over the size of cells and over costs.
+/// Draw errors over cell size and over cost.
 fn draw(rows: &[Row]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(2).title("Waves in a strip of the plate: error of displacement, one thread");
     for (n, label) in ["h / L", "core-seconds"].into_iter().enumerate() {

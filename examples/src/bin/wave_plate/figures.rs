@@ -1,4 +1,4 @@
-//! Charts of histories, and a picture of the plate.
+//! Charts of histories, and pictures of the plate.
 
 use std::path::Path;
 
@@ -10,14 +10,14 @@ use mpm_core::output::picture::{
 use crate::load::Shape;
 use crate::scene::{LENGTH, Outcome, speed};
 
-/// Draw everything.
+/// Draw all results.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     histories(outcomes)?.save(folder.join("waves.png"))?;
     plates(outcomes)?.save(folder.join("plate.png"))?;
     Ok(())
 }
 
-/// A row of charts a load: displacements, stress in the middle, stress where it is held.
+/// Draw a row of charts per load: displacements, stress in the middle, stress at the clamped end.
 fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let what: [(&str, &[usize]); 3] = [
         ("displacement of end and middle", &[0, 1]),
@@ -65,7 +65,7 @@ fn chart(runs: &[&Outcome], followed: &[usize]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Stress in the plate when the front comes to the held end.
+/// Draw the stress in the plate when the front reaches the clamped end.
 fn plates(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(2)
         .title("Stress along the plate when the front has come to the held end, over the tension");

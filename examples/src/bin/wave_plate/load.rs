@@ -1,4 +1,4 @@
-//! Loads over time, and the exact waves that they make.
+//! Load histories, and their exact waves.
 
 use std::f64::consts::PI;
 
@@ -20,7 +20,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// As in names of files and rows.
+    /// Return the name in file names and rows.
     pub fn name(self) -> &'static str {
         match self {
             Shape::Step => "step",
@@ -31,16 +31,16 @@ impl Shape {
         }
     }
 
-    /// Does the tension never jump?
+    /// True if the tension has no jumps.
     pub fn is_continuous(self) -> bool {
         !matches!(self, Shape::Step | Shape::Pulse)
     }
 
-    /// How long it takes unless told otherwise, over the time that a wave takes along the plate.
+    /// Return the default duration over the transit time of a wave along the plate.
     pub fn usual(self) -> f64 {
         match self {
             Shape::Step => 0.0,
-            // 14.1 ms of the plate of the paper.
+            // Duration of 14.1 ms for the plate of the paper.
             Shape::Pulse => 14.1e-3 * 8e4f64.sqrt() / 4.0,
             Shape::Ramp => 1.0,
             Shape::HalfSine | Shape::SineSquared => 1.5,
@@ -48,18 +48,18 @@ impl Shape {
     }
 }
 
-/// A tension at the end.
+/// Tension at the end of the plate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Load {
     pub shape: Shape,
-    /// The most, Pa.
+    /// Largest tension, Pa.
     pub tension: f64,
-    /// How long it rises or acts, s; of no meaning for a step.
+    /// Duration of rise or action, s; unused for a step.
     pub duration: f64,
 }
 
 impl Load {
-    /// Tension, Pa, at a time, s.
+    /// Return the tension, Pa, at a time, s.
     pub fn at(&self, t: f64) -> f64 {
         if t < 0.0 {
             return 0.0;
@@ -76,7 +76,7 @@ impl Load {
             }
     }
 
-    /// Its integral over time, Pa s.
+    /// Return the integral of the tension over time, Pa s.
     pub fn sum(&self, t: f64) -> f64 {
         let (t, end) = (t.max(0.0), self.duration);
         let within = t.min(end);
@@ -91,7 +91,7 @@ impl Load {
     }
 }
 
-/// The exact waves in a plate of this length, m, that is held at x = 0, with speed c, m/s, and Young's modulus, Pa.
+/// Exact waves in a plate of this length, m, clamped at x = 0, with wave speed c, m/s, and Young's modulus, Pa.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exact {
     pub load: Load,
@@ -101,17 +101,17 @@ pub struct Exact {
 }
 
 impl Exact {
-    /// Stress along the plate, Pa.
+    /// Return the stress along the plate, Pa.
     pub fn stress(&self, x: f64, t: f64) -> f64 {
         self.images(x, t, 1.0, |t| self.load.at(t))
     }
 
-    /// Displacement, m: with E / c = rho c.
+    /// Return the displacement, m, with E / c = rho c.
     pub fn displacement(&self, x: f64, t: f64) -> f64 {
         self.images(x, t, -1.0, |t| self.load.sum(t)) * self.speed / self.young
     }
 
-    /// sum (-1)^n { f(t - ((2n+1)L - x)/c) +- f(t - ((2n+1)L + x)/c) }: what comes from the end and its images beyond both ends.
+    /// Sum the waves from the end and its images beyond both ends: sum (-1)^n { f(t - ((2n+1)L - x)/c) +- f(t - ((2n+1)L + x)/c) }.
     fn images(&self, x: f64, t: f64, sign: f64, of: impl Fn(f64) -> f64) -> f64 {
         let (length, c) = (self.length, self.speed);
         let far = (0..).map(|n| (2.0 * f64::from(n) + 1.0) * length);

@@ -1,4 +1,4 @@
-//! A plate under tension at its end (case 2.1 of the paper of the fragile points method): waves along it against exact ones.
+//! Plate under tension at its end (case 2.1 of the paper of the fragile points method): waves along it against exact solutions.
 
 mod checks;
 mod convergence;
@@ -104,7 +104,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("wave_plate")?;
     let smoke = common.resolution == Resolution::Smoke;
-    // A study begins with half as many cells at smoke size.
+    // A convergence study starts with half as many cells at smoke resolution.
     let coarsest = options.cells as usize / if smoke { 2 } else { 1 };
     let standard = options.fragile.has_usual_penalty() && options.duration.is_none();
     let settings = |methods: Vec<&str>| {

@@ -1,4 +1,4 @@
-//! The plate and a run of it.
+//! Scene and run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -13,27 +13,27 @@ use mpm_materials::{LinearElastic, Moduli};
 
 use crate::load::{Exact, Load};
 
-/// Length of the plate, m, and over how many heights.
+/// Length of the plate, m, and length over height.
 pub const LENGTH: f64 = 4.0;
 pub const HEIGHTS: usize = 2;
 /// Young's modulus, Pa, and density, kg/m^3.
 const YOUNG: f64 = 8e4;
 const DENSITY: f64 = 1.0;
-/// Time between two entries of a history, s.
+/// Interval between two entries of a history, s.
 const HISTORY: f64 = 1e-4;
 
-/// Speed of waves, m/s: there is no contraction across.
+/// Return the wave speed, m/s: without lateral contraction.
 pub fn speed() -> f64 {
     (YOUNG / DENSITY).sqrt()
 }
 
-/// One run.
+/// Parameters of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Setup {
     pub load: Load,
     pub joint: Joint,
     pub fragile: Fragile,
-    /// Cells along the plate, and across.
+    /// Number of cells along the plate, and across.
     pub counts: [usize; 2],
     /// End of the run, s.
     pub end: f64,
@@ -41,22 +41,22 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// The name of files and rows.
+    /// Return the name in files and rows.
     pub fn name(&self) -> String {
         format!("{}, {}", self.load.shape.name(), self.joint.name())
     }
 
-    /// The exact solution.
+    /// Return the exact solution.
     pub fn exact(&self) -> Exact {
         Exact { load: self.load, length: LENGTH, speed: speed(), young: YOUNG }
     }
 
-    /// Height of the plate, m: with square cells.
+    /// Return the height of the plate, m, for square cells.
     fn height(&self) -> f64 {
         LENGTH * self.counts[1] as f64 / self.counts[0] as f64
     }
 
-    /// The plate, held at the left and drawn at the right.
+    /// Build the plate, clamped at the left and loaded at the right.
     pub fn plate<M: Composition<2>>(&self, method: M) -> Result<Fpm<2, M>, CaseError> {
         let cells = self.fragile.cells([0.0; 2], [LENGTH, self.height()], self.counts)?;
         let law = LinearElastic::new(DENSITY, Moduli::young_poisson(YOUNG, 0.0)?)?;
@@ -69,10 +69,10 @@ impl Setup {
     }
 }
 
-/// What is followed: displacements at the end and in the middle, m, stresses in the middle and where it is held, Pa.
+/// Number of recorded quantities: displacements at the end and in the middle, m, stresses in the middle and at the clamped end, Pa.
 pub const FOLLOWED: usize = 4;
 
-/// An entry of the history.
+/// Entry of the history.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     pub time: f64,
@@ -80,19 +80,19 @@ pub struct Entry {
     pub exact: [f64; FOLLOWED],
 }
 
-/// What came of a run.
+/// Results of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
     pub setup: Setup,
-    /// The ingredients in words.
+    /// Description of the method.
     pub method: String,
     pub history: Vec<Entry>,
-    /// When a wave has come to the held end, and at the end of the run.
+    /// Snapshots at the arrival of a wave at the clamped end, and at the end of the run.
     pub frames: Vec<Snapshot>,
     pub totals: Totals,
 }
 
-/// Where files go.
+/// Output of a run.
 #[derive(Clone, Copy, Debug)]
 pub struct Files<'a> {
     pub folder: &'a Path,
@@ -100,7 +100,7 @@ pub struct Files<'a> {
     pub restart: &'a Restart,
 }
 
-/// Draw the plate.
+/// Run the tension test.
 pub fn draw_out(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     let penalty = setup.fragile.penalty()?;
     match setup.joint {
@@ -109,7 +109,7 @@ pub fn draw_out(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     }
 }
 
-/// The cell whose point is nearest to a place.
+/// Return the cell whose point is nearest to a position.
 fn nearest<M: Composition<2>>(plate: &Fpm<2, M>, to: [f64; 2]) -> usize {
     let off = |i: &usize| plate.reference()[*i].iter().zip(to).map(|(x, y)| (x - y).powi(2)).sum::<f64>();
     (0..plate.reference().len()).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(0)

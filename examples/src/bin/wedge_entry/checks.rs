@@ -1,24 +1,24 @@
-//! What the runs are held against.
+//! Checks of water entry.
 
 use examples::{Check, Coupling, largest, worst};
 
 use crate::scene::Outcome;
 use crate::theory::{SIMILARITY, von_karman, wagner};
 
-/// Impulses of thousands of steps are rounded by 1e-16 each.
+/// Rounding of 1e-16 per step over thousands of steps.
 const MOMENTUM: f64 = 1e-12;
-/// Of a distance of particles: what contact lets a particle sink in.
+/// Tolerance of the penetration over the particle distance, allowed by contact.
 const DEPTH: f64 = 0.05;
-/// Within which the force does not depend on the size of elements of a rigid wedge.
+/// Tolerance of the force of a rigid wedge between different sizes of elements.
 const ALIKE: f64 = 0.02;
-/// From this many cells in the wetted half breadth on at the middle of a run the force is not that of the first cells.
+/// Cells in the wetted half breadth at mid-run from which the force is evaluated: with fewer it depends on the first cells.
 const RESOLVED: f64 = 8.0;
-/// Of the work of the wedge.
+/// Tolerance of the energy gain over the work of the wedge.
 const GAIN: f64 = 0.01;
-/// The angle that the similarity solution is of, radians.
+/// Deadrise angle of the similarity solution, rad.
 const KNOWN: f64 = std::f64::consts::FRAC_PI_6;
 
-/// Of runs that differ in the size of elements.
+/// Check runs with different sizes of elements.
 pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks: Vec<Check> = outcomes.iter().flat_map(of_one).collect();
     let rigid: Vec<f64> = outcomes
@@ -74,7 +74,7 @@ fn of_one(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
-/// Force and pressure.
+/// Check force and pressure.
 fn forces(outcome: &Outcome) -> Vec<Check> {
     let setup = &outcome.setup;
     let of = |what: &str| format!("{}: {what}", setup.name());

@@ -12,7 +12,7 @@ use crate::scene::Outcome;
 use crate::setup::HALF;
 use crate::theory::{SIMILARITY, von_karman, wagner};
 
-/// The water beside the wedges at the end, by pressure.
+/// Draw the water beside the wedges at the end, by pressure.
 pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut panels = Panels::new(2);
     for outcome in outcomes {
@@ -35,7 +35,7 @@ pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Force over rho V^3 t over time, a line a run, beside theory.
+/// Draw the force over rho V^3 t over time, one line per run, with theory.
 pub fn forces(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 520)
         .x(Axis::new("time").unit("ms", 1e3))
@@ -58,7 +58,7 @@ pub fn forces(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// Mean pressure along the wedge over what the flow is similar in, a line a run.
+/// Draw the mean pressure along the wedge over the similarity variable, one line per run.
 pub fn profiles(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 520).x(Axis::new("x / (V t)")).y(Axis::new("pressure / (rho V^2 / 2)"));
     for (n, outcome) in outcomes.iter().enumerate() {
@@ -69,7 +69,7 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(chart.draw()?)
 }
 
-/// The history of a run as CSV.
+/// Write the history of a run as CSV.
 pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("time", "s"),

@@ -1,5 +1,5 @@
-//! A wedge of finite elements enters water of material points, elements of one to eight cells: what comes through its surface, and its
-//! force beside theory \[Wagner1932\], \[ZhaoFaltinsen1993\].
+//! Water entry of a wedge of finite elements into material points, with elements of one to eight cells: penetration of particles, and force
+//! against theory \[Wagner1932\], \[ZhaoFaltinsen1993\].
 
 mod checks;
 mod figures;

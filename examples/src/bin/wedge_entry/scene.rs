@@ -1,4 +1,4 @@
-//! Pool, wedge and the run.
+//! Scene and run.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,48 +15,48 @@ use mpm_materials::{LinearElastic, Moduli};
 use crate::setup::{DENSITY, HALF, POOL, Setup};
 use crate::track::{Row, Track};
 
-/// Rows of a history over a run.
+/// Number of rows of a history.
 const ROWS: f64 = 100.0;
 /// Poisson's ratio of the wedge.
 const POISSON: f64 = 0.3;
 
-/// What came of a run.
+/// Results of a run.
 pub struct Outcome {
     pub setup: Setup,
     pub snapshot: Snapshot,
     pub rows: Vec<Row>,
-    /// Places along the wedge over V t, and mean pressures over that of stagnation.
+    /// Positions along the wedge over V t, and mean pressures over the stagnation pressure.
     pub pressures: Vec<[f64; 2]>,
     pub totals: Totals,
     pub ledger: Vec<LedgerEntry>,
 }
 
 impl Outcome {
-    /// Force over rho V^3 t, both halves, between two rows.
+    /// Return the force over rho V^3 t, both halves, between two rows.
     fn factor_between(&self, from: usize, to: usize) -> f64 {
         let (a, b) = (self.rows[from], self.rows[to]);
         self.setup.factor(b.impulse - a.impulse, [a.time, b.time])
     }
-    /// Force over rho V^3 t, both halves, at every row since some rows before.
+    /// Return the force over rho V^3 t, both halves, at the rows, as means over some intervals.
     pub fn factors(&self) -> Vec<[f64; 2]> {
         const OVER: usize = 5;
         let middle = |n: usize| 0.5 * (self.rows[n - OVER].time + self.rows[n].time);
         (OVER..self.rows.len()).map(|n| [middle(n), self.factor_between(n - OVER, n)]).collect()
     }
-    /// Force over rho V^3 t, both halves, in the last half of the run.
+    /// Return the force over rho V^3 t, both halves, in the last half of the run.
     pub fn factor(&self) -> f64 {
         self.factor_between(self.rows.len() / 2, self.rows.len() - 1)
     }
-    /// Most particles in the wedge at a time.
+    /// Return the largest number of particles in the wedge at one time.
     pub fn inside(&self) -> usize {
         self.rows.iter().map(|r| r.inside).max().unwrap_or(0)
     }
-    /// How deep the deepest particle ever was, of its size: centres of particles that touch are half of that away.
+    /// Return the largest penetration of a particle, over its size: centres of particles in contact are half of that away.
     pub fn depth(&self) -> f64 {
         let deepest = self.rows.iter().map(|r| r.depth).fold(f64::NEG_INFINITY, f64::max);
         deepest / self.setup.particle() + 0.5
     }
-    /// Energy that the method took or gave, over the work of the wedge.
+    /// Return energy removed and added by the method, over the work of the wedge.
     pub fn energy_errors(&self) -> [f64; 2] {
         let (Some(first), Some(last)) = (self.ledger.first(), self.ledger.last()) else {
             return [f64::NAN; 2];
@@ -70,26 +70,26 @@ fn symmetry() -> Boundary<2> {
     Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }
 }
 
-/// The right half of the wedge, its keel on the water: all its nodes sink at constant speed, or those of its deck.
+/// Build the right half of the wedge, its keel on the water. All its nodes have a constant velocity, or those of its deck only.
 fn wedge(setup: &Setup) -> Result<Fem<2>, CaseError> {
     let height = setup.height();
     let mesh = wedge_mesh([[0.0, 0.0], [HALF, height], [0.0, height]], setup.count(), ElementKind::Quad4)?;
     let held = mesh.nodes_where(|x| setup.young.is_none() || x[1] > height * (1.0 - 1e-9));
     let mesh = mesh.with_node_set("held", held)?;
-    // Waves in a rigid wedge, which has none, are not to shorten the steps.
+    // Waves in a rigid wedge, which have no physical meaning, must not limit the time step.
     let young = setup.young.unwrap_or(DENSITY * (0.2 * setup.water().sound).powi(2));
     let law = LinearElastic::new(DENSITY, Moduli::young_poisson(young, POISSON)?)?;
     let (speed, mut fem) = (setup.speed, Fem::new(PlaneStrain));
     let body = MeshBody::new("wedge", mesh, law).with(ElementKind::Quad4, Technology::MeanDilatation);
     let body = fem.add(body.moving(move |_| [0.0, -speed]))?;
     fem.bound(symmetry())?;
-    // A rigid one does not move across, either; of an elastic one the deck may.
+    // The velocity of a rigid wedge is zero across, too; the deck of an elastic one is free across.
     let across = setup.young.is_none().then_some(0.0);
     fem.prescribe(body, "held", Arc::new(move |_| [across, Some(-speed), None]))?;
     Ok(fem)
 }
 
-/// The scene at the moment the keel touches.
+/// Build the scene at the time of first contact of the keel.
 fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let mut mpm = setup.coupling.plane_scene(Water::method(setup.transfer), BlockGrid::new(lattice), 0.0)?;
@@ -104,7 +104,7 @@ fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
     Ok(mpm)
 }
 
-/// Let the wedge enter.
+/// Run the water entry.
 pub fn enter(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let mut mpm = scene(setup)?;
     let row = setup.end() / ROWS;

@@ -1,4 +1,4 @@
-//! What pushes the wedge, and what is in it.
+//! Force on the wedge, and penetration of particles, over time.
 
 use examples::{Inside, Outline};
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
@@ -7,30 +7,30 @@ use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{HALF, Setup};
 
-/// The wedge at one moment.
+/// State of the wedge at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
-    /// s.
+    /// Time, s.
     pub time: f64,
     /// Impulse of the water on the half wedge so far, upwards, N s/m.
     pub impulse: f64,
-    /// Particles of water with their centre in the wedge, and how deep the deepest centre is, m.
+    /// Number of water particles with their centre in the wedge, and largest penetration of a centre, m.
     pub inside: usize,
     pub depth: f64,
-    /// How far the keel is above where it would be if the wedge were rigid, m.
+    /// Height of the keel above its position in a rigid wedge, m.
     pub bend: f64,
 }
 
-/// Follows the wedge.
+/// Observer of the wedge.
 pub struct Track {
     pace: Pace,
     setup: Setup,
     pub rows: Vec<Row>,
-    /// Sums of pressure by mass, and masses, by place along the wedge over V t, which the flow is similar in.
+    /// Mass-weighted pressure sums, and masses, by position along the wedge over V t, the similarity variable.
     pressures: Vec<[f64; 2]>,
 }
 
-/// Places along the wedge.
+/// Number of bins along the wedge.
 const BINS: usize = 60;
 
 impl Track {
@@ -38,8 +38,8 @@ impl Track {
         Track { pace, setup: *setup, rows: Vec::new(), pressures: vec![[0.0; 2]; BINS] }
     }
 
-    /// Add the pressures of particles half a cell to one and a half cells from the wedge to the means: those of the outermost ones are too
-    /// low.
+    /// Add the pressures of particles half a cell to one and a half cells from the wedge to the means; those of the outermost particles are
+    /// too low.
     fn add_pressures(&mut self, water: &dyn Body, outline: &Outline, time: f64) {
         let (cell, way) = (self.setup.spacing(), self.setup.speed * time);
         let bins = self.pressures.len() as f64;
@@ -54,7 +54,7 @@ impl Track {
         });
     }
 
-    /// Places along the wedge over V t, and mean pressures over that of stagnation, in the last half of the run.
+    /// Return positions along the wedge over V t, and mean pressures over the stagnation pressure, in the last half of the run.
     pub fn pressures(&self) -> Vec<[f64; 2]> {
         let bin = self.setup.reach() / self.pressures.len() as f64;
         let means = self.pressures.iter().enumerate().filter(|(_, [_, mass])| *mass > 0.0);
@@ -62,7 +62,7 @@ impl Track {
     }
 }
 
-/// Height of the keel, m.
+/// Return the height of the keel, m.
 fn keel(wedge: &dyn Body) -> f64 {
     let mut low = f64::INFINITY;
     wedge.for_each(&mut |element| low = element.corners.iter().map(|x| x[1]).fold(low, f64::min));

@@ -1,4 +1,4 @@
-//! Mesh of a file while it is read: nodes by tag, elements in blocks and sets.
+//! Mesh under construction by a reader: nodes by tag, elements in blocks and sets.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -7,7 +7,7 @@ use super::super::{ElementBlock, ElementKind, ElementMesh};
 use crate::cursor::ReadError;
 use crate::vector::{cross, dot, sub};
 
-/// Nodes, blocks and sets. Positions are in space, whatever the dimensions of the mesh.
+/// Nodes, blocks and sets of a file. Positions have three coordinates, whatever the dimension of the mesh.
 #[derive(Default)]
 pub(super) struct Builder {
     positions: Vec<[f64; 3]>,
@@ -15,22 +15,22 @@ pub(super) struct Builder {
     number: HashMap<u64, u32>,
     blocks: Vec<ElementBlock>,
     place: HashMap<(String, ElementKind), usize>,
-    /// Block of the last element.
+    /// Block of the most recent element.
     last: usize,
     node_sets: BTreeMap<String, Vec<u32>>,
     element_sets: BTreeMap<String, Vec<Elements>>,
-    /// Quadrilaterals of wedges and pyramids, nodes ascending.
+    /// Quadrilaterals of wedges and pyramids, nodes ascending. Such a face is split by a diagonal.
     split_faces: HashSet<[u32; 4]>,
 }
 
-/// Form of an element of a file, by its corners.
+/// Element shape in a file, by its corners.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Form {
-    /// Element of the mesh.
+    /// Element type of the mesh, read unchanged.
     Whole(ElementKind),
-    /// Triangle and the triangle opposite, on the side of the right-handed normal: read as three tetrahedra.
+    /// Triangle, and the opposite triangle on the side of the right-handed normal: read as three tetrahedra.
     Wedge,
-    /// Quadrilateral and a tip on the side of the right-handed normal: read as two tetrahedra.
+    /// Quadrilateral, and a tip on the side of the right-handed normal: read as two tetrahedra.
     Pyramid,
 }
 
@@ -44,7 +44,7 @@ impl Form {
         }
     }
 
-    /// Dimensions of the element itself.
+    /// Number of dimensions of the element itself.
     pub fn dimensions(self) -> usize {
         match self {
             Form::Whole(kind) => kind.dimensions(),
@@ -52,7 +52,7 @@ impl Form {
         }
     }
 
-    /// Facets of a form that is split to tetrahedra, seen from outside counter-clockwise.
+    /// Facets of a form that is split into tetrahedra, counter-clockwise from outside.
     fn facets(self) -> &'static [&'static [usize]] {
         match self {
             Form::Whole(_) => &[],
@@ -62,7 +62,7 @@ impl Form {
     }
 }
 
-/// Elements of a block that represent one element of the file.
+/// Range of elements of a block that represents one element of the file.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Elements {
     block: u32,
@@ -70,13 +70,13 @@ pub(super) struct Elements {
     count: u32,
 }
 
-/// Coordinates of a flat mesh that are rounding, over the largest.
+/// Tolerance of the extra coordinates of a plane mesh, relative to the largest coordinate.
 const FLAT: f64 = 1e-9;
-/// Most nodes of a file.
+/// Maximum number of nodes of a file.
 pub(super) const MOST: usize = u32::MAX as usize - 1;
 
 impl Builder {
-    /// Adds a node that elements name by its tag; `false` if there is one of this tag already, or no number left.
+    /// Add a node with a unique tag, by which elements refer to it; `false` if the tag exists already, or if there are too many nodes.
     pub fn add_node(&mut self, tag: u64, x: [f64; 3]) -> bool {
         let number = self.positions.len();
         if number >= MOST || self.number.insert(tag, number as u32).is_some() {
@@ -86,13 +86,13 @@ impl Builder {
         true
     }
 
-    /// Adds a node whose tag may be that of another one, too.
+    /// Add a node whose tag need not be unique.
     pub fn push_node(&mut self, tag: u64, x: [f64; 3]) {
         self.positions.push(x);
         self.tags.push(tag);
     }
 
-    /// The number of the node with this tag.
+    /// Return the index of the node with this tag.
     pub fn node(&self, tag: u64) -> Option<u32> {
         self.number.get(&tag).copied()
     }
@@ -101,10 +101,10 @@ impl Builder {
         self.positions.len()
     }
 
-    /// Adds an element to a block, named by block.
+    /// Add an element to the block of this name and kind.
     ///
     /// # Errors
-    /// A wedge or pyramid of which a tetrahedron is flat, or inverted against the others.
+    /// A wedge or pyramid with a flat tetrahedron, or with tetrahedra of opposite orientation.
     pub fn add_element(&mut self, block: &str, form: Form, nodes: &[u32]) -> Result<Elements, ReadError> {
         let kind = match form {
             Form::Whole(kind) => kind,
@@ -135,10 +135,10 @@ impl Builder {
         Ok(Elements { block: place as u32, first, count })
     }
 
-    /// Index of a block, which is added if there is none of this name and kind.
+    /// Return the index of a block; add the block if there is none of this name and kind.
     fn block(&mut self, name: &str, kind: ElementKind) -> usize {
         let is = |block: &ElementBlock| block.name == name && block.kind == kind;
-        // Most elements are of the block of the element before.
+        // Consecutive elements mostly belong to the same block.
         if self.blocks.get(self.last).is_some_and(is) {
             return self.last;
         }
@@ -150,19 +150,19 @@ impl Builder {
         self.last
     }
 
-    /// Six times the volume of a tetrahedron.
+    /// Return six times the volume of a tetrahedron.
     fn volume(&self, nodes: &[u32; 4]) -> f64 {
         let [a, b, c, d] = nodes.map(|n| self.positions[n as usize]);
         dot(cross(sub(b, a), sub(c, a)), sub(d, a))
     }
 
-    /// Tags of nodes, for a message.
+    /// List the tags of nodes for a message.
     fn named(&self, nodes: &[u32]) -> String {
         let tags: Vec<String> = nodes.iter().map(|&n| self.tags[n as usize].to_string()).collect();
         tags.join(", ")
     }
 
-    /// Adds nodes to a set.
+    /// Add nodes to a set.
     pub fn add_to_node_set(&mut self, set: &str, nodes: impl IntoIterator<Item = u32>) {
         match self.node_sets.get_mut(set) {
             Some(set) => set.extend(nodes),
@@ -172,7 +172,7 @@ impl Builder {
         }
     }
 
-    /// Adds elements to a set.
+    /// Add elements to a set.
     pub fn add_to_element_set(&mut self, set: &str, elements: Elements) {
         match self.element_sets.get_mut(set) {
             Some(set) => set.push(elements),
@@ -182,7 +182,7 @@ impl Builder {
         }
     }
 
-    /// Refuses bricks at the quadrilaterals of wedges and pyramids, which are split.
+    /// Check for bricks at the quadrilaterals of wedges and pyramids, which are split by a diagonal.
     fn check_split_faces(&self) -> Result<(), ReadError> {
         if self.split_faces.is_empty() {
             return Ok(());
@@ -208,7 +208,7 @@ impl Builder {
         Ok(())
     }
 
-    /// The mesh, coordinates multiplied by `unit`.
+    /// Build the mesh, with coordinates multiplied by `unit`.
     pub fn build<const D: usize>(self, unit: f64) -> Result<ElementMesh<D>, ReadError> {
         if self.blocks.is_empty() {
             let what = "the file has no element".into();

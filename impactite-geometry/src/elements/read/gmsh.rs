@@ -1,4 +1,4 @@
-//! Gmsh files of versions 2 to 4. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
+//! Reader of Gmsh files of versions 2 to 4. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -6,13 +6,13 @@ use super::builder::{Builder, Elements, Form};
 use crate::cursor::{Cursor, Encoding, ReadError, shown};
 use crate::elements::ElementKind;
 
-/// Dimension and tag.
+/// Entity: dimension and tag.
 type Entity = (i32, i32);
 
-/// A group of elements as the file has it.
+/// Elements of one entity and form.
 struct Group {
     entity: Entity,
-    /// `None`: points.
+    /// Form of the elements; `None` for points.
     form: Option<Form>,
     nodes: Vec<u32>,
 }
@@ -21,15 +21,15 @@ struct Group {
 struct File {
     version: Version,
     names: HashMap<Entity, String>,
-    /// Physical groups of entities.
+    /// Physical groups of each entity.
     physical: BTreeMap<Entity, Vec<i32>>,
     has_entities: bool,
     builder: Option<Builder>,
     groups: Option<Vec<Group>>,
 }
 
-/// Form of the elements of a type, by the type's number, and number of their nodes, corners first. Elements of second order are read by their
-/// corners. `None` are points.
+/// Return the form and number of nodes of an element type by its Gmsh number; corners come first. Of second-order elements the
+/// corners only are read. The form is `None` for points.
 fn form(number: i32) -> Option<(Option<Form>, usize)> {
     let (form, nodes) = match number {
         1 => (Form::Whole(ElementKind::Bar2), 2),
@@ -58,12 +58,12 @@ fn form(number: i32) -> Option<(Option<Form>, usize)> {
 
 const FORMS: &str = "points, lines, triangles, quadrilaterals, tetrahedra, bricks, prisms and pyramids of first or second order (1 to 19)";
 
-/// How the sections are written.
+/// Format version of the sections.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Version {
     /// 2.0 to 2.2: nodes and elements one by one, with the tags of their groups.
     Two,
-    /// 4.0: blocks of entities, a node's tag beside its coordinates.
+    /// 4.0: blocks of entities, the tag of a node before its coordinates.
     Four,
     /// 4.1: blocks of entities, tags first.
     #[default]
@@ -79,7 +79,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Builder, ReadError> {
     file.finish()
 }
 
-/// The section `$MeshFormat`, which tells how the others are written.
+/// Parse the section `$MeshFormat`: version and encoding of the other sections.
 fn header(cursor: &mut Cursor) -> Result<Version, ReadError> {
     expect(cursor, "$MeshFormat")?;
     let (at, version) = cursor.word("the version")?;
@@ -118,7 +118,7 @@ fn header(cursor: &mut Cursor) -> Result<Version, ReadError> {
     Ok(version)
 }
 
-/// Goes past a word that must be there.
+/// Read a word and require that it is `word`.
 fn expect(cursor: &mut Cursor, word: &str) -> Result<(), ReadError> {
     let (at, found) = cursor.word(word)?;
     if found == word.as_bytes() { Ok(()) } else { Err(cursor.refuse(at, "word", shown(found), word)) }
@@ -149,7 +149,7 @@ impl File {
                         version => elements(cursor, builder, version)?,
                     };
                     if self.version == Version::Two {
-                        // Their entities are their physical groups.
+                        // In version 2, entities are physical groups.
                         let physical = groups.iter().map(|g| g.entity).filter(|entity| entity.1 != 0);
                         self.physical.extend(physical.map(|entity| (entity, vec![entity.1])));
                     }
@@ -168,7 +168,7 @@ impl File {
         }
     }
 
-    /// Names of physical groups, as text in binary files too.
+    /// Read the names of physical groups, which are text in binary files too.
     fn names(&mut self, cursor: &mut Cursor) -> Result<(), ReadError> {
         let encoding = std::mem::replace(&mut cursor.encoding, Encoding::Text);
         let count = cursor.size("the number of physical names")?;
@@ -232,9 +232,9 @@ impl File {
         let groups = self.groups.as_ref().ok_or_else(|| missing("$Elements"))?;
         let dimension = |g: &Group| g.form.map_or(0, Form::dimensions);
         let highest = groups.iter().map(dimension).max().unwrap_or(0);
-        // Taken out, so that names can be asked for while the builder grows.
+        // Builder and groups are moved out to allow lookup of names while the builder changes.
         let file = File { builder: None, groups: None, ..self };
-        // Version 2 repeats an element for every physical group that it is in.
+        // Version 2 repeats an element for every physical group that contains it.
         let repeats = file.version == Version::Two;
         let mut known: HashMap<(Form, &[u32]), Elements> = HashMap::new();
         for group in self.groups.iter().flatten() {
@@ -260,7 +260,7 @@ impl File {
     }
 }
 
-/// Refuses a total that the blocks do not make.
+/// Check that a declared total equals the sum of the blocks.
 fn check_total(cursor: &Cursor, at: usize, key: &str, said: u64, found: u64) -> Result<(), ReadError> {
     if said == found {
         Ok(())
@@ -269,7 +269,7 @@ fn check_total(cursor: &Cursor, at: usize, key: &str, said: u64, found: u64) -> 
     }
 }
 
-/// Nodes one by one, of version 2.
+/// Read nodes one by one, format version 2.
 fn plain_nodes(cursor: &mut Cursor) -> Result<Builder, ReadError> {
     let mut builder = Builder::default();
     for _ in 0..plain_count(cursor, "the number of nodes")? {
@@ -288,7 +288,7 @@ fn plain_nodes(cursor: &mut Cursor) -> Result<Builder, ReadError> {
     Ok(builder)
 }
 
-/// A count of version 2, which is a line of text in binary files, too.
+/// Read a count of format version 2, which is a line of text in binary files too.
 fn plain_count(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
     let encoding = std::mem::replace(&mut cursor.encoding, Encoding::Text);
     let count = cursor.size(key)?;
@@ -299,7 +299,7 @@ fn plain_count(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
     Ok(count)
 }
 
-/// Elements one by one, of version 2, by physical group.
+/// Read elements one by one, format version 2, and sort them by physical group.
 fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, ReadError> {
     let count = plain_count(cursor, "the number of elements")?;
     let text = cursor.encoding == Encoding::Text;
@@ -313,7 +313,7 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
         let number = cursor.int("the type of an element")?;
         let (form, own) =
             form(number).ok_or_else(|| cursor.refuse(at, "type of an element", number, FORMS))?;
-        // In binary files several of a type follow, each with its number.
+        // In binary files, a header with the element type precedes several elements.
         let following = if text { 1 } else { cursor.int("the number of elements of a type")? };
         cursor.skip_text_blanks();
         let at = cursor.at();
@@ -343,18 +343,18 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
     Ok(groups)
 }
 
-/// A tag that is an `int`: of versions 2 and 4.0.
+/// Read a tag of type `int`, format versions 2 and 4.0.
 fn int_tag(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
-    // No tag is negative: 0 is none of a node.
+    // Tags are not negative; 0 is no node.
     Ok(cursor.int(key)?.max(0) as u64)
 }
 
-/// A tag that is a `size_t`: of version 4.1.
+/// Read a tag of type `size_t`, format version 4.1.
 fn size_tag(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
     cursor.size(key)
 }
 
-/// The corners of an element of which the file has so many nodes.
+/// Read the nodes of an element and return its corners.
 fn corners(
     cursor: &mut Cursor,
     builder: &Builder,
@@ -374,7 +374,7 @@ fn corners(
     Ok(corners)
 }
 
-/// Nodes in blocks, of version 4.
+/// Read nodes in blocks, format version 4.
 fn nodes(cursor: &mut Cursor, version: Version) -> Result<Builder, ReadError> {
     let beside = version == Version::Four;
     let read_tag = if beside { int_tag } else { size_tag };
@@ -437,7 +437,7 @@ fn nodes(cursor: &mut Cursor, version: Version) -> Result<Builder, ReadError> {
     Ok(builder)
 }
 
-/// Dimension and tag of an entity, the other way round in version 4.0.
+/// Read dimension and tag of an entity; version 4.0 stores the tag first.
 fn entity(cursor: &mut Cursor, version: Version) -> Result<Entity, ReadError> {
     let (dimension, tag) = ("the dimension of an entity", "the tag of an entity");
     if version == Version::Four {
@@ -447,7 +447,7 @@ fn entity(cursor: &mut Cursor, version: Version) -> Result<Entity, ReadError> {
     Ok((cursor.int(dimension)?, cursor.int(tag)?))
 }
 
-/// Elements in blocks, of version 4.
+/// Read elements in blocks, format version 4.
 fn elements(cursor: &mut Cursor, builder: &Builder, version: Version) -> Result<Vec<Group>, ReadError> {
     let tag_of = if version == Version::Four { int_tag } else { size_tag };
     let mut groups = Vec::new();

@@ -1,4 +1,4 @@
-//! Meshes of elements from files.
+//! Mesh readers: Gmsh and Abaqus files.
 
 mod abaqus;
 mod builder;
@@ -15,7 +15,7 @@ use crate::file::{Kind, read};
 use builder::Builder;
 
 impl<const D: usize> ElementMesh<D> {
-    /// Numbers those elements the other way round that are inverted at every corner, and leaves the others.
+    /// Reverse the node order of elements that are inverted at every corner; leave the others.
     fn oriented(mut self) -> Result<Self, MeshError> {
         self.check_numbers()?;
         let mut blocks = std::mem::take(&mut self.blocks);
@@ -32,29 +32,29 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self)
     }
 
-    /// Reads a Gmsh file of version 2.0 to 2.2, 4.0 or 4.1, ASCII or binary. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
+    /// Read a Gmsh file of version 2.0 to 2.2, 4.0 or 4.1, ASCII or binary. Coordinates are multiplied by `unit` (m): 1e-3 for mm.
     ///
-    /// - The elements of the highest dimension there is become blocks, one for each kind and physical group (the first one of their entity),
-    ///   whose name they take; without a name `physical 7`, without a group none.
-    /// - Every physical group becomes a set of its nodes, of points, curves and surfaces too, and one of the highest dimension an element set
-    ///   of all its elements, those of other groups among them ([`only_groups`](Self::only_groups)).
-    /// - Elements that are inverted at every corner are numbered the other way round (a surface that faces down); nodes without an
-    ///   element are dropped.
-    /// - Bars, triangles, quadrilaterals, tetrahedra, bricks, prisms and pyramids are read, those of second order by their corners. Prisms
-    ///   and pyramids become tetrahedra that conform to each other; a brick that shares a quadrilateral with one of them is refused.
+    /// - Elements of the highest dimension in the file become blocks, one for each kind and physical group (the first one of their entity).
+    ///   A block is named after its group: `physical 7` if the group has no name, empty if there is no group.
+    /// - Every physical group becomes a node set, groups of points, curves and surfaces too. One of the highest dimension also becomes an
+    ///   element set of all its elements, including those that are in other groups ([`only_groups`](Self::only_groups)).
+    /// - The node order of elements that are inverted at every corner is reversed (a surface that faces down); nodes without an
+    ///   element are removed.
+    /// - Bars, triangles, quadrilaterals, tetrahedra, bricks, prisms and pyramids are read; of second-order elements the corners only.
+    ///   Prisms and pyramids are split into conforming tetrahedra; a brick that shares a quadrilateral with one of them is an error.
     /// - In fewer than three dimensions the remaining coordinates must be zero to rounding.
-    /// - Of the sections, `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, `$PartitionedEntities` is refused, others are
-    ///   skipped (as data of post-processing).
+    /// - The sections `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, `$PartitionedEntities` is an error, others are
+    ///   skipped (such as post-processing data).
     ///
     /// # Errors
-    /// [`GeometryError::File`] with the line (or the byte of a binary file), what was expected and what was found; else as
+    /// [`GeometryError::File`] with the line (or the byte of a binary file), the expected and the found value; errors of
     /// [`check`](Self::check).
     pub fn read_gmsh(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
         let (name, bytes) = load(path.as_ref(), Kind::Gmsh)?;
         Self::from_gmsh(&name, &bytes, unit)
     }
 
-    /// The mesh of the bytes of a Gmsh file; `name` stands for the file in errors.
+    /// Read the mesh from the bytes of a Gmsh file; `name` is the file name in errors.
     ///
     /// ```
     /// use impactite_geometry::{ElementMesh, Metric};
@@ -67,41 +67,41 @@ impl<const D: usize> ElementMesh<D> {
     /// ```
     ///
     /// # Errors
-    /// As [`read_gmsh`](Self::read_gmsh).
+    /// Errors of [`read_gmsh`](Self::read_gmsh).
     pub fn from_gmsh(name: &str, bytes: &[u8], unit: f64) -> Result<Self, GeometryError> {
         Self::from_file(name, unit, gmsh::read(bytes))
     }
 
-    /// Reads the mesh of an Abaqus input file. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
+    /// Read the mesh of an Abaqus input file. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
     ///
     /// - Elements: C3D4 to C3D20 with C3D5 and C3D6; CPS, CPE and CAX of 3 to 8 nodes; shells (S, STRI), membranes (M3D, SFM3D) and
-    ///   rigid faces (R3D) as the triangles and quadrilaterals that they are; T2D2, T3D2, B21 and B31 as bars; letters after the number (R,
-    ///   I, M, H, T, ...) change nothing. All others are refused by name. Elements of second order are read by their corners. Wedges and
-    ///   pyramids become tetrahedra that conform to each other; a brick that shares a quadrilateral with one of them is refused.
-    /// - In a file with elements of three dimensions, those of two are sets of nodes alone; bars remain (edges that Gmsh
-    ///   writes as T3D2 are left out by [`only_groups`](Self::only_groups)).
-    /// - Parts (`*PART`) are read as their instances (`*INSTANCE`) place them, translated and then rotated; one part alone needs no
+    ///   rigid faces (R3D) as triangles and quadrilaterals; T2D2, T3D2, B21 and B31 as bars; letters after the number (R,
+    ///   I, M, H, T, ...) are ignored. All other types are an error. Of second-order elements the corners only are read. Wedges and
+    ///   pyramids are split into conforming tetrahedra; a brick that shares a quadrilateral with one of them is an error.
+    /// - In a file with three-dimensional elements, two-dimensional elements become node sets only; bars remain (edges that Gmsh
+    ///   writes as T3D2 are excluded by [`only_groups`](Self::only_groups)).
+    /// - Parts (`*PART`) are read at the position of their instances (`*INSTANCE`), translated and then rotated; a single part needs no
     ///   instance. Nodes, elements and sets may be in the part, in the instance or in the assembly.
-    /// - A block holds the elements of a kind and a set: that of their `*ELEMENT` line, else the first `*ELSET` that has them.
-    /// - Every NSET becomes a node set; every ELSET an element set, which may share elements with others, and the set of its nodes unless an
-    ///   NSET has its name; every instance an element set of its name. Sets of several instances with one name are `INSTANCE.SET`. Names are
-    ///   compared without regard to case.
-    /// - `*INCLUDE`, and INPUT of `*NODE` and `*ELEMENT`, name files in the folder of the file that names them, or in that of the main file.
+    /// - A block contains the elements of a kind and a set: the set of their `*ELEMENT` line, else the first `*ELSET` that contains them.
+    /// - Every NSET becomes a node set. Every ELSET becomes an element set, which may share elements with others, and a set of its nodes
+    ///   unless an NSET has its name. Every instance becomes an element set of its name. Sets of equal name in several instances become
+    ///   `INSTANCE.SET`. Names are compared without regard to case.
+    /// - `*INCLUDE`, and INPUT of `*NODE` and `*ELEMENT`, refer to files in the folder of the including file, or in that of the main file.
     /// - Coordinates are rectangular, or cylindrical with an angle in degrees (`SYSTEM=C` of `*NODE`).
-    /// - Elements that are inverted at every corner are numbered the other way round; nodes without an element are dropped.
-    /// - What makes or moves nodes and elements (`*NGEN`, `*NFILL`, `*NCOPY`, `*NMAP`, `*ELGEN`, `*ELCOPY`, `*SYSTEM`) is refused. Other
-    ///   keywords describe no mesh and are skipped. Keywords and parameters may be abbreviated to four and three letters.
+    /// - The node order of elements that are inverted at every corner is reversed; nodes without an element are removed.
+    /// - Keywords that generate or move nodes and elements (`*NGEN`, `*NFILL`, `*NCOPY`, `*NMAP`, `*ELGEN`, `*ELCOPY`, `*SYSTEM`) are an
+    ///   error. Keywords that do not describe a mesh are skipped. Keywords and parameters may be abbreviated to four and three letters.
     ///
     /// # Errors
-    /// [`GeometryError::File`] with file and line, the keyword or parameter, and what is allowed; files that include themselves, more than 16 in
-    /// a row or 10 000 in all, or that have more than 4 GiB together; else as [`check`](Self::check).
+    /// [`GeometryError::File`] with file and line, the keyword or parameter, and the allowed values; recursive includes, an include depth
+    /// above 16, more than 10 000 files or 4 GiB in all; errors of [`check`](Self::check).
     pub fn read_abaqus(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
         let path = path.as_ref();
         let (name, bytes) = load(path, Kind::Abaqus)?;
         Self::from_file(&name, unit, abaqus::read(&bytes, Some(path)))
     }
 
-    /// The mesh of the bytes of an Abaqus input file, which may include no others; `name` stands for the file in errors.
+    /// Read the mesh from the bytes of an Abaqus input file without included files; `name` is the file name in errors.
     ///
     /// ```
     /// use impactite_geometry::{ElementMesh, Metric};
@@ -114,7 +114,7 @@ impl<const D: usize> ElementMesh<D> {
     /// ```
     ///
     /// # Errors
-    /// As [`read_abaqus`](Self::read_abaqus).
+    /// Errors of [`read_abaqus`](Self::read_abaqus).
     pub fn from_abaqus(name: &str, bytes: &[u8], unit: f64) -> Result<Self, GeometryError> {
         Self::from_file(name, unit, abaqus::read(bytes, None))
     }

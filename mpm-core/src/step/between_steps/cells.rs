@@ -1,4 +1,4 @@
-//! A body cell by cell: is it whole, what of its motion do nodes not see, does its pressure alternate, which points failed alone?
+//! Analysis of a body cell by cell: fragments, unresolved motion, alternating pressure, isolated failures.
 
 use std::collections::HashMap;
 
@@ -24,7 +24,7 @@ struct Cell<const D: usize> {
     /// Mass times pressure, and times von Mises stress, kg Pa.
     pressure: f64,
     von_mises: f64,
-    /// The part it belongs to.
+    /// Part of the body that contains the cell.
     part: u32,
 }
 
@@ -43,7 +43,7 @@ impl<const D: usize> Cell<D> {
         part: u32::MAX,
     };
 
-    /// Kinetic energy of what of the motion within the cell is no linear field, J; none where there are too few particles to tell.
+    /// Kinetic energy of the motion within the cell beyond a linear field, J; zero for too few particles.
     fn unseen(&self) -> f64 {
         if self.particles as usize <= D + 1 {
             return 0.0;
@@ -62,53 +62,53 @@ impl<const D: usize> Cell<D> {
         }
         let Some(inverse) = inertia.try_inverse() else { return 0.0 };
         let affine = (turned * inverse * turned.transpose()).trace();
-        // Below rounding of what it is the difference of it is nothing.
+        // Differences below rounding count as zero.
         let left = about - affine;
         if left > 1e-12 * self.square { 0.5 * left } else { 0.0 }
     }
 }
 
-/// A body cell by cell, in memory that is kept from look to look.
+/// Analysis of a body cell by cell, with memory that is reused.
 #[derive(Clone, Debug)]
 pub struct Cells<const D: usize> {
     spacing: f64,
-    /// Cells of a period along each axis; zero without one.
+    /// Period along each axis, in cells; zero without one.
     period: [i32; D],
     places: HashMap<[i32; D], u32>,
     cells: Vec<([i32; D], Cell<D>)>,
-    /// Cells still to be looked at.
+    /// Cells still to be visited.
     stack: Vec<u32>,
-    /// Cells, particles and failed particles of each part.
+    /// Numbers of cells, particles and failed particles of each part.
     parts: Vec<[u64; 3]>,
-    /// Where what moves unlike its cell has most energy, J, m.
+    /// Largest energy of motion beyond a linear field in a cell, J, and its position, m.
     noisiest: (f64, [f64; 3]),
 }
 
-/// What became of a body.
+/// Fragmentation and failure of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Wholeness {
-    /// Its parts: sets of cells between which no node is shared.
+    /// Number of parts: sets of cells between which no node is shared.
     pub(crate) parts: usize,
-    /// Parts without a failed particle, the largest part left out.
+    /// Parts without a failed particle, except the largest part.
     pub(crate) whole_parts: usize,
-    /// Share of the particles that such parts hold.
+    /// Fraction of the particles in parts without a failed particle, except the largest part.
     pub(crate) share: f64,
     /// Failed particles.
     pub(crate) failed: u64,
-    /// Failed particles without one in the cells around theirs.
+    /// Failed particles without another in the surrounding cells.
     pub(crate) alone: u64,
-    /// Where one of those is, m.
+    /// Position of an isolated failed particle, m.
     pub(crate) position: [f64; 3],
 }
 
-/// How the pressure of a body changes from cell to cell.
+/// Alternation of the pressure of a body from cell to cell.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Alternation {
-    /// Root mean square of the part that changes its sign from cell to cell, Pa.
+    /// Root mean square of the pressure component that changes sign from cell to cell, Pa.
     pub(crate) pressure: f64,
-    /// Of all of the pressure about its mean, Pa.
+    /// Root mean square of the pressure about its mean, Pa.
     pub(crate) whole: f64,
-    /// Of the von Mises stress, Pa.
+    /// Root mean square of the von Mises stress, Pa.
     pub(crate) von_mises: f64,
 }
 
@@ -125,7 +125,7 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// Bytes of its memory.
+    /// Memory, bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.places.capacity() * size_of::<([i32; D], u32)>()
             + self.cells.capacity() * size_of::<([i32; D], Cell<D>)>()
@@ -133,7 +133,7 @@ impl<const D: usize> Cells<D> {
             + self.parts.capacity() * size_of::<[u64; 3]>()
     }
 
-    /// The cell of a period that is this one.
+    /// Return the index of the cell within a period.
     fn wrapped(&self, mut index: [i32; D]) -> [i32; D] {
         for (i, &period) in index.iter_mut().zip(&self.period) {
             *i = if period > 0 { i.rem_euclid(period) } else { *i };
@@ -173,14 +173,14 @@ impl<const D: usize> Cells<D> {
         cell.von_mises += p.mass * p.von_mises();
     }
 
-    /// Kinetic energy of what of the motion no linear field in a cell has, J, and where it is most, m.
+    /// Kinetic energy of the motion beyond a linear field in each cell, J, and position of its maximum, m.
     pub(crate) fn unseen(&mut self) -> (f64, [f64; 3]) {
         let (mut sum, mut most) = (0.0, (0.0, [0.0; 3]));
         for (_, cell) in &self.cells {
             sum += cell.unseen();
         }
         for (index, cell) in &self.cells {
-            // Where nothing is unseen: where there is most motion.
+            // Position of the largest kinetic energy, where all motion is resolved.
             let energy = if sum > 0.0 { cell.unseen() } else { 0.5 * cell.square };
             if energy > most.0 {
                 most = (energy, self.middle(index));
@@ -190,7 +190,7 @@ impl<const D: usize> Cells<D> {
         (sum, most.1)
     }
 
-    /// The energy, J, and the place, m, found by [`Cells::unseen`] last.
+    /// Energy, J, and position, m, of the last call of [`Cells::unseen`].
     pub(crate) fn noisiest(&self) -> (f64, [f64; 3]) {
         self.noisiest
     }
@@ -219,7 +219,7 @@ impl<const D: usize> Cells<D> {
         }
     }
 
-    /// How whole it is, where particles share nodes up to `reach` cells apart.
+    /// Find the parts and isolated failures, where particles share nodes up to `reach` cells apart.
     pub(crate) fn wholeness(&mut self, reach: i32) -> Wholeness {
         self.parts.clear();
         let mut stack = std::mem::take(&mut self.stack);
@@ -239,7 +239,7 @@ impl<const D: usize> Cells<D> {
                 sums[2] += u64::from(cell.failed);
                 let before = stack.len();
                 self.around(&index, reach, |other| stack.push(other));
-                // Those not yet reached stay on the list.
+                // Cells not yet reached stay on the stack.
                 let mut kept = before;
                 for n in before..stack.len() {
                     let other = &mut self.cells[stack[n] as usize].1;
@@ -278,7 +278,7 @@ impl<const D: usize> Cells<D> {
         found
     }
 
-    /// How the pressure changes from cell to cell.
+    /// Measure the alternation of the pressure from cell to cell.
     pub(crate) fn alternation(&self) -> Alternation {
         let (mut mass, mut mean, mut square, mut von_mises) = (0.0, 0.0, 0.0, 0.0);
         for (_, cell) in &self.cells {
@@ -300,7 +300,7 @@ impl<const D: usize> Cells<D> {
                 };
                 let row = (pressure(0), pressure(1), pressure(2), pressure(3));
                 if let (Some(a), Some(b), Some(c), Some(d)) = row {
-                    // The third difference over eight: the amplitude of what alternates, blind to what is linear or square.
+                    // Third difference over eight: amplitude of the alternating component, zero for linear and quadratic fields.
                     let amplitude = (a - 3.0 * b + 3.0 * c - d) / 8.0;
                     rows += 1.0;
                     saw += amplitude * amplitude;
@@ -334,7 +334,7 @@ mod tests {
         }
     }
 
-    /// Four particles a cell of a row of cells.
+    /// Create a row of cells with four particles each.
     fn row(cells: impl Iterator<Item = i32>, mut give: impl FnMut(i32, &mut PointView)) -> Cells<2> {
         let mut list = Cells::new(0.5, [0; 2]);
         for cell in cells {

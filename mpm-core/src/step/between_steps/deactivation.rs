@@ -1,9 +1,9 @@
-//! Bodies that rest until others come: no nodes, no passes, and the same bits.
+//! Deactivation of bodies at rest until others come: no nodes, no passes, and the same bits.
 //!
-//! A body without stress, velocity and load maps the same mass and zeros in every step as long as its nodes are its own.
-//! So it is left out: it claims no node blocks, its passes are not made, and the rates that they would find are
-//! remembered for the time step. It wakes when other bodies claim a block that it would claim, which is before the first
-//! node that both reach. The map that its last pass would have left is made then, by that pass.
+//! A body without stress, velocity and load maps the same mass and zeros in every step as long as it shares no nodes.
+//! It is therefore deactivated: it claims no node blocks, its passes are skipped, and their rates are stored for the
+//! time step. It is reactivated when other bodies claim a block that it would claim, which is before both reach the
+//! first node. The map of its last pass is then made by that pass.
 
 use crate::step::bodies::body::{BodyTrouble, GridBody, Steps, Which};
 
@@ -22,7 +22,7 @@ use impactite_scene::error::SceneError;
 use impactite_simd::{AlignedRecords, Float, Team};
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// See that no particle moves, is stressed or changes in a step among nodes that stand still, and rest from now on.
+    /// Check that no particle moves, is stressed or changes in a step among nodes at rest, and deactivate the body.
     pub(in crate::step) fn deactivate_particles(
         &mut self,
         longest: T,
@@ -49,7 +49,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 }
             }
         }
-        // What a law makes of rest is not asked of it but tried, by the passes of the run: a clock in its state shows.
+        // The response of a law to rest is tested by the passes of the run: a clock in its state is detected.
         let (slots, splits) = (self.slots.clone(), self.splits);
         let tried = self.try_rest(longest, team);
         self.sent.fill(Sent::default());
@@ -76,7 +76,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         Ok(())
     }
 
-    /// Make the passes of a step of `dt`, s, among nodes that stand still.
+    /// Make the passes of a step of `dt`, s, among nodes at rest.
     fn try_rest(&mut self, dt: T, team: &Team) -> Result<Deactivated<T, D>, BodyTrouble> {
         let mut resting = Deactivated { blocks: Vec::new(), rates: [T::default(); 3], dt };
         for (which, rate) in [Which::Map, Which::First, Which::Second].into_iter().zip(&mut resting.rates) {
@@ -85,14 +85,14 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         Ok(resting)
     }
 
-    /// A pass that finds no nodes, and so reads zeros.
+    /// Make a pass without nodes, which reads zeros.
     fn pass_at_rest(&mut self, which: Which, dt: T, team: &Team) -> Result<T, BodyTrouble> {
         let layout = Layout::default();
         let steps = Steps { this: dt, next: dt, adapt: true, force_time: 0.0, force: [0.0; 3] };
         self.pass(which, Nodes { all: &[], layout: &layout }, steps, team)
     }
 
-    /// The first particle that is not as it was.
+    /// Return the error for the first particle that changed.
     fn changed(&self, before: &[Slot<T, D>]) -> Option<SceneError> {
         for (old, new) in before.iter().zip(&self.slots) {
             for (bin, at) in old.block.places() {
@@ -117,7 +117,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         None
     }
 
-    /// What a column holds.
+    /// Name of the content of a column.
     fn named(&self, column: usize) -> String {
         let state = Columns::state(D);
         let name = column.checked_sub(state).and_then(|n| self.columns.state_names().get(n));
@@ -141,7 +141,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         }
     }
 
-    /// Rest no longer: have the tiles that the last pass of a step would have left.
+    /// Reactivate the body: compute the tiles that the last pass of a step would have left.
     pub(in crate::step) fn reactivate_particles(&mut self, team: &Team) {
         let Some(resting) = self.resting.take() else { return };
         let nodes = self.tile_records();
@@ -149,18 +149,18 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.nodes_around.clear();
         self.nodes_around.resize(self.slots.len() * neighbours(D), NONE);
         let last = self.facts().last_pass();
-        // It went well when it was tried, with the same numbers.
+        // It succeeded in the trial, with the same values.
         let _ = self.pass_at_rest(last, resting.dt, team);
     }
 
-    /// In a checkpoint; the particles follow.
+    /// Write or read the state of a deactivated body; the particles follow.
     pub(in crate::step) fn exchange_rest(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.option(&mut self.resting, |file, Deactivated { blocks: _, rates, dt }| {
             file.numbers(rates.iter_mut().chain([dt]))
         })
     }
 
-    /// After the particles were read.
+    /// Restore the deactivated body after the particles were read.
     pub(in crate::step) fn rest_as_read(&mut self) {
         if self.resting.is_some() {
             self.slots.iter_mut().for_each(|slot| slot.tile = AlignedRecords::default());
@@ -170,17 +170,18 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Leave bodies out of the steps until another one comes to them: a target that a projectile flies to. While a body rests
-    /// it has no nodes and its particles are not visited; totals, observers and checkpoints see them as they are.
+    /// Deactivate bodies until another one comes to them: a target in front of a projectile. A deactivated body has
+    /// no nodes and its particles are not visited; totals, observers and checkpoints include them unchanged.
     ///
-    /// **No bit changes** (but for the signs of zeros): a body without velocity, stress and load maps nothing but its mass
-    /// while its nodes are its own. It wakes as soon as the node blocks of another body that does not rest, of four cells an
-    /// axis, are some that it would have, and so before the first node is shared. Its wave speed goes on to limit the time
-    /// step. A body force, a moving wall or prescribed velocities where it lies, given later, wake it in the next step. It
-    /// does not come to rest again by itself.
+    /// **No bit changes** (except for the signs of zeros): a body without velocity, stress and load maps only its
+    /// mass while it shares no nodes. It is reactivated as soon as the node blocks of an active body, of four cells
+    /// an axis, include one that it would claim, and so before the first node is shared. Its wave speed continues to
+    /// limit the time step. A body force, a moving wall or prescribed velocities in its region, set later, reactivate
+    /// it in the next step. It is not deactivated again automatically.
     ///
-    /// Bodies that touch are told together, and wake together. Where bodies are kept apart ([`ContactAlgorithm::separates`](crate::ContactAlgorithm::separates)) they stay
-    /// awake: contact may act between bodies that stand still.
+    /// Deactivate bodies that touch in one call; they are reactivated together. Where contact separates bodies
+    /// ([`ContactAlgorithm::separates`](crate::ContactAlgorithm::separates)) touching bodies stay active: contact may
+    /// act between bodies at rest.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
@@ -203,10 +204,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// ```
     ///
     /// # Errors
-    /// A method in the reference configuration, where bodies never meet others, and so would never wake; no body of a name; a rigid one; a load of its own; a body force, a moving wall, or prescribed velocities where it
-    /// lies; a particle that moves, is stressed, or that one step among nodes at rest changes: by a law with a clock (an
-    /// explosive that will be lit), for instance. The step tried is as long as the body's own waves allow. Where one is
-    /// refused, all stay awake.
+    /// A method in the reference configuration, where bodies never interact and are never reactivated; an unknown
+    /// name; a rigid body; a load of its own; a body force, a moving wall, or prescribed velocities in its region; a
+    /// particle that moves, is stressed, or changes in one step among nodes at rest, for instance by a law with a
+    /// clock (an explosive that will be ignited). The trial step is as long as the wave speed of the body allows. If
+    /// one body is refused, all stay active.
     pub fn deactivate(&mut self, bodies: &[&str]) -> Result<(), SceneError> {
         self.work.deactivate(self, bodies)
     }
@@ -231,7 +233,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Let a body rest that did not, and note its number.
+    /// Deactivate an active body, and append its number to `told`.
     fn lay_down(&mut self, name: &str, told: &mut Vec<usize>) -> Result<(), SceneError> {
         let Some(number) = self.scene.bodies.iter().position(|b| b.name() == name) else {
             let bodies: Vec<&str> = self.scene.bodies.iter().map(|b| b.name()).collect();
@@ -240,7 +242,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if self.scene.bodies[number].is_deactivated() {
             return Ok(());
         }
-        // As long as its own waves allow: a clock that rounding stops at this step stands still at shorter ones.
+        // Longest step that its wave speed allows: a clock that rounding stops at this step also stops at shorter ones.
         let rate = self.scene.bodies[number].rate(self.grid.lattice().spacing()).to_double();
         let longest = if rate > 0.0 { self.stepper.control.next(rate, None).max(1.0 / rate) } else { 1.0 };
         let body = &mut self.scene.bodies[number];
@@ -252,18 +254,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         disturbed.map_or(Ok(()), |what| Err(SceneError::Disturbed { body: name.into(), what }))
     }
 
-    /// Particles that a step computes: those of bodies that do not rest ([`Mpm::deactivate`]).
+    /// Number of particles that a step computes: those of active bodies ([`Mpm::deactivate`]).
     pub fn moving_particles(&self) -> usize {
         self.scene.bodies.iter().filter(|b| !b.is_deactivated()).map(|b| b.len()).sum()
     }
 
-    /// Node blocks, with those that bodies at rest would have: whether to look ahead is decided as if none rested.
+    /// Number of node blocks, including those that deactivated bodies would have: the look-ahead must not depend on deactivation.
     pub(in crate::step) fn blocks(&self) -> usize {
         let rest = self.scene.bodies.iter().filter_map(|b| b.deactivated_blocks()).flatten();
         self.grid.fields.len() + rest.filter(|at| self.grid.storage.find(at).is_none()).count()
     }
 
-    /// Wake a body and others that rest if they share node blocks.
+    /// Reactivate a body and other deactivated bodies that share node blocks with it.
     fn wake_beside(&mut self, number: usize) {
         let Some(blocks) = self.scene.bodies[number].deactivated_blocks().map(<[_]>::to_vec) else { return };
         let mut beside = false;
@@ -279,7 +281,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// What may set a body in motion that rests, other bodies aside.
+    /// Describe the condition that may move a deactivated body, if any; other bodies are not considered.
     fn disturbance(&self, number: usize) -> Option<String> {
         let blocks = self.scene.bodies[number].deactivated_blocks()?;
         if self.scene.conditions.gravity.is_some() {
@@ -307,7 +309,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             .map(|boundary| format!("the boundary {boundary:?}"))
     }
 
-    /// Wake what was given a reason to move since the last step.
+    /// Reactivate bodies that a condition may have moved since the last step.
     pub(in crate::step) fn reactivate_disturbed(&mut self) -> Result<(), OutsideGrid> {
         let mut woken = false;
         for number in 0..self.scene.bodies.len() {

@@ -1,4 +1,4 @@
-//! Runs to equilibrium: kinetic damping, and how far from balance a scene is.
+//! Runs to equilibrium: kinetic damping, and unbalanced forces of a scene.
 
 use super::rest::*;
 use crate::step::mpm::Mpm;
@@ -10,33 +10,33 @@ use impactite_simd::Float;
 #[derive(Clone, Copy, Debug, Default)]
 struct Forces {
     mass: f64,
-    /// Its mass along each axis, images behind planes of symmetry negative: what weights act on, kg.
+    /// Mass along each axis, images behind planes of symmetry negative: the mass that body forces act on, kg.
     heavy: [f64; 3],
-    /// What is left of all.
+    /// Unbalanced force, N.
     left: [f64; 3],
-    /// Those from outside.
+    /// External force, N.
     outer: [f64; 3],
-    /// Does a rigid body reach it?
+    /// True if a rigid body reaches the node.
     rigid: bool,
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Stop all particles whenever the kinetic energy of the nodes has passed a peak, or do so no longer: kinetic damping
-    /// (Cundall 1976; Barnes 1999), the way to states at rest that has no parameter. A scene let go under its loads has
-    /// the most kinetic energy where it passes the state at rest; stopped there, it starts again much nearer to it.
-    /// Velocities become zero; what they held of momentum and energy is booked as a load. Stopped are particles with all that nodes do not see of their velocities, which local damping
-    /// ([`Mpm::set_local_damping`]) cannot reach.
+    /// Enable or disable kinetic damping (Cundall 1976; Barnes 1999): stop all particles whenever the kinetic energy
+    /// of the nodes has passed a peak. It finds states at rest without a parameter. A scene released under its loads
+    /// has the most kinetic energy where it passes the state at rest; stopped there, it starts again much nearer to
+    /// it. The momentum of the stopped particles is booked as a load, their energy as damping. This includes particle
+    /// velocities that nodes do not resolve, which local damping ([`Mpm::set_local_damping`]) cannot reach.
     ///
-    /// For loads that do not change, or slowly: the way there is not that of the dynamics, and what remembers the way
-    /// (plastic flow, friction) may end elsewhere. A step costs one reading of the nodes more, a stop one map.
-    /// With FLIP on wide stencils some 1e-3 of the forces stay, in directions that nodes hardly see and that start anew with
-    /// every stop; with linear shape functions they go.
-    /// The books close to first order of the step: of what was strain energy between the peak and the stop, half a step's
-    /// is missing.
+    /// The method is for loads that are constant or change slowly: the path to rest is not that of the dynamics, and
+    /// path-dependent processes (plastic flow, friction) may end elsewhere. A step costs one more reading of the
+    /// nodes, a stop one map. With FLIP on wide stencils some 1e-3 of the forces remain, in directions that nodes
+    /// hardly resolve and that start again with every stop; with linear shape functions they vanish. Balances close
+    /// to first order of the step: half a step's share of the strain energy between the peak and the stop is missing.
     ///
     /// # Errors
-    /// A free rigid body, which would go on; a method that maps momentum and impulse together
-    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER): APIC and its kin), whose states at rest were found wrong (book, "Equilibrium by damping").
+    /// A free rigid body, which would continue to move; a method that maps momentum and impulse together
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER): APIC and related transfers), whose states
+    /// at rest were found wrong (book, "Equilibrium by damping").
     pub fn set_kinetic_damping(&mut self, on: bool) -> Result<(), SceneError> {
         if on && self.facts().maps_together {
             return Err(SceneError::RestOfTogether(self.facts().description.clone()));
@@ -51,19 +51,19 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// How often kinetic damping stopped everything.
+    /// Number of stops by kinetic damping.
     pub fn stops(&self) -> u64 {
         self.between_steps.kinetic_damping.map_or(0, |damping| damping.stops)
     }
 
-    /// The name of a rigid body that moves as it is pushed.
+    /// Name of a free rigid body, if there is one.
     pub(in crate::step) fn free_rigid_body(&self) -> Option<String> {
         let free = |&&body: &&usize| self.scene.bodies[body].rigid().is_some_and(|r| !r.is_prescribed());
         self.scene.rigid.iter().find(free).map(|&body| self.scene.bodies[body].name().to_string())
     }
 
-    /// Note the kinetic energy of the nodes after the momentum update, if kinetic damping asks for it. Blocks are summed in
-    /// the order of their coordinates, so that no grid matters.
+    /// Store the kinetic energy of the nodes after the momentum update, for kinetic damping. Blocks are summed in the
+    /// order of their coordinates, so that the result does not depend on the grid.
     pub(in crate::step) fn watch_motion(&mut self) {
         let Some(damping) = &mut self.between_steps.kinetic_damping else { return };
         let (layout, nodes) = (self.grid.fields.layout(), self.grid.nodes());
@@ -76,17 +76,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
             blocks.push((*coordinates, kinetic));
         }
-        // Stable: fields of one block stay in the order of their bodies.
+        // Stable sort: fields of one block stay in the order of their bodies.
         blocks.sort_by_key(|b| b.0);
         damping.now = blocks.iter().map(|b| b.1).sum();
     }
 
-    /// How far from balance the scene is now: the forces that stresses, loads and weights leave at the nodes, as the
-    /// particles feel them, and the energies.
+    /// Balance of the scene: forces of stresses, loads and weights that are unbalanced at the nodes, as they act on
+    /// the particles, and energies.
     ///
-    /// Where a boundary holds a node, or a rigid body reaches it, what acts there is a reaction. A wall holds what is
-    /// pushed against it. Forces between deformable bodies cancel in the sum at a node: of a contact the balance of
-    /// both together is seen. Made from the particles one by one, some twenty times the work of a step.
+    /// Where a boundary constrains a node, or a rigid body reaches it, the force is a reaction. A wall reacts to
+    /// material that presses against it. Forces between deformable bodies cancel in the sum at a node: only the joint
+    /// balance of bodies in contact is visible. It is assembled from the particles one by one, at some twenty times
+    /// the work of a step.
     pub fn balance(&self) -> Balance {
         self.work.balance(self)
     }
@@ -118,7 +119,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// The forces at the nodes.
+    /// Assemble the forces at the nodes.
     fn forces(&self) -> AtNodes<D, Forces> {
         let mut nodes = AtNodes::<D, Forces>::default();
         self.for_each_footprint(&mut |p| {
@@ -143,7 +144,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 node.outer[d] += node.heavy[d] * gravity[d];
                 node.left[d] += node.outer[d];
             }
-            // Conditions that react are asked for their forces: so soon that nothing moves meanwhile.
+            // The forces of conditions that react are evaluated over a time so short that nothing moves.
             let moment = 1e-6 * self.clock.last.unwrap_or(1.0);
             for boundary in self.scene.conditions.boundaries.iter().filter(|b| b.reacts()) {
                 let reaction = boundary.react(&Place {
@@ -196,7 +197,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// ```
     ///
     /// # Errors
-    /// As [`Mpm::step`].
+    /// Errors of [`Mpm::step`].
     pub fn run_to_rest(&mut self, rest: &Rest, end: f64) -> Result<Rested, StepError> {
         self.work.run_to_rest(self, rest, end)
     }

@@ -1,4 +1,4 @@
-//! What nodes do not see of the particles' velocities, taken out cell by cell.
+//! Null-space filter: cell-by-cell removal of particle velocities that nodes do not resolve.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,11 +11,11 @@ use crate::step::nodes::footprint::NodeWeight;
 use impactite_scene::error::SceneError;
 use impactite_simd::{Float, Team};
 
-/// Steps of the singular value decomposition of a cell; more than it ever takes.
+/// Maximum number of iterations of the singular value decomposition of a cell; more than needed.
 const MOST_STEPS: usize = 1000;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Take out of every cell what its nodes do not see; the kinetic energy of that, J.
+    /// Remove velocity components that the nodes do not resolve from every cell, and return their kinetic energy, J.
     pub(in crate::step) fn filter_cells(&mut self, team: &Team) -> f64 {
         let mut slots = std::mem::take(&mut self.slots);
         let mut sums = vec![0.0; slots.len()];
@@ -75,21 +75,21 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Every so many steps take out of the particles' velocities what the nodes of their cell do not see (Gritton and
-    /// Berzins 2017): with the weights N of the n particles of a cell and body on its nodes, velocities become their
-    /// projection, by mass, on the range of N, found by singular values. The momentum of every node stays as it is to
-    /// rounding, and so does the next step; what changes is the noise that FLIP would carry along, and that its
-    /// particles would move with into other cells. Its energy is booked as damping.
+    /// Every `every` steps remove the particle velocities that the nodes of their cell do not resolve (Gritton and
+    /// Berzins 2017). With the weights N of the n particles of a cell and body on its nodes, velocities are
+    /// projected, by mass, on the range of N, found by singular values. The momentum of every node is unchanged to
+    /// rounding, and so is the next step. The filter removes the noise that FLIP would keep, and with which its
+    /// particles would move into other cells. Its energy is booked as damping.
     ///
-    /// **A cell needs more particles than its stencil has nodes** for anything to be taken out, unless they lie in a row:
-    /// five for linear shape functions in two dimensions and nine in three, ten and twenty-eight for the quadratic spline. With two
-    /// particles an axis nothing is. What such cells hide from the nodes they hide together; filters of the whole
-    /// grid see that, [`Fmpm`](crate::Fmpm) and [`Blend`](crate::Blend).
+    /// **The filter needs more particles in a cell than its stencil has nodes** to remove anything, unless they are
+    /// in a row: five for linear shape functions in two dimensions and nine in three, ten and twenty-eight for the
+    /// quadratic spline. With two particles an axis it removes nothing. Noise that several such cells hide together
+    /// is removed by filters of the whole grid, [`Fmpm`](crate::Fmpm) and [`Blend`](crate::Blend).
     ///
-    /// A filtered step takes some microseconds a particle more.
+    /// A filtered step costs some microseconds a particle more.
     ///
     /// # Errors
-    /// No steps; a transfer whose velocities come from the nodes alone, and hide nothing.
+    /// Zero steps; a transfer whose velocities are those of the nodes alone, so that there is nothing to filter.
     pub fn set_null_space_filter(&mut self, every: u64) -> Result<(), SceneError> {
         if every == 0 {
             return Err(SceneError::FilterSteps);

@@ -1,4 +1,4 @@
-//! A look at the balances and bodies of a run: [`impactite_scene::watch`].
+//! Checks of the balances and bodies of a run: [`impactite_scene::watch`].
 
 use impactite_scene::Totals;
 use impactite_scene::error::{StepError, Stopped};
@@ -10,16 +10,16 @@ use crate::step::mpm::Mpm;
 use crate::step::passes::kernels::Facts;
 use impactite_simd::Float;
 
-/// Waves cross this part of a cell in a step that may be too long.
+/// Part of a cell that waves cross in a step, beyond which the step may be too long.
 const LONG: f64 = 0.65;
-/// Share of a gain that is in motion that nodes do not see for that to be the likely cause.
+/// Part of an energy gain in unresolved motion, beyond which that motion is the likely cause.
 const UNSEEN: f64 = 0.25;
-/// An alternating pressure is locking where it is this part of all that the pressure varies, and of the von Mises stress.
+/// Ratios of the alternating pressure to the pressure variation and to the von Mises stress, beyond which it is locking.
 const ALTERNATES: f64 = 0.35;
-/// Fewer particles that failed alone say nothing.
+/// Number of failed particles below which isolated failures are not reported.
 const FEW_FAILED: u64 = 8;
 
-/// Sinks of energy that no balance has.
+/// Energy sinks that are not in the balance.
 const FILTER: &str = "the filter of the transfer";
 const CONTACT: &str = "contacts that closed";
 const BOTH: &str = "the filter of the transfer or contacts that closed";
@@ -27,8 +27,8 @@ const WALLS: &str = "the filter of the transfer, or the stress update (USL) wher
 const ALL: &str = "the filter of the transfer, contacts that closed, or the stress update (USL) where bodies press on walls";
 const NEITHER: &str = "the motion of particles through cells";
 
-/// Sink of energy that no balance has, and remedies by the transfer in use: those that keep more of the energy, the best first. FLIP with
-/// MUSL keeps most, then AFLIP, then all others.
+/// Return the energy sink outside the balance, and remedies for the transfer in use: transfers that keep more of the
+/// energy, the best first. FLIP with MUSL keeps most, then AFLIP, then all others.
 fn loss(facts: &Facts, [filters, contact, walls]: [bool; 3]) -> Loss {
     let by = match (filters, contact) {
         (true, true) if walls => ALL,
@@ -52,7 +52,7 @@ fn loss(facts: &Facts, [filters, contact, walls]: [bool; 3]) -> Loss {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    /// Set the checks of the run: [`Watch`]. A run that the watch stopped may continue afterwards.
     pub fn set_watch(&mut self, watch: Watch) {
         if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
             self.stopped_by = None;
@@ -60,12 +60,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.looks.watcher.set(watch);
     }
 
-    /// What the run warned of so far, each kind of finding once a body.
+    /// Warnings of the run so far, each kind of finding once per body.
     pub fn warnings(&self) -> &[Warning] {
         self.looks.watcher.warnings()
     }
 
-    /// The balance as it stands; it opens with the first step after the last body was added.
+    /// Present balance; it opens with the first step after the last body was added.
     pub fn account(&self) -> Account {
         self.looks.watcher.account(&self.totals(), &self.exchange(), self.facts().hoop)
     }
@@ -94,12 +94,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         sum
     }
 
-    /// Look, if it is time to.
+    /// Check balances and bodies, if due.
     pub(in crate::step) fn look_if_due(&mut self) -> Result<(), StepError> {
         self.looks.watcher.due(self.clock.steps).map_or(Ok(()), |bodies| self.look(bodies))
     }
 
-    /// Look at the end of a run.
+    /// Check balances and bodies at the end of a run.
     pub(crate) fn look_at_the_end_here(&mut self) -> Result<(), StepError> {
         if self.stopped_by.is_some() || !self.looks.watcher.due_at_the_end(self.clock.steps) {
             return Ok(());
@@ -114,17 +114,17 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let totals = self.totals_on_team();
         let mut watcher = std::mem::take(&mut self.looks.watcher);
         let (clock, exchange) = (self.clock, self.exchange());
-        // FLIP takes changes of velocities alone from the nodes; with MUSL and USF no stress update dissipates either.
+        // FLIP gathers velocity changes only; with MUSL and USF no stress update dissipates either.
         let of_nodes = self.kernels.taken(T::of(clock.last.unwrap_or(0.0)));
         let filters = of_nodes != T::default() || !self.facts().symplectic();
-        // Nodes behind a wall have little mass: there the last takes most.
+        // Nodes behind a wall have little mass: USL dissipates most there.
         let walls = !self.facts().symplectic() && !self.grid.walls.is_empty();
         let at = Look {
             clock: &clock,
             exchange: &exchange,
             rounding: T::default_epsilon().to_double(),
             speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
-            // Kinetic damping closes its balance to half a step.
+            // With kinetic damping the balance closes to half a step only.
             energy: self.between_steps.kinetic_damping.is_none(),
             loss: loss(self.facts(), [filters, exchange.node_contact > 0.0, walls]),
         };
@@ -143,7 +143,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         looked
     }
 
-    /// Where an energy most likely came from.
+    /// Find the most likely cause of an energy gain.
     fn explain(&mut self, share: f64, joules: f64) -> Finding {
         let (mut unseen, mut most, mut who) = (0.0, (0.0, [0.0; 3]), 0);
         let mut dense = 0;
@@ -159,7 +159,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let near = |x: &[f64; 3]| (0..D).all(|d| (x[d] - most.1[d]).abs() < 2.0 * spacing);
         let limit = 1.0 / self.gershgorin_rate();
         let dt = self.clock.last.unwrap_or(0.0);
-        // Gershgorin's bound is far below the limit where nodes are nearly empty: beyond half a wave a step it counts.
+        // Gershgorin's bound is far below the limit where nodes are nearly empty: it counts only if waves cross more
+        // than `LONG` of a cell.
         let cause = if dt > 1.01 * limit && dt * self.stepper.rate.to_double() > LONG {
             GainCause::TimeStep { dt, limit }
         } else if dense > 0 {
@@ -177,13 +178,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     fn cells(&mut self) -> &mut Cells<D> {
         let spacing = self.grid.lattice().spacing();
-        // What a scene could not have it was refused.
+        // Invalid periodic planes were refused earlier.
         let period = self.wrap().map_or([0; D], |wrap| wrap.cells());
         self.looks.cells.get_or_insert_with(|| Cells::new(spacing, period))
     }
 
-    /// The cells of a body: energy that nodes do not see, how whole it is, particles out of the range of their law. None of a rigid body,
-    /// nor of one that is not on the grid: its own solver watches over it.
+    /// Analyse the cells of a body: energy of unresolved motion, fragmentation, particles out of the range of their
+    /// law. None for a rigid body, and for a body that is not on the grid: its own solver checks it.
     fn look_at_body(&mut self, b: usize) -> Option<(f64, Wholeness, usize)> {
         let body = &self.scene.bodies[b];
         if body.rigid().is_some() || body.client().is_some_and(|client| !client.on_grid()) {
@@ -209,7 +210,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let Some((_, whole, _)) = self.look_at_body(b) else { continue };
             let name = self.scene.bodies[b].name().to_string();
             let before = self.looks.parts.get(b).map_or(1, |&n| n as usize);
-            // Weights of the reference configuration hold particles together, however far apart they are.
+            // Weights of the reference configuration connect particles at any distance.
             let tears = !self.facts().total
                 && self.scene.bodies[b].client().is_none()
                 && self.scene.growing.iter().all(|(_, body)| *body != b)
@@ -253,7 +254,7 @@ mod tests {
     use impactite_geometry::{Ball, Filling, Lattice, fill};
     use mpm_materials::{Moduli, NeoHookean};
 
-    /// Books that a scene of sound parts never has: an impulse that no particle got.
+    /// An impulse that no particle received, which a valid scene never books.
     #[test]
     fn momentum_from_nowhere_stops_the_run() {
         let lattice = Lattice::new([0.0; 2], 0.1).unwrap();

@@ -1,10 +1,10 @@
-//! States at rest: kinetic damping, and how far from balance a body is.
+//! States at rest: kinetic damping, and unbalanced forces.
 
 use std::collections::HashMap;
 
 use impactite_scene::error::SceneError;
 
-/// AtNodes at nodes, kept in the order in which nodes were met.
+/// Values at nodes, in the order in which the nodes were added.
 #[derive(Clone, Debug)]
 pub(in crate::step) struct AtNodes<const D: usize, X> {
     places: HashMap<[i32; D], usize>,
@@ -18,7 +18,7 @@ impl<const D: usize, X> Default for AtNodes<D, X> {
 }
 
 impl<const D: usize, X: Default> AtNodes<D, X> {
-    /// That of a node.
+    /// Value at a node, added if missing.
     pub(in crate::step) fn at(&mut self, node: [i32; D]) -> &mut X {
         let sums = &mut self.sums;
         let place = *self.places.entry(node).or_insert_with(|| {
@@ -27,23 +27,24 @@ impl<const D: usize, X: Default> AtNodes<D, X> {
         });
         &mut sums[place].1
     }
-    /// That of a node, if it was met.
+    /// Value at a node, if it was added.
     pub(in crate::step) fn get(&self, node: [i32; D]) -> Option<&X> {
         self.places.get(&node).map(|&place| &self.sums[place].1)
     }
-    /// All.
+    /// Iterate over all values.
     pub(in crate::step) fn iter(&self) -> impl Iterator<Item = &([i32; D], X)> {
         self.sums.iter()
     }
 }
 
-/// How far from balance a scene is.
+/// Balance of forces and energies of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
-    /// Root of the sum over the particles of the squares of the force that accelerates each, m_p sum_i N_ip f_i / m_i, N.
-    /// What is left at nodes and no particle feels is none: where there are fewer particles than nodes it never goes.
+    /// Root of the sum over the particles of the squares of the force that accelerates each, m_p sum_i N_ip f_i /
+    /// m_i, N. Unbalanced nodal forces that accelerate no particle are excluded: with fewer particles than nodes they
+    /// never vanish.
     pub unbalanced: f64,
-    /// The same of the forces from outside: loads, weights and reactions of boundaries and rigid bodies, N.
+    /// Root of the sum of squares for external forces: loads, weights and reactions of boundaries and rigid bodies, N.
     pub external: f64,
     /// Kinetic energy of the particles, J.
     pub kinetic: f64,
@@ -52,19 +53,19 @@ pub struct Balance {
 }
 
 impl Balance {
-    /// The unbalanced force over that from outside; 0 where nothing acts.
+    /// Ratio of the unbalanced to the external force; 0 where nothing acts.
     #[must_use]
     pub fn force_ratio(&self) -> f64 {
         if self.unbalanced == 0.0 { 0.0 } else { self.unbalanced / self.external }
     }
-    /// Kinetic over internal energy; 0 where nothing moves.
+    /// Ratio of kinetic to internal energy; 0 where nothing moves.
     #[must_use]
     pub fn energy_ratio(&self) -> f64 {
         if self.kinetic == 0.0 { 0.0 } else { self.kinetic / self.internal.abs() }
     }
 }
 
-/// What counts as rest.
+/// Criterion of rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest {
     pub(in crate::step) force: f64,
@@ -74,9 +75,9 @@ pub struct Rest {
 }
 
 impl Rest {
-    /// At rest is what has an unbalanced force below `force` of the force from outside ([`Balance::force_ratio`]) and a
-    /// kinetic energy below `energy` of the internal one, at every look for `lasting` seconds: 1e-4, 1e-6 and the
-    /// lowest period are usual. It is looked at every 20 steps.
+    /// Create the criterion: an unbalanced force below `force` of the external force ([`Balance::force_ratio`]) and a
+    /// kinetic energy below `energy` of the internal one, at every check for `lasting` seconds: 1e-4, 1e-6 and the
+    /// lowest period are usual. It is checked every 20 steps.
     ///
     /// # Errors
     /// Ratios or a time that are not positive.
@@ -89,10 +90,10 @@ impl Rest {
         Ok(Rest { force, energy, lasting, every: 20 })
     }
 
-    /// The same, looked at every so many steps. A look costs some twenty steps.
+    /// Set the number of steps between checks. A check costs some twenty steps.
     ///
     /// # Errors
-    /// No steps.
+    /// Zero steps.
     pub fn every(self, steps: u64) -> Result<Self, SceneError> {
         if steps == 0 {
             return Err(SceneError::Rest { field: "steps between looks", value: 0.0 });
@@ -100,34 +101,34 @@ impl Rest {
         Ok(Rest { every: steps, ..self })
     }
 
-    /// Does this count?
+    /// True if the balance meets the criterion.
     #[must_use]
     pub fn holds(&self, balance: &Balance) -> bool {
         balance.force_ratio() <= self.force && balance.energy_ratio() <= self.energy
     }
 }
 
-/// How a run to rest ended.
+/// Result of a run to rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rested {
-    /// Is it at rest? If not, the time was over.
+    /// True at rest; false at the end of the time.
     pub reached: bool,
-    /// The last look.
+    /// Balance of the last check.
     pub balance: Balance,
 }
 
-/// Kinetic damping at work.
+/// State of kinetic damping.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::step) struct KineticDamping {
-    /// The most kinetic energy of the nodes since the last stop, J.
+    /// Largest kinetic energy of the nodes since the last stop, J.
     pub(in crate::step) most: f64,
-    /// That of this step.
+    /// Kinetic energy of the nodes in this step, J.
     pub(in crate::step) now: f64,
-    /// How often all was stopped.
+    /// Number of stops.
     pub(in crate::step) stops: u64,
 }
 
-/// What was in a body's motion when it was stopped.
+/// Momentum and energy of a body that were removed when it was stopped.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TakenMotion {
     /// Momentum, kg m/s.
@@ -136,11 +137,11 @@ pub struct TakenMotion {
     pub kinetic: f64,
 }
 
-/// Of the particles as they stand.
+/// Frequency and speed bounds of the particles in their present state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frequency {
-    /// No vibration of the nodes, each with its lumped mass, is faster than this, rad/s.
+    /// Upper bound of the frequencies of the nodes, with lumped masses, rad/s.
     pub bound: f64,
-    /// The largest speed of a particle, m/s.
+    /// Largest speed of a particle, m/s.
     pub speed: f64,
 }

@@ -1,8 +1,8 @@
-//! Splitting of particles: what is stretched too far is cut in two along its longest direction.
+//! Splitting of particles: a particle that is stretched too far is cut in two along its longest direction.
 //!
-//! A cell that no particle is in any more is empty: the material breaks there, though nothing in its law says so. In
-//! jets and debris clouds particles part until that happens. The remedy (Ma et al. 2009, in \[Zhang2017\]): when the
-//! accumulated stretch of a particle reaches a limit, two particles half as long take its place.
+//! A cell that the last particle leaves is empty: the material breaks there (numerical fracture), without a cause in
+//! its law. In jets and debris clouds particles separate until that happens. The remedy (Ma et al. 2009, in
+//! \[Zhang2017\]): when the accumulated stretch of a particle reaches a limit, two particles half as long replace it.
 
 use mpm_materials::{Check, Material, ParameterError};
 use nalgebra::{Matrix3, Vector3};
@@ -12,28 +12,30 @@ use crate::particles::Columns;
 use crate::step::passes::spread::MAX_LANES;
 use impactite_simd::Float;
 
-/// When the particles of a body are split: [`Deformable::with_splitting`](crate::step::Deformable::with_splitting). Its law must keep the
-/// stretch: [`mpm_materials::Stretching`]. A body without pays nothing for this.
+/// Criterion of particle splitting in a body:
+/// [`Deformable::with_splitting`](crate::step::Deformable::with_splitting). Its law must store the stretch:
+/// [`mpm_materials::Stretching`]. A body without splitting has no cost of it.
 ///
-/// A particle whose largest stretch lambda has reached a limit is cut at the end of the stage that moves it. Its length
-/// along the stretched direction n is then L = 2 l lambda, l its half size at the start. Two children take its place,
-/// at x +- (L/4) n, with half of its mass each and its law's state; the stretch they remember along n is half of the
-/// parent's. They have its velocity +- (L/4) (n . grad v n) n: part at the rate of the stretch. So, to rounding,
+/// A particle whose largest stretch lambda has reached a limit is cut at the end of the stage that moves it. Its
+/// length along the stretched direction n is then L = 2 l lambda, l its half size at the start. Two children replace
+/// it, at x +- (L/4) n, each with half of its mass and with its law's state; their stored stretch along n is half of
+/// the parent's. Their velocities are that of the parent +- (L/4) (n . grad v n) n: they separate at the rate of the
+/// stretch. To rounding,
 ///
-/// - mass, momentum and internal energy stay what they were, and angular momentum, too: the velocities differ along
-///   the line that joins the children, which makes no moment;
+/// - mass, momentum, internal energy and angular momentum are conserved: the velocities differ along the line that
+///   joins the children, which makes no moment;
 /// - kinetic energy grows by that of the motion within the parent, m/2 (L/4)^2 (n . grad v n)^2, which no sum over
-///   particles held before. It is booked ([`SplitBook`]). Children that kept the parent's velocity would leave it as it
-///   is, and FLIP would carry their error for good: strips drawn out to ten times their length break then.
-/// - what the parent would have mapped to the grid, force and affine velocity (APIC) included, the children map, half
-///   each, from their places.
+///   particles contained before. It is booked ([`SplitBook`]). Children with the velocity of the parent would
+///   conserve it, and FLIP would keep their error permanently: strips drawn out to ten times their length break then;
+/// - the children map what the parent would have mapped to the grid, force and affine velocity (APIC) included, half
+///   each, from their positions.
 ///
-/// The first child keeps its parent's number, the second one gets the number plus the number of seeds times two to the
-/// power of the cuts before: so every number is unique, the same for any number of threads, and its remainder by the
-/// number of seeds is the seed that it comes from.
+/// The first child keeps the number of its parent; the second one gets this number plus the number of seeds times two
+/// to the power of the earlier cuts. Every number is thus unique, the same for any number of threads, and its
+/// remainder by the number of seeds is the seed of origin.
 ///
-/// In two dimensions directions out of the plane are left alone. About an axis a particle is not cut across it. Children
-/// of a particle next to a plane of symmetry that is cut normal to it lie within half of the parent's domain.
+/// In two dimensions stretch out of the plane is ignored. About an axis a particle is not cut across it. Children of
+/// a particle next to a plane of symmetry that is cut normal to it are within half of the parent's domain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Splitting {
     stretch: f64,
@@ -42,26 +44,26 @@ pub struct Splitting {
 }
 
 impl Splitting {
-    /// Most generations: numbers stay exact.
+    /// Maximum number of generations, for which numbers stay exact.
     const MOST: u32 = 16;
-    /// Most cuts that numbers keep count of, where merging takes some back.
+    /// Maximum number of cuts that numbers can count, where merging reverses some.
     pub(in crate::step) const DEEPEST: u32 = 40;
 
-    /// Split at this stretch, which is a length over that at the start or after the last cut.
+    /// Split at this stretch: a length over that at the start or after the last cut.
     ///
-    /// With two particles an axis and cell one is a cell long at a stretch of 2.
+    /// With two particles an axis and cell, a particle is a cell long at a stretch of 2.
     ///
     /// # Errors
-    /// A stretch that is not above 1 or above 4.
+    /// A stretch of 1 or less, or above 4.
     pub fn at(stretch: f64) -> Result<Self, ParameterError> {
         let holds = stretch > 1.0 && stretch <= 4.0;
         Check("splitting").that(holds, "stretch", stretch, "above 1 and at most 4")?;
         Ok(Splitting { stretch, generations: 6, merging: None })
     }
 
-    /// Cut a seed and its descendants at most so many times, 6 unless told: the lightest particle has this many halves
-    /// of a seed's mass. What flies apart in all directions is stretched for ever. Where particles merge, halves are counted by
-    /// the volume of a particle, not by its cuts.
+    /// Limit the cuts of a seed and its descendants, 6 by default: the mass of the lightest particle is that of a
+    /// seed halved as often. Material that expands in all directions is stretched without end. Where particles merge,
+    /// halves are counted by the volume of a particle, not by its cuts.
     ///
     /// # Errors
     /// Zero, or more than 16.
@@ -71,7 +73,7 @@ impl Splitting {
         Ok(Splitting { generations, ..self })
     }
 
-    /// Merge particles, too, where cells hold more than they need.
+    /// Also merge particles, where cells contain more than they need.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Deformable, Flip, Linear, Merging, Method, Mpm, Musl, PlaneStrain, Splitting};
@@ -89,15 +91,15 @@ impl Splitting {
         Splitting { merging: Some(merging), ..self }
     }
 
-    /// How particles are merged, if they are.
+    /// Merging of particles, if enabled.
     pub(in crate::step) fn merging(self) -> Option<Merging> {
         self.merging
     }
-    /// The stretch to split at.
+    /// Stretch at which to split.
     pub(in crate::step) fn stretch(self) -> f64 {
         self.stretch
     }
-    /// Most cuts of a seed.
+    /// Maximum number of cuts of a seed.
     pub(in crate::step) fn generations(self) -> u32 {
         self.generations
     }
@@ -107,27 +109,27 @@ impl Splitting {
     }
 }
 
-/// What splitting did to a body.
+/// Book of the splitting in a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SplitBook {
-    /// Particles cut in two.
+    /// Number of particles cut in two.
     pub cuts: u64,
-    /// Kinetic energy of the motion within them that their children show, J.
+    /// Kinetic energy of the motion within parents that their children resolve, J.
     pub kinetic: f64,
 }
 
-/// The numbers of a [`Splitting`] that a pass needs; all zero, and never read, without one.
+/// Parameters of a [`Splitting`] in a pass; all zero, and never read, without one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Splitter<T> {
-    /// Are particles split?
+    /// True if particles are split.
     pub(in crate::step) on: bool,
-    /// Place of b = F F^T in the law's state.
+    /// Index of b = F F^T in the law's state.
     pub place: usize,
-    /// The square of the stretch to split at.
+    /// Square of the stretch at which to split.
     pub square: T,
-    /// Most cuts.
+    /// Maximum number of cuts.
     pub(in crate::step) generations: T,
-    /// Parts of a seed that are not cut any more, where particles merge: generations say nothing there. Else none.
+    /// Parts of a seed beyond which particles are not cut, where particles merge and generations do not count. Else none.
     pub(in crate::step) finest: Option<f64>,
     /// Number of seeds.
     pub(in crate::step) seeds: T,
@@ -135,22 +137,22 @@ pub struct Splitter<T> {
     pub(in crate::step) half: T,
     /// Node spacing h, m.
     pub(in crate::step) spacing: T,
-    /// Rows of the domain: where they begin, and how many they are.
+    /// First row of the domain, and number of its rows.
     pub(in crate::step) domain: (usize, usize),
     /// Row of the mass.
     pub(in crate::step) mass: usize,
-    /// First and end of the rows of loaded areas.
+    /// First and end row of the loaded areas.
     pub(in crate::step) areas: [usize; 2],
-    /// Is the body one of revolution?
+    /// True if the body is axisymmetric.
     pub(in crate::step) hoop: bool,
 }
 
-/// A symmetric tensor of these components xx, yy, zz, yz, xz, xy.
+/// Create a symmetric tensor from its components xx, yy, zz, yz, xz, xy.
 pub(in crate::step) fn symmetric([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> Matrix3<f64> {
     Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
-/// The largest principal value of b in the coordinates of the scene, and its direction.
+/// Return the largest principal value of b in the coordinates of the scene, and its direction.
 pub(in crate::step) fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
     let [xx, yy, zz, yz, xz, xy] = b.map(|x| x.to_double());
     let b = symmetric(if D == 3 { [xx, yy, zz, yz, xz, xy] } else { [xx, yy, 0.0, 0.0, 0.0, xy] });
@@ -160,7 +162,7 @@ pub(in crate::step) fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vec
 }
 
 impl<T: Float> Splitter<T> {
-    /// Are particles split?
+    /// True if particles are split.
     #[inline(always)]
     pub(in crate::step) fn is_on(&self) -> bool {
         self.on
@@ -176,8 +178,8 @@ impl<T: Float> Splitter<T> {
         direction * quarter.min(0.5)
     }
 
-    /// Is the particle to be cut of which `number` gives the number in a row? `axis` is the radius of the bin's centre in units of h, in
-    /// a body of revolution.
+    /// True if a particle must be cut; `number` returns its value in a row. `axis` is the radius of the bin centre in
+    /// units of h, in an axisymmetric body.
     pub(in crate::step) fn is_long<const D: usize>(
         &self,
         number: impl Fn(usize) -> T,
@@ -185,7 +187,7 @@ impl<T: Float> Splitter<T> {
         axis: T,
     ) -> bool {
         let state = |row: usize| number(Columns::state(D) + self.place + row);
-        // The largest principal value is at most the sum of all.
+        // The largest principal value is at most the trace.
         let mut trace = state(0);
         for d in 1..D {
             trace += state(d);
@@ -204,7 +206,7 @@ impl<T: Float> Splitter<T> {
         if square < self.square.to_double() || across {
             return false;
         }
-        // A particle of k cuts is of 2^-k of the volume that its seed has at this volume ratio.
+        // A particle of k cuts has 2^-k of the volume of its seed at this volume ratio.
         let fine = |finest: f64| {
             let numbers: Vec<T> = (0..material.numbers()).map(|n| number(Columns::state(D) + n)).collect();
             let part = symmetric(b.map(|x| x.to_double())).determinant().sqrt();
@@ -214,8 +216,8 @@ impl<T: Float> Splitter<T> {
         !self.finest.is_some_and(fine)
     }
 
-    /// Make two of the particle whose numbers begin at `first` and end the list: the second one follows it. Lane
-    /// `lane` of `gradient` holds its velocity gradient, 1/s. Returns the kinetic energy gained, J.
+    /// Cut the particle whose values begin at `first` and end the list in two: the second one is appended. Lane
+    /// `lane` of `gradient` contains its velocity gradient, 1/s. Return the kinetic energy gained, J.
     pub(in crate::step) fn cut<const D: usize>(
         &self,
         list: &mut Vec<T>,
@@ -233,7 +235,7 @@ impl<T: Float> Splitter<T> {
         for area in &mut parent[self.areas[0]..self.areas[1]] {
             *area *= T::of(0.5);
         }
-        // b loses three quarters of its largest principal value: half of the stretch is left.
+        // b loses three quarters of its largest principal value: half of the stretch remains.
         let n = direction;
         let outer = [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
         for i in 0..6 {
@@ -246,7 +248,7 @@ impl<T: Float> Splitter<T> {
                 parent[from + d] *= left;
             }
         } else {
-            // Edges or corners of a domain that convects: half as far along the direction.
+            // Edges or corners of a domain that convects: half as long along the direction.
             for vector in parent[from..from + numbers].chunks_exact_mut(D) {
                 let mut along = 0.0;
                 for d in 0..D {
@@ -267,7 +269,7 @@ impl<T: Float> Splitter<T> {
         }
         let number = first + 2 * columns - 1;
         list[number] += self.seeds * T::of(2.0f64.powf(cuts));
-        // Each half of the parent moves as its middle does.
+        // Each half of the parent has the velocity of its middle.
         let mut rate = 0.0;
         for i in 0..D * D {
             rate += direction[i / D] * gradient[i][lane].to_double() * direction[i % D];

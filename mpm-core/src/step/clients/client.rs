@@ -1,4 +1,4 @@
-//! Bodies of another discretisation that act through the grid of a scene: what is asked of them.
+//! Interface of bodies of another discretisation that act through the grid of a scene.
 
 use super::near_particles::NearParticles;
 use super::new_particles::{Matter, NewParticles, Surroundings};
@@ -8,20 +8,20 @@ use impactite_scene::error::SceneError;
 use impactite_scene::{Body, Boundary, Exchange, Stopped};
 use impactite_simd::{Float, Team};
 
-/// A point of a [`GridClient`] as the grid has it.
+/// Point of a [`GridClient`] on the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ClientPoint {
     /// Position, m.
     pub position: [f64; 3],
-    /// Half edges of its domain, m: how far matter reaches around it, as contact sees it.
+    /// Half edges of its domain, m: extent of matter around it in contact.
     pub half_edges: [[f64; 3]; 3],
 }
 
-/// A body of another discretisation that acts on the grid of a scene: finite elements, a scene in the reference configuration, a
-/// method of one's own. [`Mpm::add_client`](crate::step::Mpm::add_client) adds it.
+/// Body of another discretisation that acts on the grid of a scene: finite elements, a scene in the reference
+/// configuration, a custom method. Add it by [`Mpm::add_client`](crate::step::Mpm::add_client).
 ///
-/// Its points (nodes of elements, particles) stand on the grid as **proxies**: particles of their masses without stress. In a step of
-/// `dt` seconds
+/// **Proxies** represent its points (nodes of elements, particles) on the grid: particles of their masses without
+/// stress. In a step of `dt` seconds
 ///
 /// ```text
 /// open      the body moves its points by its own forces alone: x', the velocity that each moves with
@@ -29,81 +29,85 @@ pub struct ClientPoint {
 /// advance   the body takes m dx' as an impulse on each point, deforms and moves
 /// ```
 ///
-/// so that sum J_i = sum m dx': what bodies do to each other is momentum given and taken, to rounding. The points should be about as far
-/// apart as the nodes of the grid, or closer: through wider meshes others' particles slip.
+/// so that sum J_i = sum m dx': momentum exchanged between bodies is conserved to rounding. The points should be at
+/// most about as far apart as the nodes of the grid: particles of other bodies slip through wider meshes.
 ///
-/// The step of a scene is not longer than [`GridClient::stable_step`] and [`GridClient::rate`] allow; a body that needs many shorter steps makes them within `open` and
-/// `advance`.
+/// The step of a scene is at most what [`GridClient::stable_step`] and [`GridClient::rate`] allow; a body that needs
+/// many shorter steps subcycles within `open` and `advance`.
 pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
-    /// What it is made of, in words; functions of time by what they give at these, s. A checkpoint is refused where they differ.
+    /// Describe the properties of the body in words; functions of time by their values at `times`, s. A checkpoint
+    /// with others is refused.
     fn constants(&self, times: [f64; 2]) -> Vec<Constant>;
-    /// How its coordinates lie in space: the name of the embedding.
+    /// Name of the embedding, which defines the coordinates.
     fn embedding(&self) -> &'static str;
     /// Largest half sizes of its points, m: at most half a cell of the grid.
     fn half_size(&self) -> [f64; D];
-    /// Mass, kg, and velocity, m/s, of every point, by number; their number never changes.
+    /// Masses, kg, and velocities, m/s, of all points, by number; only [`GridClient::convert`] changes their number.
     fn mass_points(&self) -> Vec<(f64, [f64; D])>;
-    /// Where they are, by number.
+    /// Store positions and domains of the points, by number.
     fn place(&mut self, points: &mut [ClientPoint]);
-    /// Speed of waves over size, 1/s, if the scene's time control is to find the step from it.
+    /// Wave speed over size, 1/s, if the time control of the scene is to find the step from it.
     fn rate(&self) -> f64 {
         0.0
     }
-    /// The longest step that it can make, s, by a safety factor of its own.
+    /// Longest step that the body can make, s, including a safety factor.
     fn stable_step(&self) -> f64 {
         f64::INFINITY
     }
-    /// How far apart its points are, m: the scene warns where that is more than a cell, and particles may slip through.
+    /// Spacing of the points, m. The scene warns if it exceeds a cell, since particles may slip through.
     fn spacing(&self) -> f64 {
         0.0
     }
-    /// Begin a step of `dt`, s: the velocities that points would move with by the body's own forces alone, m/s, by number.
+    /// Begin a step of `dt`, s: compute the velocities of points under the body's own forces alone, m/s, by number.
     ///
     /// # Errors
-    /// What stops the body.
+    /// A failure of the body.
     fn open(&mut self, dt: T, velocities: &mut [[T; 3]], team: &Team) -> Result<(), Stopped>;
-    /// End it: take `changes`, m/s, of these velocities, by number; none where nothing changes. They are memory to work in.
+    /// End the step: apply `changes`, m/s, of these velocities, by number; none where nothing changes. `changes` may
+    /// serve as scratch memory.
     ///
     /// # Errors
-    /// As [`GridClient::open`].
+    /// Errors of [`GridClient::open`].
     fn advance(&mut self, dt: T, changes: Option<&mut Vec<[T; 3]>>, team: &Team) -> Result<(), Stopped>;
-    /// The body of particles that it is a part of, by name: bars within concrete. On the grid both are one body, which others meet as one,
-    /// and matter carries the points of this one (perfect bond). By default none: it is a body of its own, kept apart from others by
-    /// the contact algorithm.
+    /// Name of the body of particles in which it is embedded, such as reinforcement bars in concrete. On the grid
+    /// both are one body in contact with others, and the matter carries the points of this one (perfect bond). By
+    /// default none: it is a separate body, which the contact algorithm keeps apart from others.
     ///
-    /// In a step of `dt` seconds proxies of such a body map their velocities x_p' of the last step and the forces m (x' - x_p') / dt, so
-    /// that nodes know all forces; `changes` of [`advance`](GridClient::advance) leave each point with x_p' + dt sum N_i(x) a_i, as FLIP
-    /// leaves particles.
+    /// In a step of `dt` seconds the proxies of an embedded body map their velocities x_p' of the last step and the
+    /// forces m (x' - x_p') / dt, so that nodes have all forces; `changes` of [`advance`](GridClient::advance) update
+    /// each point to x_p' + dt sum N_i(x) a_i, as FLIP updates particles.
     fn within(&self) -> Option<&str> {
         None
     }
-    /// Before [`GridClient::advance`], of a body [within](GridClient::within) another: the velocities that matter carries its points with
-    /// in this step, sum N_i(x) v_i, m/s, by number.
+    /// Receive the velocities at which matter carries the points of a body [within](GridClient::within) another in
+    /// this step, sum N_i(x) v_i, m/s, by number. Called before [`GridClient::advance`].
     fn carry(&mut self, velocities: &[[T; 3]]) {
         let _ = velocities;
     }
-    /// What its matter is, if that may become particles ([`GridClient::convert`]). They come into a body that the scene makes with this one,
-    /// empty at first, of the name that [`within`](GridClient::within) says; points on the grid may be none at first, then, and become others.
+    /// Matter of the body, if it may convert to particles ([`GridClient::convert`]). The scene creates an empty body
+    /// for the particles, with the name of [`within`](GridClient::within); the body may then start without points on
+    /// the grid, and its points may change.
     fn matter(&self) -> Option<Matter<T, D>> {
         None
     }
-    /// Before a step is [opened](GridClient::open), of a body whose matter may become particles: velocities of its points, m/s, by number.
+    /// Store the velocities of the points of a body whose matter may convert to particles, m/s, by number. Called
+    /// before a step is [opened](GridClient::open).
     fn velocities(&self, velocities: &mut [[T; 3]]) {
         let _ = velocities;
     }
-    /// Of a body whose matter may become particles: hold also what is not on the grid by a condition of the scene.
+    /// Apply a boundary condition of the scene to points that are not on the grid, of a body whose matter may convert to particles.
     ///
     /// # Errors
-    /// A condition that it cannot have.
+    /// A condition that the body does not support.
     fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
         let _ = boundary;
         Ok(())
     }
-    /// Between steps, and before the first one: have matter become particles where it is to, others being `around`. If its points on the grid
-    /// are others then: the number that each had, `u32::MAX` of new ones.
+    /// Convert matter to particles where due, with other bodies `around`; called between steps, and before the first
+    /// one. If the points on the grid changed, return the former number of each, `u32::MAX` for new ones.
     ///
     /// # Errors
-    /// What stops the body.
+    /// A failure of the body.
     fn convert(
         &mut self,
         around: &Surroundings<D>,
@@ -112,50 +116,50 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
         let _ = (around, new);
         Ok(None)
     }
-    /// Boxes around the facets of its surface or, if it has none, its nodes, m: so others whose matter may become particles know that it is
-    /// near.
+    /// Visit bounding boxes of the facets of its surface or, without one, of its nodes, m: other bodies whose matter
+    /// may convert to particles detect its proximity by them.
     fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
         let _ = visit;
     }
-    /// Its surface, if particles meet that and not proxies on the grid: then [`GridClient::mass_points`] may be empty. Asked anew in every
-    /// step, between `open` and `advance`.
+    /// Surface of the body, if particles interact with it instead of proxies on the grid: then
+    /// [`GridClient::mass_points`] may be empty. Called in every step, between `open` and `advance`.
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>> {
         None
     }
-    /// What boundaries and loads of its own gave to the body since the start.
+    /// Exchange of the body with its own boundaries and loads since the start.
     fn given(&self) -> Exchange;
-    /// Does it bear shear and tension, so that it is one piece of matter?
+    /// True if it bears shear and tension, so that it is one piece of matter.
     fn coheres(&self) -> bool {
         true
     }
-    /// All that changes in a run, to a file or from one.
+    /// Write all data that change in a run to a file, or read them.
     ///
     /// # Errors
-    /// The file.
+    /// I/O error; damaged file.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
 }
 
-/// The surface of a [`GridClient`] that particles meet one by one, whatever the sizes of its facets and of the cells.
+/// Surface of a [`GridClient`] in contact with individual particles, for any sizes of its facets and of the cells.
 ///
-/// The nodes of the grid have their velocities at the end of the step by then, and particles will move with them: a particle at x_p has
-/// the velocity sum N_i(x_p) v_i, and an impulse J on it goes to its nodes, m_i dv_i = N_i(x_p) J. So particles of a cell move together, as
-/// they do in all else.
+/// At this stage the nodes have their velocities at the end of the step, which will move the particles: a particle at
+/// x_p has the velocity sum N_i(x_p) v_i, and an impulse J on it acts on its nodes, m_i dv_i = N_i(x_p) J. Particles
+/// of a cell therefore move together, as in all other stages.
 pub trait SurfaceClient<T: Float, const D: usize> {
-    /// May particles within this box, m, touch it in this step?
+    /// True if particles within this box, m, may touch the surface in this step.
     fn reaches(&self, low: &[f64; D], high: &[f64; D]) -> bool;
-    /// Push particles and surface apart, which are trial velocities on both sides; the body takes what it gets with
-    /// [`GridClient::advance`]. Returns what that took.
+    /// Apply contact between particles and surface, both with trial velocities; the body applies its own impulses in
+    /// [`GridClient::advance`]. Return the energy dissipated.
     ///
     /// # Errors
-    /// What stops the body.
+    /// A failure of the body.
     fn meet(&mut self, particles: &mut NearParticles<D>, dt: T, team: &Team) -> Result<Taken, Stopped>;
 }
 
-/// Kinetic energy that contact took from particles and surface, J.
+/// Kinetic energy of particles and surface that contact dissipated, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Taken {
-    /// By friction.
+    /// Part of friction, J.
     pub friction: f64,
-    /// By plastic impacts.
+    /// Part of plastic impacts, J.
     pub impacts: f64,
 }

@@ -25,24 +25,24 @@ use impactite_simd::{Float, Team};
 pub(in crate::step) struct ClientBody<T: Float, const D: usize> {
     client: Box<dyn GridClient<T, D>>,
     proxy: ParticleBody<T, D>,
-    /// By number: velocity that a point moves with, then what the scene's nodes add to it, m/s.
+    /// Velocities of the points, then their changes by the nodes of the scene, m/s, by number.
     velocities: Vec<[T; 3]>,
-    /// By number.
+    /// Points on the grid, by number.
     points: Vec<ClientPoint>,
-    /// Of a body within another, by number: velocities that matter carries points with, m/s; empty of others.
+    /// Velocities at which matter carries the points of an embedded body, m/s, by number; empty for other bodies.
     carried: Vec<[T; 3]>,
     within: bool,
-    /// The least mass of a particle that its matter may become, kg.
+    /// Least mass of a particle that the matter may convert to, kg.
     to_come: Option<T>,
-    /// The method of the scene.
+    /// Kernels of the method of the scene.
     method: Arc<dyn MethodKernels<T, D>>,
     rate: T,
-    /// The pass of the scene in which particles take what nodes got.
+    /// Pass of the scene in which particles gather the nodal velocities.
     returns: Which,
 }
 
 impl<T: Float, const D: usize> ClientBody<T, D> {
-    /// On a grid, with the kernels of the scene and those of proxies.
+    /// Create the body on a grid, with the kernels of the scene and those of proxies.
     pub(in crate::step) fn new(
         mut client: Box<dyn GridClient<T, D>>,
         [method, kernels]: [Arc<dyn MethodKernels<T, D>>; 2],
@@ -56,7 +56,7 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
         });
         let law = Arc::new(Undeformed { density: T::of(mass / volume) });
         let within = client.within().is_some();
-        // As particles of the same body map their momentum.
+        // Map momentum like particles of the same body.
         let given = match (within, method.facts().affine) {
             (false, _) => Given::Nothing,
             (true, false) => Given::Acceleration,
@@ -76,8 +76,8 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
         ClientBody { client, proxy, velocities, points, carried, within, to_come, method, rate, returns }
     }
 
-    /// Make the proxies anew, whose points have become others: `known` says the number that each had. They keep the gradient of the velocity
-    /// that the nodes gave them.
+    /// Rebuild the proxies after the points changed: `known` contains the former number of each. Proxies keep the
+    /// velocity gradient of the nodes.
     fn stand_anew(&mut self, known: &[u32], team: &Team) {
         let proxy = &self.proxy;
         let (law, kernels, half) = (proxy.material.clone(), proxy.kernels.clone(), self.client.half_size());
@@ -122,7 +122,7 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
 }
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Particles of these masses and velocities at these points; all else is to come.
+    /// Create proxy particles of these masses and velocities at these points; other values are set later.
     fn stand_for(&mut self, given: &[(f64, [f64; D])], points: &[ClientPoint]) {
         let mut index = std::collections::BTreeMap::new();
         let mut numbers = self.dummy.to_vec();
@@ -138,7 +138,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.settle();
     }
 
-    /// Place the particles, by number, where a pass [`Follow`](crate::scheme::Follow) finds them, and give them their domains.
+    /// Place the particles, by number, for a pass [`Follow`](crate::scheme::Follow), and set their domains.
     fn place_at(&mut self, points: &[ClientPoint], team: &Team) {
         let (centre, domain) = (self.bin_centre(), self.facts().domain);
         let (columns, lattice) = (&self.columns, &self.lattice);
@@ -210,7 +210,7 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
         self.proxy.show_velocities(&mut |number, v| {
             let change = &mut changes[number];
             for d in 0..D {
-                // As particles of the same body, or momentum would be lost between them.
+                // The same update as for particles of the same body, or momentum would be lost between them.
                 if share > T::default() {
                     v[d] += share * (carried[number][d] - v[d]);
                 }
@@ -332,7 +332,8 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
     fn rate(&self, spacing: f64) -> T {
         T::of(self.client.rate()).max(self.proxy.rate(spacing))
     }
-    /// Of the proxies, which have no stress: velocities in the first pass, all else when the scene's stages are done.
+    /// Update the velocities of the proxies in the pass in which particles gather theirs. Proxies have no stress;
+    /// they move after the stages of the scene.
     fn pass(
         &mut self,
         which: Which,
@@ -343,7 +344,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
         if which == self.returns && self.on_grid() {
             self.proxy.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
         }
-        // With the pass in which particles find theirs: the others find none, and what one finds is the rate of all.
+        // Only the pass that updates strain returns rates of particles, and thus the rate of this body.
         let finds = self.method.does(which).strain.is_some();
         Ok(if finds { self.rate } else { T::default() })
     }

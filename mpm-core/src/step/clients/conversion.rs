@@ -1,4 +1,4 @@
-//! Matter of bodies of another discretisation that becomes particles between steps.
+//! Conversion of matter of other discretisations to particles between steps.
 
 use super::new_particles::{Matter, NewParticles, Occupied, Surroundings};
 use crate::dim::{BLOCK, neighbours};
@@ -16,7 +16,7 @@ use impactite_scene::{Body, PointKind, TimeControl};
 use impactite_simd::{Float, Team};
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// An empty body of matter that is to come.
+    /// Create an empty body for particles from converted matter.
     pub(in crate::step) fn to_come(
         name: &str,
         matter: &Matter<T, D>,
@@ -32,7 +32,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         Ok(body)
     }
 
-    /// Put these particles in, with numbers from `first` on.
+    /// Add these particles, with numbers from `first` on.
     fn fill(&mut self, new: &NewParticles<T, D>, first: usize) {
         let (h, domain) = (self.lattice.spacing(), self.facts().domain);
         let count = self.material.numbers();
@@ -65,7 +65,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.settle();
     }
 
-    /// Take over the particles of a body like this one that carry loads, and what they mapped.
+    /// Move the particles of a body of the same kind into this one, without the loads that they carry, and add their
+    /// map if `mapped`.
     fn absorb(&mut self, fresh: Self, mapped: bool) {
         let known = |at: &[i32; D], index: &[([i32; D], u32)]| index.binary_search_by_key(at, |e| e.0).ok();
         let coordinates = fresh.slots.iter().map(|slot| slot.block.coordinates);
@@ -103,7 +104,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         }
     }
 
-    /// Add the momentum that the particles have by the gradient that they carry.
+    /// Add the momentum due to the velocity gradient that the particles carry.
     fn map_gradients(&mut self, steps: Steps<T>, team: &Team) {
         let nodes = Nodes { all: &[], layout: &Layout::default() };
         let maps = Maps { momentum: true, force: true, ..Maps::NOTHING };
@@ -143,13 +144,13 @@ impl<T: Float, const D: usize> Receives<T, D> for ParticleBody<T, D> {
     }
 }
 
-/// Nodes of a tile along an axis.
+/// Number of nodes of a tile along an axis.
 fn tile_width(facts: &Facts) -> usize {
     BLOCK + facts.nodes - 1
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Have matter of the clients become particles that is to. Must node blocks be arranged anew?
+    /// Convert matter of the clients to particles where due, and arrange node blocks again if anything changed.
     pub(in crate::step) fn convert_clients(&mut self) -> Result<(), StepError> {
         let mut any = false;
         for n in 0..self.scene.growing.len() {
@@ -162,7 +163,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// The same of one client, into this body.
+    /// Convert matter of one client to particles of the body `into`. Return true if node blocks must be arranged again.
     pub(in crate::step) fn convert_client(&mut self, client: usize, into: usize) -> Result<bool, Stopped> {
         let around = self.surroundings([client, into]);
         let mut new = NewParticles { particles: Vec::new(), states: Vec::new() };
@@ -182,7 +183,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let rate = received.map_err(|trouble| self.stopped_particle(into, trouble))?;
         if rate > self.stepper.rate {
             (self.stepper.rate, self.stepper.fastest) = (rate, into);
-            // A step that was planned without them may be too long.
+            // The planned step does not account for them and may be too long.
             if self.facts().maps_together && self.stepper.mapped {
                 let allowed = self.stepper.control.next(rate.to_double(), self.clock.last);
                 self.stepper.mapped = self.stepper.planned.to_double() <= allowed;
@@ -197,7 +198,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Stopped::Point { kind: PointKind::Particle, body, number: particle, position, law, cause }
     }
 
-    /// Where bodies other than a client and the body that it is within are, and other clients within that.
+    /// Space occupied by bodies other than a client and its host, and by other clients within the host.
     fn surroundings(&self, but: [usize; 2]) -> Surroundings<D> {
         let nowhere = Occupied::new(*self.grid.lattice(), crate::dim::centre(self.facts().nodes));
         let mut around = Surroundings { others: nowhere.clone(), within: nowhere };

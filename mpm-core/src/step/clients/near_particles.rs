@@ -1,15 +1,15 @@
-//! Particles near a surface that is not on the grid, as the nodes will move them.
+//! Particles near a surface that is not on the grid, with the end-of-step velocities of their nodes.
 
 use crate::step::nodes::footprint::NodeWeight;
 
-/// No place.
+/// Marker for no index.
 const NOWHERE: u32 = u32::MAX;
-/// Sweeps of friction at most, and the change of the impulses, over the largest, at which they count as found.
+/// Maximum number of friction sweeps, and change of the impulses, over the largest, at which they have converged.
 pub(in crate::step) const SWEEPS: usize = 20;
 pub(in crate::step) const FOUND: f64 = 1e-6;
 
-/// Particles near the surface of a [`SurfaceClient`](crate::step::SurfaceClient) in a step, with what its nodes are to each. By body, and in
-/// each in an order that depends on nothing but the scene.
+/// Particles near the surface of a [`SurfaceClient`](crate::step::SurfaceClient) in a step, with their nodes and
+/// weights. They are sorted by body, and within each in an order that depends on the scene only.
 #[derive(Clone, Debug)]
 pub struct NearParticles<const D: usize> {
     bodies: Vec<u32>,
@@ -17,27 +17,28 @@ pub struct NearParticles<const D: usize> {
     positions: Vec<[f64; D]>,
     half_sizes: Vec<f64>,
     starts_with: Vec<[f64; D]>,
-    /// Where the weights of each particle begin; one more than there are particles.
+    /// Start of the weights of each particle; one more than there are particles.
     starts: Vec<usize>,
-    /// Node, by place among those here, and weight by direction: with what it stands for behind a plane of symmetry, mirrored.
+    /// Node, by index in this list, and weight by direction, including the mirrored one of its image behind a plane of symmetry.
     weights: Vec<(u32, [f64; D])>,
     pub(in crate::step) nodes: Vec<NearNode<D>>,
-    /// Impulse of planes of symmetry, N s: their images are pushed the other way.
+    /// Impulse of planes of symmetry, N s: mirror images receive the opposite impulse.
     pub(in crate::step) planes: [f64; D],
-    /// Of the nodes of the grid, up to the last one here: their places here, or [`NOWHERE`].
+    /// Index in this list of each node of the grid up to the last one used, or [`NOWHERE`].
     places: Vec<u32>,
     folded: Vec<NodeWeight<D>>,
-    /// The nodes of the last particle, by index on the lattice, with their places here if they have mass; and its body.
+    /// Nodes of the last particle, by index on the lattice, with their indices in this list if they have mass; and
+    /// the body of the particle.
     stencil: Vec<([i32; D], Option<u32>)>,
     stencil_of: u32,
-    /// Is one of them there twice, as itself and as one behind a plane of symmetry?
+    /// True if a node occurs twice in the stencil, as itself and behind a plane of symmetry.
     twice: bool,
 }
 
-/// A particle that may meet a surface.
+/// Particle that may be in contact with a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NearParticle<const D: usize> {
-    /// Its number in its body.
+    /// Number of the particle in its body.
     pub number: usize,
     /// Position, m.
     pub position: [f64; D],
@@ -51,23 +52,23 @@ pub struct NearParticle<const D: usize> {
     pub mass: f64,
 }
 
-/// A node of particles near a surface.
+/// Node of particles near a surface.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct NearNode<const D: usize> {
-    /// Its place among all nodes of the grid.
+    /// Index among all nodes of the grid.
     pub(in crate::step) place: u32,
-    /// Where it is, m.
+    /// Position, m.
     pub(in crate::step) position: [f64; D],
     pub(in crate::step) mass: f64,
-    /// Its velocity at the start of the step, m/s, if it knows it.
+    /// Velocity at the start of the step, m/s, if known.
     pub(in crate::step) start: Option<[f64; D]>,
-    /// Its velocity at the end of the step, m/s, and how much of it came from the surface.
+    /// Velocity at the end of the step, m/s, and its change due to the surface.
     pub(in crate::step) velocity: [f64; D],
     pub(in crate::step) change: [f64; D],
 }
 
 impl<const D: usize> NearNode<D> {
-    /// Its acceleration along an axis, m/s^2, if the velocity at the start of the step is known.
+    /// Acceleration along an axis, m/s^2; zero if the velocity at the start of the step is unknown.
     pub(in crate::step) fn acceleration(&self, axis: usize, step: f64) -> f64 {
         self.start.map_or(0.0, |start| (self.velocity[axis] - start[axis]) / step)
     }
@@ -95,22 +96,22 @@ impl<const D: usize> Default for NearParticles<D> {
 }
 
 impl<const D: usize> NearParticles<D> {
-    /// How many there are.
+    /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
         self.positions.len()
     }
-    /// Is there none?
+    /// True if there are no particles.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
-    /// The body of each, by number in the scene.
+    /// Body of each particle, by number in the scene.
     #[must_use]
     pub fn bodies(&self) -> &[u32] {
         &self.bodies
     }
-    /// The number of each in its body.
+    /// Number of each particle in its body.
     #[must_use]
     pub fn numbers(&self) -> &[usize] {
         &self.numbers
@@ -120,14 +121,14 @@ impl<const D: usize> NearParticles<D> {
     pub fn positions(&self) -> &[[f64; D]] {
         &self.positions
     }
-    /// Half sizes, m: half the edge of a cube (square in the plane) of each one's volume.
+    /// Half sizes, m: half the edge of a cube (square in the plane) of the volume of each particle.
     #[must_use]
     pub fn half_sizes(&self) -> &[f64] {
         &self.half_sizes
     }
 
-    /// Their velocities at the start of the step, m/s, which what impulses do is measured with: those of their nodes; their own where nodes
-    /// do not know them (APIC and its kin).
+    /// Store the velocities at the start of the step, m/s, the reference for impulses: those of the nodes; those of
+    /// the particles where nodes do not know them (APIC and related transfers).
     pub fn velocities_before(&self, list: &mut Vec<[f64; D]>) {
         list.clear();
         list.extend((0..self.len()).map(|p| {
@@ -144,8 +145,8 @@ impl<const D: usize> NearParticles<D> {
         &self.weights[self.starts[particle]..self.starts[particle + 1]]
     }
 
-    /// Of each `thin` node the one that is nearest in front of it, by `along` an axis, and not thin, where all particles that it has a weight of know the
-    /// same one; by place among the nodes here.
+    /// Find for each `thin` node the nearest node in front of it, by `along` an axis, that is not thin, if it is the
+    /// same for all particles with a weight on the thin node. Return indices in this list.
     pub(in crate::step) fn fronts(&self, thin: &[bool], (axis, along): (usize, f64)) -> Vec<Option<u32>> {
         let mut fronts: Vec<Option<Option<u32>>> = vec![None; self.nodes.len()];
         for p in 0..self.len() {
@@ -173,7 +174,7 @@ impl<const D: usize> NearParticles<D> {
         fronts.into_iter().map(Option::flatten).collect()
     }
 
-    /// Give the weights of nodes to their fronts.
+    /// Transfer the weights of nodes to their fronts.
     pub(in crate::step) fn fold_to(&mut self, fronts: &[Option<u32>]) {
         for p in 0..self.len() {
             let weights = &mut self.weights[self.starts[p]..self.starts[p + 1]];
@@ -187,7 +188,7 @@ impl<const D: usize> NearParticles<D> {
         }
     }
 
-    /// The velocities that they will move with, m/s.
+    /// Store the velocities that will move the particles, m/s.
     pub fn velocities(&self, list: &mut Vec<[f64; D]>) {
         list.clear();
         list.extend((0..self.len()).map(|p| {
@@ -199,18 +200,18 @@ impl<const D: usize> NearParticles<D> {
         }));
     }
 
-    /// Where the weights of each particle begin; one more than there are particles.
+    /// Start of the weights of each particle; one more than there are particles.
     #[must_use]
     pub fn weight_starts(&self) -> &[usize] {
         &self.starts
     }
-    /// Of each particle the nodes that it moves with, by place among those here, each once, with the weight N_ip in each direction: v_p =
-    /// sum_i N_ip v_i, and an impulse J on it is N_ip J on node i.
+    /// Nodes that move each particle, by index in this list, each once, with the weight N_ip in each direction: v_p =
+    /// sum_i N_ip v_i, and an impulse J on the particle is N_ip J on node i.
     #[must_use]
     pub fn node_weights(&self) -> &[(u32, [f64; D])] {
         &self.weights
     }
-    /// Velocities at the end of the step, m/s, and masses, kg, of these nodes.
+    /// Store velocities at the end of the step, m/s, and masses, kg, of the nodes.
     pub fn nodes(&self, velocities: &mut Vec<[f64; D]>, masses: &mut Vec<f64>) {
         velocities.clear();
         velocities.extend(self.nodes.iter().map(|node| node.velocity));
@@ -218,7 +219,7 @@ impl<const D: usize> NearParticles<D> {
         masses.extend(self.nodes.iter().map(|node| node.mass));
     }
 
-    /// Give every particle an impulse, N s.
+    /// Apply an impulse, N s, to every particle.
     pub fn push(&mut self, impulses: &[[f64; D]]) {
         for (p, impulse) in impulses.iter().enumerate().filter(|(_, j)| **j != [0.0; D]) {
             (0..D).for_each(|d| self.planes[d] -= impulse[d]);
@@ -235,8 +236,9 @@ impl<const D: usize> NearParticles<D> {
         }
     }
 
-    /// Have particles, in this order, rub on a plane across `axis` of this velocity, m/s: they take impulses along it that bring them to rest on it,
-    /// of at most `limit`, N s, found one after the other until they change no more. Returns the impulses, N s, by particle, and the heat, J.
+    /// Apply Coulomb friction to particles, in this order, on a plane across `axis` of this velocity, m/s: tangential
+    /// impulses of at most `limit`, N s, that stop the slip, found one after the other until they converge. Return
+    /// the impulses, N s, by particle, and the heat, J.
     pub(in crate::step) fn rub(
         &mut self,
         order: &[usize],
@@ -287,7 +289,8 @@ impl<const D: usize> NearParticles<D> {
                 self.planes[d] += (given - 1.0) * impulse[d];
             }
         }
-        // What rests at the end of a step rested at its start: its trial velocity is that of forces, which friction answers.
+        // A particle at rest at the end of a step was at rest at its start: its trial velocity is that of forces,
+        // which friction balances.
         let mut heat = 0.0;
         for (p, impulse) in impulses.iter().enumerate().filter(|(_, j)| **j != [0.0; D]) {
             for (node, weight) in self.weights(p) {
@@ -315,7 +318,7 @@ impl<const D: usize> NearParticles<D> {
         self.stencil.clear();
     }
 
-    /// Add a particle with its weights, which `fold` gives, those without mass left out.
+    /// Add a particle with its weights from `fold`, without those on nodes of no mass.
     pub(in crate::step) fn add(
         &mut self,
         body: u32,
@@ -369,7 +372,7 @@ impl<const D: usize> NearParticles<D> {
         self.starts_with.push(particle.velocity);
     }
 
-    /// Bytes of its memory.
+    /// Memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.positions.capacity() * size_of::<([[f64; D]; 2], f64, usize, usize, u32)>()
             + self.weights.capacity() * size_of::<(u32, [f64; D])>()

@@ -1,4 +1,4 @@
-//! Particles that come into a body between steps, and where others are.
+//! Particles added to a body between steps, and space occupied by others.
 
 use std::sync::Arc;
 
@@ -9,25 +9,25 @@ use crate::particles::split;
 use impactite_geometry::Lattice;
 use impactite_simd::Float;
 
-/// What the matter of a [`GridClient`](crate::step::GridClient) is that may become particles.
+/// Matter of a [`GridClient`](crate::step::GridClient) that may convert to particles.
 #[derive(Clone)]
 pub struct Matter<T: Float, const D: usize> {
-    /// Its law.
+    /// Law of the matter.
     pub law: Arc<dyn Material<T>>,
-    /// Half sizes of the particles to come, m, of shape functions whose domains do not follow the strain; at most half a cell.
+    /// Half sizes of the particles, m, for shape functions whose domains do not follow the strain; at most half a cell.
     pub half_size: [f64; D],
-    /// The least mass of one, kg.
+    /// Least mass of a particle, kg.
     pub lightest: f64,
 }
 
-/// A particle that comes into a body between steps.
+/// Particle added to a body between steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewParticle<const D: usize> {
     /// Position, m.
     pub position: [f64; D],
     /// Velocity, m/s.
     pub velocity: [f64; D],
-    /// dv_c/dx_d around it, 1/s: affine transfers map it once, as they do that of particles that the nodes moved.
+    /// Velocity gradient dv_c/dx_d around it, 1/s: affine transfers map it once, like the gradient gathered from nodes.
     pub gradient: [[f64; D]; D],
     /// Mass, kg.
     pub mass: f64,
@@ -35,7 +35,7 @@ pub struct NewParticle<const D: usize> {
     pub half_edges: [[f64; 3]; 3],
 }
 
-/// Particles that come into a body between steps, with the numbers of their states.
+/// Particles added to a body between steps, with their state variables.
 #[derive(Clone, Debug, Default)]
 pub struct NewParticles<T, const D: usize> {
     pub(in crate::step) particles: Vec<NewParticle<D>>,
@@ -43,39 +43,39 @@ pub struct NewParticles<T, const D: usize> {
 }
 
 impl<T: Copy, const D: usize> NewParticles<T, D> {
-    /// One more, with the numbers of its state.
+    /// Add a particle with its state variables.
     pub fn push(&mut self, particle: NewParticle<D>, state: &[T]) {
         self.particles.push(particle);
         self.states.extend_from_slice(state);
     }
-    /// How many there are.
+    /// Number of particles.
     pub fn len(&self) -> usize {
         self.particles.len()
     }
-    /// Are there none?
+    /// True if there are no particles.
     pub fn is_empty(&self) -> bool {
         self.particles.is_empty()
     }
 }
 
-/// What is around a body whose matter may become particles.
+/// Surroundings of a body whose matter may convert to particles.
 #[derive(Clone, Debug)]
 pub struct Surroundings<const D: usize> {
     /// Matter of other bodies.
     pub others: Occupied<D>,
-    /// Points of other elements that are within the same body: bars.
+    /// Points of other elements within the same body: bars.
     pub within: Occupied<D>,
 }
 
-/// Where matter is: bins of the size of a cell, in blocks of 4^D.
+/// Space occupied by matter: bins of the size of a cell, in blocks of 4^D.
 #[derive(Clone, Debug)]
 pub struct Occupied<const D: usize> {
     lattice: Lattice<D>,
-    /// Where the centres of bins lie between nodes, in cells.
+    /// Offset of the bin centres from the nodes, in cells.
     centre: f64,
-    /// Blocks with a bit for each bin, sorted.
+    /// Blocks with the bit mask of their occupied bins, sorted.
     pub(in crate::step) blocks: Vec<([i32; D], u64)>,
-    /// Around them all, in bins; none if there are none.
+    /// Bounding box of all blocks, in bins; none if there are none.
     bounds: Option<[[i32; D]; 2]>,
 }
 
@@ -115,7 +115,7 @@ impl<const D: usize> Occupied<D> {
         }
     }
 
-    /// All are there.
+    /// Sort the blocks and compute their bounding box, once all are added.
     pub(in crate::step) fn settle(&mut self) {
         self.blocks.sort_unstable();
         self.blocks.dedup_by(|next, kept| {
@@ -134,12 +134,12 @@ impl<const D: usize> Occupied<D> {
         }
     }
 
-    /// Is there nothing?
+    /// True if nothing is occupied.
     pub fn is_empty(&self) -> bool {
         self.blocks.is_empty()
     }
 
-    /// Is matter in a bin that this box (lower and upper corner, m) touches?
+    /// True if an occupied bin touches the box (lower and upper corner, m).
     pub fn touches(&self, low: &[f64; D], high: &[f64; D]) -> bool {
         let Some([below, above]) = self.bounds else { return false };
         let first: [i32; D] = std::array::from_fn(|d| self.bin(low[d], d).max(below[d]));
@@ -161,7 +161,7 @@ impl<const D: usize> Occupied<D> {
     }
 }
 
-/// The bins of a block between two others, a bit each.
+/// Bit mask of the bins of a block between two other bins.
 fn within<const D: usize>(block: &[i32; D], first: &[i32; D], last: &[i32; D]) -> u64 {
     let side = BLOCK as i32;
     let mut range = [[0, 1]; 3];

@@ -1,7 +1,7 @@
-//! Bodies that are mapped in their reference configuration and meet others on the grid of the current one.
+//! Bodies mapped in their reference configuration, in contact with others on the grid of the current one.
 //!
-//! Such a body is a scene of its own, on a grid in its reference configuration, and a [`GridClient`] of the scene that
-//! it was added to. A step is
+//! Such a body is a separate scene, on a grid in its reference configuration, and a [`GridClient`] of the scene to
+//! which it was added. A step is
 //!
 //! ```text
 //! reference:  v_I = p_I / m_I + dt f_I / m_I;  x' = sum N_I(X) v_I, the velocities that particles move with
@@ -9,15 +9,15 @@
 //! reference:  v_I <- v_I + sum N_I(X) P / m_I;  the rest of a MUSL step
 //! ```
 //!
-//! The two maps of a particle are adjoint: nodes of the current grid see it move as nodes of the reference move it, and
-//! what it is pushed with goes to those as a force on it would. So sum J_i is sum m_I dv_I, momentum is what was given to
-//! rounding, and sum J_i v_i = sum P x' = sum N_I P v_I, the work of the nodes is that on the body. (Pushes that
-//! changed particles' velocities themselves, unseen by the nodes of the reference in part, multiplied the energy of discs by
-//! seven or left a third of it.)
+//! The two maps of a particle are adjoint: nodes of the current grid receive the velocity that the reference nodes
+//! interpolate at the particle, and its impulse is mapped to the reference nodes like a force on it. Hence sum J_i is
+//! sum m_I dv_I, momentum is conserved to rounding, and sum J_i v_i = sum P x' = sum N_I P v_I: the work at the nodes
+//! is that on the body. (Impulses applied to the particle velocities themselves, which the reference nodes resolve
+//! only in part, multiplied the energy of discs by seven or left a third of it.)
 //!
-//! A push comes back to its node smoothed twice, in part. A law that stops what closes, as Coulomb does, stops a part, and again
-//! in the next step: bodies sink into each other a little, and lose energy. A spring ([`Penalty`](mpm_contact::Penalty)) pushes
-//! until they stop, and gives back what it took.
+//! An impulse returns to its node smoothed twice, and therefore only in part. A contact law that stops the approach,
+//! such as Coulomb's, stops a part of it in each step: bodies penetrate a little, and lose energy. A spring
+//! ([`Penalty`](mpm_contact::Penalty)) pushes until they stop, and returns its energy.
 
 use super::client::{ClientPoint, GridClient};
 use crate::dim::block_nodes;
@@ -27,9 +27,10 @@ use crate::step::bodies::body::{GridBody, Which};
 use crate::step::bodies::particle_body::ParticleBody;
 use crate::step::mpm::Mpm;
 use crate::step::nodes::block_place::BlockPlace;
+use crate::step::nodes::constraints::free_directions;
 use crate::step::nodes::layout::NodeSums;
 use crate::step::nodes::node_update::Leave;
-use crate::step::nodes::stages::{GridStages, free_directions};
+use crate::step::nodes::stages::GridStages;
 use impactite_scene::Exchange;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
@@ -37,12 +38,12 @@ use impactite_scene::error::SceneError;
 use impactite_scene::{Body, Parts, PointView, StepError, Stopped, Totals};
 use impactite_simd::{Float, Team};
 
-/// A scene of one body in its reference configuration, as that body in another scene.
+/// Scene of one body in its reference configuration, as a client body of another scene.
 struct ReferenceScene<T: Float, const D: usize> {
     scene: Mpm<D, T>,
-    /// Of the nodes, m/s^2.
+    /// Accelerations of the nodes, m/s^2.
     accelerations: Vec<[T; 4]>,
-    /// Numbers of a particle at work.
+    /// Scratch memory for the values of a particle.
     numbers: Vec<T>,
 }
 
@@ -155,7 +156,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         }
     }
 
-    /// Where the particles are, by number. `numbers` is memory to work in.
+    /// Store positions and domains of the particles, by number. `numbers` is scratch memory.
     pub(in crate::step) fn place_of_particles(&self, numbers: &mut Vec<T>, points: &mut [ClientPoint]) {
         let (centre, h, origin) = (self.bin_centre(), self.lattice.spacing(), self.lattice.origin());
         for slot in &self.slots {
@@ -182,7 +183,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
-    /// Sum pushes mapped as momentum: the second record becomes a change of velocity, none where a boundary holds it.
+    /// Sum impulses mapped as momentum, and convert the second record to a velocity change: zero where a boundary constrains it.
     fn collect_pushes(&mut self) {
         self.collect_and(NodeSums::Pushes, &Leave);
         let (conditions, lattice, cutoff) = (self.conditions, *self.grid.lattice(), self.cutoff);
@@ -213,8 +214,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// The first part of a step that another scene completes: velocities of the nodes by the body's own forces. Notes, by number,
-    /// those that particles move with, m/s, and the accelerations of the nodes.
+    /// Start a step that another scene completes: compute the velocities of the nodes under the body's own forces.
+    /// Store the velocities that move the particles, m/s, by number, and the accelerations of the nodes.
     fn accelerate(
         &mut self,
         dt: T,
@@ -227,7 +228,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         for Node { first, second } in self.grid.nodes_mut() {
             accelerations.push(std::mem::replace(second, *first));
         }
-        // Velocities that are zero become what nodes have in their second record, times one.
+        // The pass adds the second record of the nodes, times a step of one, to velocities of zero.
         self.each_velocity(|number, v| velocities[number] = std::mem::take(v));
         self.particle_pass(Which::First, T::of(1.0))?;
         self.each_velocity(|number, v| std::mem::swap(v, &mut velocities[number]));
@@ -240,7 +241,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// Take back the accelerations of the nodes and add `pushes`, m/s, of the particles by number.
+    /// Restore the accelerations of the nodes and add `pushes`, m/s, of the particles by number.
     fn push(
         &mut self,
         pushes: Option<&mut Vec<[T; 3]>>,
@@ -250,7 +251,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let pushed = pushes.is_some();
         if let Some(pushes) = pushes {
             self.each_velocity(|number, v| std::mem::swap(v, &mut pushes[number]));
-            // Nothing comes to velocities in no time: the pass maps them.
+            // A step of zero changes no velocities: the pass maps them.
             self.particle_pass(Which::First, T::default())?;
             self.stage(dt).collect_pushes();
             self.each_velocity(|number, v| *v = pushes[number]);
@@ -265,7 +266,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// The rest of it.
+    /// Complete the step.
     fn deform(&mut self, dt: T) -> Result<(), StepError> {
         self.particle_pass(Which::First, dt)?;
         self.stage(dt).remap_velocities(dt);
@@ -273,16 +274,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.close_step(dt)
     }
 
-    /// Add the body of another scene, which maps it in its reference configuration ([`crate::TotalLagrangian`]): its own
-    /// forces and strains stay there, on a grid of its own, and it meets the bodies and walls of this scene here.
+    /// Add the body of another scene, which maps it in its reference configuration ([`crate::TotalLagrangian`]). Its
+    /// forces and strains are computed there, on a separate grid; contact with the bodies and walls of this scene is
+    /// computed here.
     ///
-    /// So a body that keeps its shape has none of the errors of particles that cross cells, and contact with those that do not
-    /// keep theirs. A step of this scene is one of the other, too, of the length that this one finds. Boundaries, loads and body
-    /// forces of the other scene act there; of those of this one, walls and fixed planes hold the body, while planes of symmetry
-    /// are needed in both. The grids may have different cells.
+    /// A body of moderate deformation thus has no cell-crossing errors, and can be in contact with bodies of any
+    /// deformation. Both scenes make the same steps, of the length that this one finds. Boundaries, loads and body
+    /// forces of the other scene act there; of those of this one, walls and fixed planes act on the body, while
+    /// planes of symmetry are needed in both. The grids may have different cells.
     ///
-    /// Let it meet others by springs: [`mpm_contact::Penalty`]. Laws that stop what closes, and walls, make it sink in a little
-    /// and lose energy, discs up to two thirds of it (book, "Bodies in their reference configuration"); a rigid plate is a better wall.
+    /// Use springs for the contact: [`mpm_contact::Penalty`]. With laws that stop the approach, and with walls, the
+    /// body penetrates a little and loses energy, discs up to two thirds of it (book, "Bodies in their reference
+    /// configuration"); a rigid plate is a better wall.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
@@ -310,10 +313,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// ```
     ///
     /// # Errors
-    /// A scene without contact, or in the reference configuration, or whose nodes know no accelerations (PIC, APIC, FMPM); another
-    /// scene that is not in the reference configuration with FLIP and MUSL; one of no or several bodies, of other coordinates, that made
-    /// steps, or damps or filters; particles larger than a cell of this grid or outside of it; a body force, kinetic damping, a
-    /// null-space filter, a body whose particles merge or [`TimeControl::Gershgorin`](crate::TimeControl::Gershgorin) in this scene.
+    /// A scene without contact, in the reference configuration, or whose nodes have no accelerations (PIC, APIC,
+    /// FMPM); another scene that is not in the reference configuration with FLIP and MUSL, or that has no or several
+    /// bodies, other coordinates, completed steps, damping or a filter; particles larger than a cell of this grid or
+    /// outside of it; a body force, kinetic damping, a null-space filter, a body whose particles merge or
+    /// [`TimeControl::Gershgorin`](crate::TimeControl::Gershgorin) in this scene.
     pub fn add_total_lagrangian(&mut self, scene: Mpm<D, T>) -> Result<(), SceneError> {
         self.work.add_total_lagrangian(self, scene)
     }

@@ -1,4 +1,4 @@
-//! Bodies of another discretisation in the steps of a scene.
+//! Stages of a step for bodies of another discretisation.
 
 use super::client::{GridClient, Taken};
 use super::client_body::ClientBody;
@@ -17,11 +17,11 @@ use impactite_scene::control::TimeControl;
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_simd::Float;
 
-/// Distance of points over that of nodes beyond which particles may slip through.
+/// Ratio of the spacing of points to that of nodes beyond which particles may slip through.
 const WIDEST: f64 = 1.05;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Have them move by their own forces, and map their velocities.
+    /// Move the clients by their own forces, and map their velocities.
     pub(in crate::step) fn open_clients(&mut self, dt: T) -> Result<(), StepError> {
         if self.scene.conditions.gravity.is_some() {
             self.check_weight().map_err(|e| self.stopped(Stopped::Scene(e)))?;
@@ -35,7 +35,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Have them take what their nodes got, deform and move.
+    /// Apply the velocity changes of their nodes to the clients, deform and move them.
     pub(in crate::step) fn advance_clients(&mut self, dt: T) -> Result<(), StepError> {
         for n in 0..self.scene.clients.len() {
             let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
@@ -47,12 +47,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Refuse what asks the nodes of the scene for all forces, beside bodies of another discretisation with proxies there.
+    /// Refuse a feature that needs all forces at the nodes of the scene, if bodies of another discretisation have proxies there.
     pub(in crate::step) fn check_clients(&self, what: &'static str) -> Result<(), SceneError> {
         self.refuse_beside(what, |client| client.on_grid())
     }
 
-    /// Refuse a body force beside such bodies whose own forces are not those of nodes.
+    /// Refuse a body force if there are clients whose own forces are not nodal forces.
     fn check_weight(&self) -> Result<(), SceneError> {
         self.refuse_beside("a body force of the scene", |client| client.on_grid() && !client.is_within())?;
         match self.scene.growing.first() {
@@ -76,7 +76,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
     }
 
-    /// Have particles and the surfaces of such bodies push each other apart.
+    /// Apply contact between particles and the surfaces of clients.
     pub(in crate::step) fn meet_surfaces(&mut self, dt: T) -> Result<(), StepError> {
         for n in 0..self.scene.clients.len() {
             let number = self.scene.clients[n];
@@ -119,7 +119,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         met.map(|_| ())
     }
 
-    /// What particles got from a surface goes to the nodes, boundaries again where any did.
+    /// Add the impulses of a surface on particles to the nodes, and apply boundary conditions again if there were any.
     pub(in crate::step) fn push_nodes(&mut self, near: &NearParticles<D>, dt: T) {
         let end = self.clock.time + dt.to_double();
         let tolerance = 1e-6 * self.grid.lattice().spacing();
@@ -153,14 +153,16 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         stage.extrapolate();
     }
 
-    /// Add a body of another discretisation: its own forces act on its own nodes, and it meets the bodies and walls of this scene on
-    /// the grid of this one. A step of this scene is one of the body's, too, of the length that this one finds. Loads and body forces of
-    /// its own are the body's affair; of the conditions of this scene walls and fixed planes hold it.
+    /// Add a body of another discretisation. Its own forces act on its own nodes; contact with the bodies and walls
+    /// of this scene is computed on the grid of the scene. The body makes the steps of this scene, of the length that
+    /// the scene finds. Loads and body forces of the body are its own; of the conditions of this scene, walls and
+    /// fixed planes act on it.
     ///
     /// # Errors
-    /// A scene without contact, or in the reference configuration, or whose nodes know no accelerations (PIC, APIC, FMPM); other
-    /// coordinates; points larger than a cell of this grid or outside of it; a body force, kinetic damping, a null-space filter,
-    /// periodic planes, a body whose particles merge or [`TimeControl::Gershgorin`] in this scene.
+    /// A scene without contact, in the reference configuration, or whose nodes have no accelerations (PIC, APIC,
+    /// FMPM); other coordinates; points larger than a cell of this grid or outside of it; a body force, kinetic
+    /// damping, a null-space filter, periodic planes, a body whose particles merge or [`TimeControl::Gershgorin`] in
+    /// this scene.
     pub fn add_client(&mut self, body: impl GridClient<T, D> + 'static) -> Result<(), SceneError> {
         self.work.add_client(self, Box::new(body))
     }
@@ -183,7 +185,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let within = match (body.within(), &matter) {
             (None, _) => None,
             (Some(name), None) => Some(self.place_of_host(body.name(), name)?),
-            // The body that comes next.
+            // Index of the body that is added next.
             (Some(name), Some(_)) => {
                 self.check_name(name)?;
                 Some(self.scene.bodies.len())
@@ -242,7 +244,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Have an empty body for particles that matter of a client may become, and the client know the conditions.
+    /// Add an empty body for particles from the matter of a client, and pass the boundary conditions to the client.
     fn check_matter(
         &mut self,
         client: &mut dyn GridClient<T, D>,
@@ -255,7 +257,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.enter(&name, Box::new(body))
     }
 
-    /// The body of particles that another one is to be within.
+    /// Index of the body of particles in which another body is embedded.
     fn place_of_host(&self, body: &str, host: &str) -> Result<usize, SceneError> {
         let at = self.scene.bodies.iter().position(|b| b.name() == host);
         let particles = |&n: &usize| {
@@ -269,7 +271,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         })
     }
 
-    /// See that nothing in the scene asks the nodes for all forces.
+    /// Check that nothing in the scene needs all forces at the nodes.
     fn check_beside(
         &self,
         refuse: &dyn Fn(&'static str) -> Result<(), SceneError>,

@@ -1,67 +1,66 @@
-//! What a contact algorithm finds at a block of nodes that bodies share.
+//! Contacts at a shared node block, as found by a contact algorithm.
 
 use std::ops::Range;
 
 use crate::step::nodes::fields::Member;
 use impactite_simd::Float;
 
-/// Two fields of a block that share nodes.
+/// Pair of fields of a block that share nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pair {
-    /// The fields, the smaller first.
+    /// Indices of the fields, the smaller first.
     pub fields: [u32; 2],
-    /// Their bodies.
+    /// Bodies of the fields.
     pub bodies: [u32; 2],
-    /// Nodes of which it is known whether the surfaces touch, a bit each. Where they do, there is a [`Touch`].
+    /// Nodes with known contact status, one bit each. A node in contact has a [`Touch`].
     pub known: u64,
-    /// Has it been known since an earlier step?
+    /// True if the status is known since an earlier step.
     pub lasts: bool,
-    /// Does its law remember contacts? Told anew in every step.
+    /// True if the law has state variables; set in every step.
     pub remembers: bool,
     /// Energy dissipated by friction in this step, J.
     pub friction: f64,
-    /// Kinetic energy of the nodes taken beside that in this step, J.
+    /// Kinetic energy of the nodes dissipated other than by friction in this step, J.
     pub taken: f64,
-    /// How far both had moved when they were looked at, m.
+    /// Sum of the motions of both bodies at the last update, m.
     pub(in crate::step) way: f64,
 }
 
 impl Pair {
-    /// A pair of fields, of these bodies, that was not looked at before.
+    /// Create a pair of fields, of these bodies, without known contacts.
     pub fn new(fields: [u32; 2], bodies: [u32; 2]) -> Self {
         Pair { fields, bodies, known: 0, lasts: false, remembers: false, friction: 0.0, taken: 0.0, way: 0.0 }
     }
 }
 
-/// A pair that touches at a node, or may before it is looked at anew.
+/// Contact of a pair at a node, active or possible before the next update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch<T> {
-    /// Which node of the block.
+    /// Index of the node in the block.
     pub node: u8,
-    /// Do the bodies act on each other there in this step?
+    /// True if the contact is active in this step.
     pub acts: bool,
-    /// Is it the image of another node behind a plane of symmetry ([`super::SharedNodes::is_image`])?
+    /// True if the node is the image of another behind a symmetry plane ([`super::SharedNodes::is_image`]).
     pub image: bool,
-    /// Which of the block's pairs.
+    /// Index of the pair in the block.
     pub pair: u32,
-    /// Unit normal, from the first field to the second.
+    /// Unit contact normal, from the first field to the second.
     pub normal: [T; 3],
-    /// Distance of the surfaces along it, m, where it is measured; negative if they overlap. Since it was measured it
-    /// follows the nodes.
+    /// Gap along the normal, m, if measured; negative for penetration. After the measurement it follows the nodes.
     pub gap: Option<T>,
-    /// Impulse on the second field, N s; the first gets its opposite.
+    /// Impulse on the second field, N s; the opposite acts on the first.
     pub impulse: [T; 3],
 }
 
-/// What a contact algorithm found at a shared block. Pairs and their touches stay as they are from step to step, until
-/// their bodies have moved as far as [`super::ContactAlgorithm::keeps`] says or one of them has left the block.
+/// Contacts at a shared block. Pairs and their touches are kept from step to step, until their bodies have moved by
+/// [`super::ContactAlgorithm::keeps`] or one of them has left the block.
 #[derive(Clone, Debug)]
 pub struct BlockContacts<T> {
-    /// The pairs of fields that share nodes.
+    /// Pairs of fields that share nodes.
     pub pairs: Vec<Pair>,
-    /// Where they touch, by node and pair.
+    /// Contacts of the pairs, by node and pair.
     pub touches: Vec<Touch<T>>,
-    /// What they remember.
+    /// State variables of the contacts.
     pub memory: TouchMemory,
     pub(in crate::step) stale: bool,
     pub(in crate::step) block: [i32; 3],
@@ -80,7 +79,7 @@ impl<T> Default for BlockContacts<T> {
 }
 
 impl<T: Float> BlockContacts<T> {
-    /// Impulses on a field: node by node, the sum of its pairs'.
+    /// Iterate over the nodes with impulses on a field: sums over its pairs.
     pub fn impulses(&self, field: usize) -> impl Iterator<Item = (usize, [T; 3])> + '_ {
         let at_node = self.touches.chunk_by(|a, b| a.node == b.node);
         at_node.filter_map(move |touches| {
@@ -101,7 +100,7 @@ impl<T: Float> BlockContacts<T> {
         })
     }
 
-    /// Call the fields what they are called now, in the same order; or know no more what is found, if some are gone.
+    /// Update the field indices of the pairs, in the same order; mark the contacts as stale if a body has left.
     pub(super) fn renumber(&mut self, members: &[Member]) {
         let field = |body| members.binary_search_by_key(&body, |m| m.body).ok();
         for pair in &mut self.pairs {
@@ -113,7 +112,7 @@ impl<T: Float> BlockContacts<T> {
         }
     }
 
-    /// Forget of every pair what its bodies have moved away from by `keeps`, m; `way` is how far each body moved so far.
+    /// Discard the contacts of pairs whose bodies have moved by `keeps`, m; `way` is the motion of each body so far, m.
     pub(in crate::step) fn renew(&mut self, way: &[f64], keeps: f64) {
         if self.stale {
             self.forget();
@@ -145,7 +144,8 @@ impl<T: Float> BlockContacts<T> {
     }
 }
 
-/// What a block's touches remember at the start and at the end of a step: a record each, in their order; empty where no law remembers.
+/// Contact memory of a block at the start and at the end of a step: a record per touch, in their order; empty if no law has
+/// state variables.
 #[derive(Clone, Debug, Default)]
 pub struct TouchMemory {
     pub(super) width: usize,
@@ -154,31 +154,32 @@ pub struct TouchMemory {
 }
 
 impl TouchMemory {
-    /// Room for so many touches, of laws that remember up to `numbers`.
+    /// Allocate records for this number of `touches`, of laws with up to `numbers` state variables.
     pub(super) fn clear(&mut self, touches: usize, numbers: usize) {
         self.width = if numbers == 0 { 0 } else { OFFSET + numbers };
         self.start.clear();
         self.start.resize(touches * self.width, 0.0);
         self.end.clear();
     }
-    /// The record of a touch, to be recalled.
+    /// Return the record of a touch, to be restored.
     pub(super) fn record_mut(&mut self, touch: usize) -> &mut [f64] {
         &mut self.start[touch * self.width..][..self.width]
     }
-    /// All is recalled; touches that nothing happens to end as they started.
+    /// Copy the restored memory to the end of the step: contacts without an impulse keep it unchanged.
     pub(super) fn recalled(&mut self) {
         self.end.clone_from(&self.start);
     }
-    /// The numbers of a touch, by its place in [`BlockContacts::touches`], at the start of the step; empty where no law remembers.
+    /// Return the state variables of a touch at the start of the step, by its index in [`BlockContacts::touches`]; empty if
+    /// no law has any.
     pub fn start(&self, touch: usize) -> &[f64] {
         self.start.get(self.numbers(touch)).unwrap_or_default()
     }
-    /// Those at the start, and those at the end of the step, to be brought there.
+    /// Return the state variables of a touch at the start and, mutable, at the end of the step.
     pub fn start_and_end(&mut self, touch: usize) -> (&[f64], &mut [f64]) {
         let numbers = self.numbers(touch);
         (self.start.get(numbers.clone()).unwrap_or_default(), self.end.get_mut(numbers).unwrap_or_default())
     }
-    /// Move what a touch remembers by a way, m.
+    /// Move the record of a touch by the displacement `way`, m.
     pub fn carry(&mut self, touch: usize, way: [f64; 3]) {
         let start = touch * self.width;
         let offset = self.end.get_mut(start..start + OFFSET.min(self.width)).unwrap_or_default();
@@ -193,25 +194,25 @@ impl TouchMemory {
     }
 }
 
-/// Which velocities contact acts on.
+/// Velocities that contact acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ContactPhase {
-    /// Those of the mapped momentum, before the stress update of USF.
+    /// Velocities of the mapped momentum, before the stress update of USF.
     Momentum,
-    /// The trial velocities of the momentum update: every body moved by its own forces.
+    /// Trial velocities of the momentum update: every body moved by its own forces.
     Trial,
-    /// Those mapped a second time (MUSL).
+    /// Velocities mapped a second time (MUSL).
     Remapped,
 }
 
-/// Memory of a thread for contact algorithms: nothing in it lasts.
+/// Scratch memory of a thread for contact algorithms, not kept.
 #[derive(Clone, Debug)]
 pub struct Scratch<T> {
-    /// Numbers of nodes.
+    /// Nodal values.
     pub numbers: Vec<[T; 4]>,
-    /// Sets of nodes, a bit each.
+    /// Sets of nodes, one bit each.
     pub bits: Vec<u64>,
-    /// Vectors of pairs, two each.
+    /// Vectors of pairs, three each.
     pub vectors: Vec<[[T; 3]; 3]>,
 }
 
@@ -222,7 +223,7 @@ impl<T> Default for Scratch<T> {
 }
 
 impl<T> Scratch<T> {
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.numbers.capacity() * size_of::<[T; 4]>()
             + self.bits.capacity() * size_of::<u64>()
@@ -230,5 +231,5 @@ impl<T> Scratch<T> {
     }
 }
 
-/// Numbers of a record before those of the law: how far it is from its node, m.
+/// Number of values of a record before the state variables: offset from its node, m.
 pub(in crate::step) const OFFSET: usize = 3;

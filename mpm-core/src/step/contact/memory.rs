@@ -1,8 +1,9 @@
-//! What contact laws remember: numbers by pair of bodies and node, from step to step.
+//! Contact memory: state variables of contact laws by pair of bodies and node, kept from step to step.
 //!
-//! A record lasts while the pair touches at its node. It moves with the mean of both velocities, from node to nearest node, so that all of a
-//! patch that moves as one change nodes in the same step; see [`mpm_contact::Remembers`]. Records are sorted by pair and place, looked
-//! up and never walked by tasks, and rewritten between stages: the bits depend neither on threads nor on blocks.
+//! A record exists while the pair is in contact at its node. It moves with the mean of both velocities, from node to
+//! nearest node, so that a patch in rigid motion changes nodes in a single step; see [`mpm_contact::Remembers`]. Records
+//! are sorted by pair and node, looked up but not iterated by tasks, and rewritten between stages: results are bitwise
+//! independent of threads and blocks.
 
 use std::cmp::Ordering;
 
@@ -10,21 +11,21 @@ use super::found::{BlockContacts, OFFSET};
 use crate::dim::BLOCK;
 use impactite_simd::Float;
 
-/// A pair of bodies at a node of the lattice.
+/// Pair of bodies at a node of the lattice.
 pub(in crate::step) type Key = ([u32; 2], [i32; 3]);
 
-/// The records of a scene, and the numbers of each.
+/// Contact records of a scene.
 #[derive(Clone, Debug, Default)]
 pub struct ContactMemory {
     pub(in crate::step) width: usize,
-    /// Where the numbers of each begin.
+    /// Keys of the records, with the start of their numbers.
     pub(in crate::step) keys: Vec<(Key, usize)>,
     pub(in crate::step) numbers: Vec<f64>,
-    /// Used while they are rewritten.
+    /// Previous numbers, while they are rewritten.
     before: Vec<f64>,
 }
 
-/// The node of a block by its number.
+/// Return the lattice index of a node of a block.
 pub(super) fn node_of(block: [i32; 3], node: usize) -> [i32; 3] {
     [0, 1, 2].map(|d| block[d] * BLOCK as i32 + (node / BLOCK.pow(d as u32) % BLOCK) as i32)
 }
@@ -35,8 +36,8 @@ impl ContactMemory {
         Some(&self.numbers[self.keys[found].1..][..self.width])
     }
 
-    /// The record of a pair at a node; where there is none, the mean of the nearest ones at the nodes around it in `dimensions`. Where
-    /// there is none either, `record` stays as it is.
+    /// Load the record of a pair at a node; without one, the mean of the nearest ones at the nodes around it in
+    /// `dimensions`. Without any, `record` is unchanged.
     pub(super) fn recall(&self, bodies: [u32; 2], node: [i32; 3], dimensions: usize, record: &mut [f64]) {
         if self.keys.is_empty() {
             return;
@@ -69,7 +70,8 @@ impl ContactMemory {
         }
     }
 
-    /// Keep what touches remember at the end of a step, of pairs whose laws do, for cells of `spacing`, m.
+    /// Store the records of touches at the end of a step, for pairs whose laws have state variables and cells of `spacing`,
+    /// m.
     pub(super) fn keep<T: Float>(&mut self, found: &[BlockContacts<T>], spacing: f64) {
         self.keys.clear();
         self.numbers.clear();
@@ -94,14 +96,14 @@ impl ContactMemory {
                 self.keys.push(((pair.bodies, node), start));
             }
         }
-        // Of two that came to one node, the nearer one stays; of equally near ones, that of the first node.
+        // Keep the nearer of two records at one node; at equal distance, that of the first node.
         let numbers = &self.numbers;
         let away = |start: usize| numbers[start..][..OFFSET].iter().map(|x| x * x).sum::<f64>();
         self.keys.sort_by(|a, b| {
             a.0.cmp(&b.0).then_with(|| away(a.1).partial_cmp(&away(b.1)).unwrap_or(Ordering::Equal))
         });
         self.keys.dedup_by(|b, a| a.0 == b.0);
-        // In their order, so that a checkpoint says the same whatever the blocks are.
+        // Sort the numbers like the keys, so that a checkpoint does not depend on the blocks.
         std::mem::swap(&mut self.numbers, &mut self.before);
         self.numbers.clear();
         for (_, start) in &mut self.keys {
@@ -124,7 +126,7 @@ mod tests {
 
     const BODIES: [u32; 2] = [0, 2];
 
-    /// Touches at nodes of the block at the origin, each with an offset along x and a number.
+    /// Store touches at nodes of the block at the origin, each with an offset along x and a number.
     fn kept(records: &[(u8, f64, f64)]) -> ContactMemory {
         let mut found = BlockContacts::<f64>::default();
         found.pairs.push(Pair { remembers: true, ..Pair::new([0, 1], BODIES) });

@@ -1,4 +1,4 @@
-//! The stage of a step in which bodies act on each other, and what it keeps. See [`crate::contact`].
+//! Contact stage of a step, and its state. See [`crate::contact`].
 
 mod algorithm;
 mod found;

@@ -1,4 +1,4 @@
-//! The nodes that bodies share, as a contact algorithm sees them.
+//! Shared nodes of bodies, as input of a contact algorithm.
 
 use impactite_scene::boundary::Plane;
 use mpm_contact::{NearPoint, Places, SurfaceQuantity};
@@ -14,7 +14,7 @@ use crate::step::nodes::layout::numbers;
 use crate::step::rigid::motion::RigidState;
 use impactite_simd::Float;
 
-/// The nodes of a block that several bodies share, as a [`super::ContactAlgorithm`] sees them.
+/// Nodes of a block that several bodies share, as input of a [`super::ContactAlgorithm`].
 pub struct SharedNodes<'a, T: Float, const D: usize> {
     pub(super) nodes: &'a [Node<T>],
     pub(super) members: &'a [Member],
@@ -36,23 +36,23 @@ pub struct SharedNodes<'a, T: Float, const D: usize> {
 /// Nodes of a block that are images of others, mirrored along some axes.
 #[derive(Clone, Copy)]
 struct Image<const D: usize> {
-    /// The block of the others.
+    /// Block of the originals.
     at: [i32; D],
-    /// The images, a bit each.
+    /// Image nodes, one bit each.
     nodes: u64,
     axes: [Option<Mirrored>; D],
 }
 
-/// How nodes are mirrored along an axis.
+/// Mirroring of nodes along an axis.
 #[derive(Clone, Copy)]
 struct Mirrored {
-    /// How far the others are from their images, in places of a block.
+    /// Offset of the originals from their images, in node indices of a block.
     by: i32,
-    /// Where the plane is, in nodes from the first one of the block.
+    /// Position of the plane, in nodes from the first one of the block.
     plane: i32,
 }
 
-/// Nodes of a block, a bit each, of the layer at place `within` along the axis of a `stride`.
+/// Return the nodes of a block, one bit each, of the layer `within` along the axis of a `stride`.
 fn layer_of(within: usize, stride: usize) -> u64 {
     (0..64).filter(|n| n / stride % BLOCK == within).fold(0, |set, n| set | 1 << n)
 }
@@ -62,15 +62,15 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     pub fn fields(&self) -> usize {
         self.members.len()
     }
-    /// Number of a field's body; fields are in the order of bodies.
+    /// Index of the body of a field; fields are in the order of bodies.
     pub fn body(&self, field: usize) -> usize {
         self.members[field].body as usize
     }
-    /// Nodes in the block.
+    /// Number of nodes in the block.
     pub fn nodes(&self) -> usize {
         block_nodes(D)
     }
-    /// Nodes where the field has mass, a bit each.
+    /// Nodes at which the field has mass, one bit each.
     pub fn occupied(&self, field: usize) -> u64 {
         let block = self.members[field].block as usize;
         let layout = self.fields.layout();
@@ -80,31 +80,31 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         }
         bits
     }
-    /// Is any body of the scene rigid?
+    /// Return true if any body of the scene is rigid.
     pub fn has_rigid(&self) -> bool {
         self.rigid
     }
-    /// Place and motion of the field's body, if it is rigid.
+    /// Position and motion of the field's body, if it is rigid.
     pub fn rigid(&self, field: usize) -> Option<&RigidState<D>> {
         self.bodies[self.body(field)].rigid()
     }
-    /// Does the field's body move as prescribed, whatever meets it? Two of them have nothing to give to each other.
+    /// Return true if the motion of the field's body is prescribed. Two such bodies exchange no impulse.
     pub fn is_prescribed(&self, field: usize) -> bool {
         self.members[field].prescribed
     }
-    /// Mass of a field at a node, kg: infinite if the body's motion is prescribed. Of a free rigid body, the share of its
-    /// mass that the node holds.
+    /// Mass of a field at a node, kg: infinite if the body's motion is prescribed; for a free rigid body, the share of its
+    /// mass at the node.
     pub fn mass(&self, field: usize, node: usize) -> T {
         if self.is_prescribed(field) { T::of(f64::INFINITY) } else { self.of(field, node).first[0] }
     }
-    /// Its velocity there, m/s.
+    /// Velocity of a field at a node, m/s.
     pub fn velocity(&self, field: usize, node: usize) -> [T; 3] {
         let node = self.of(field, node);
         let [_, x, y, z] = if self.phase == ContactPhase::Remapped { node.second } else { node.first };
         [x, y, z]
     }
-    /// Its velocity at the start of the step, m/s, before forces and contact; where momentum and impulse are
-    /// mapped together, that is not known, and this is the trial velocity.
+    /// Velocity of a field at a node at the start of the step, m/s, before forces and contact. If momentum and impulse are
+    /// mapped together, it is unknown, and the trial velocity is returned.
     pub fn old_velocity(&self, field: usize, node: usize) -> [T; 3] {
         let mut v = self.velocity(field, node);
         if self.phase == ContactPhase::Trial {
@@ -131,17 +131,17 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     pub fn time(&self) -> f64 {
         self.time
     }
-    /// Which velocities contact acts on.
+    /// Velocities that contact acts on.
     pub fn phase(&self) -> ContactPhase {
         self.phase
     }
-    /// Is the node the image of another behind a plane of symmetry?
+    /// Return true if the node is the image of another behind a symmetry plane.
     pub fn is_image(&self, node: usize) -> bool {
         self.wide && self.place.is_copy(node, self.mirrors)
     }
 
-    /// Recall what the touches of this block remember, of pairs that do ([`Pair::remembers`](super::Pair::remembers)), in
-    /// [`BlockContacts::memory`]; up to `numbers` each.
+    /// Load the state variables of this block's touches into [`BlockContacts::memory`], up to `numbers` each, for pairs
+    /// with state variables ([`Pair::remembers`](super::Pair::remembers)).
     pub fn recall(&self, found: &mut BlockContacts<T>, numbers: usize) {
         let BlockContacts { pairs, touches, memory, block, .. } = found;
         memory.clear(touches.len(), numbers);
@@ -155,8 +155,9 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         memory.recalled();
     }
 
-    /// Ask a field's particles about some nodes, a bit each; see [`Presence::surface_quantity`](crate::step::bodies::body::Presence::surface_quantity). What lies beyond planes of
-    /// symmetry counts.
+    /// Compute a surface quantity of a field's particles at some nodes, one bit each; see
+    /// [`Presence::surface_quantity`](crate::step::bodies::body::Presence::surface_quantity). Mirror images beyond symmetry
+    /// planes are included.
     pub fn surface_quantity(
         &self,
         field: usize,
@@ -175,8 +176,8 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         }
     }
 
-    /// Call `visit` for every particle of a field near some nodes, a bit each, with those of them that it has in its
-    /// stencil. What lies beyond planes of symmetry counts: particles come again as their mirror images.
+    /// Call `visit` for every particle of a field near some nodes, one bit each, with those of them that are in its
+    /// stencil. Mirror images beyond symmetry planes are included.
     pub fn near_points(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
         let member = self.members[field];
         for giver in self.fields.givers(member.block as usize) {
@@ -186,7 +187,8 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         self.near_images(member, self.mirrors, &none, visit);
     }
 
-    /// Particles near some nodes as images in one of `mirrors` or several, beside those that `so_far` was mirrored in.
+    /// Visit the mirror images of particles near some nodes in one or several of `mirrors`, in addition to those of
+    /// `so_far`.
     fn near_images(
         &self,
         member: Member,
@@ -225,7 +227,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         }
     }
 
-    /// The particles near the images of some nodes, mirrored.
+    /// Visit the mirror images of the particles near the originals of some nodes.
     fn near_mirrored(&self, giver: Giver, image: &Image<D>, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
         let by: i32 = image.axes.iter().flatten().map(|m| m.by).sum();
         let moved = |set: u64, by: i32| if by < 0 { set >> -by } else { set << by };
@@ -244,13 +246,13 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         });
     }
 
-    /// A node of a field; empty where the body has none.
+    /// Return a node of a field; empty if the body has none.
     fn of(&self, field: usize, node: usize) -> Node<T> {
         let place = self.fields.layout().place(self.members[field].block as usize, node);
         place.map_or_else(Node::default, |place| self.nodes[place])
     }
 
-    /// Add what the mirror image of the body would say.
+    /// Add the surface quantity of the body's mirror image.
     fn mirror(
         &self,
         mirror: &Plane,
@@ -275,7 +277,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
             let within = index.rem_euclid(block) as usize;
             let mine = (0..block_nodes(D)).filter(|n| n / stride % BLOCK == within && nodes & (1 << n) != 0);
             if layer == 0 {
-                // Both halves of the body give the same along the plane and cancel across it.
+                // Contributions of both halves of the body are equal along the plane and cancel across it.
                 if vector {
                     mine.for_each(|n| out[n][axis] = T::default());
                 }

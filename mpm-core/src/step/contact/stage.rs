@@ -1,9 +1,9 @@
-//! The stage in which bodies act on each other.
+//! Contact stage.
 //!
-//! The step calls [`GridStages::apply_contact`] where \[Ma2010\] 1.4 adjusts momenta and forces (iv, vii, x). It works in two
-//! parts. First every shared block, on its own, asks the scene's [`ContactAlgorithm`] for the impulses at its nodes; nodes
-//! are only read. Then every field block adds its own impulses to its nodes. No task writes what another reads, and
-//! all sums have a fixed order, so that results do not depend on threads.
+//! The step calls [`GridStages::apply_contact`] where \[Ma2010\] 1.4 adjusts momenta and forces (iv, vii, x). The stage has
+//! two parts. First the scene's [`ContactAlgorithm`] computes the impulses at the nodes of every shared block separately;
+//! nodes are only read. Then every field block adds its own impulses to its nodes. No task writes data that another reads,
+//! and all sums have a fixed order, so that results do not depend on threads.
 
 use super::algorithm::ContactAlgorithm;
 use super::found::ContactPhase;
@@ -11,15 +11,16 @@ use super::shared_nodes::SharedNodes;
 use super::state::ContactState;
 use crate::step::PlaneTouch;
 use crate::step::nodes::block_place::BlockPlace;
-use crate::step::nodes::stages::{GridStages, stops_rigid};
+use crate::step::nodes::constraints::stops_rigid;
+use crate::step::nodes::stages::GridStages;
 use crate::step::rigid::motion::RigidState;
 use crate::step::rigid::nodes;
 use impactite_scene::boundary::Boundary;
 use impactite_simd::Float;
 
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
-    /// Let the bodies act on each other at the nodes they share: contact impulses on the velocities of `phase`, then
-    /// boundaries again where any acted. `planes` are those that free rigid bodies touch.
+    /// Apply contact at shared nodes: contact impulses on the velocities of `phase`, then boundaries again at nodes with an
+    /// impulse. `planes` are the contacts of free rigid bodies with planes.
     pub(in crate::step) fn apply_contact(
         &mut self,
         contact: &dyn ContactAlgorithm<T, D>,
@@ -56,8 +57,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         }
     }
 
-    /// Note how far bodies move in this step: no particle goes further than its fastest node. A node that holds less than
-    /// a particle moves it by its weight at most.
+    /// Update the motion of bodies: no particle moves further than its fastest node. A node of less mass than a particle
+    /// moves it by its weight at most.
     fn follow(&self, contact_state: &mut ContactState<T>) {
         let (nodes, fields, cutoff) = (self.grid.nodes(), self.fields, self.cutoff);
         let layout = fields.layout();
@@ -73,7 +74,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         contact_state.follow(|block| fields.owner(block), self.of.dt.to_double());
     }
 
-    /// Bring the velocities behind planes of symmetry after those in front, of whose change particles take this much.
+    /// Copy velocity changes in front of symmetry planes to the nodes behind; particles receive the fraction `takes` of
+    /// them.
     pub(in crate::step) fn copy_velocities(&mut self, phase: ContactPhase, takes: f64) {
         let (bodies, fields) = (self.bodies, self.fields);
         let counts = |node: u32| {
@@ -157,8 +159,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 for ((node, impulse), body) in real.zip(body.into_iter().cycle()) {
                     let impulse = impulse.map(T::to_double);
                     nodes::book(body, &place.node(node), &impulse, &mut books.ledger);
-                    // The work of a body force was booked with the velocities before contact. What bodies do to each other
-                    // changes no mean; what a body of prescribed motion does to others changes theirs.
+                    // Body force work was recorded with the velocities before contact. Impulses between bodies change no
+                    // mean velocity; those of a body with prescribed motion on others do.
                     for d in 0..D {
                         books.ledger.work -= 0.5 * dt.to_double() * gravity[d] * impulse[d];
                     }
@@ -205,8 +207,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         });
     }
 
-    /// Take back what contact gave to the mapped momentum for the stress update (USF): the trial velocities
-    /// start from the uncorrected ones, so that the friction limit of the step holds the whole impulse.
+    /// Undo the contact correction of the mapped momentum for the stress update (USF): trial velocities start from the
+    /// uncorrected ones, so that the friction limit of the step applies to the whole impulse.
     pub(in crate::step) fn undo_contact_correction(&mut self, contact_state: &ContactState<T>) {
         let (fields, mirrors, lattice) = (self.fields, self.planes.copied(), *self.grid.lattice());
         if fields.shared().is_empty() {

@@ -1,4 +1,4 @@
-//! What contact keeps from step to step, and what it reports.
+//! Contact state, kept from step to step, and contact results.
 
 use std::sync::Mutex;
 
@@ -17,22 +17,22 @@ fn extended<const D: usize>(block: &[i32; D]) -> [i32; 3] {
     all
 }
 
-/// What contact keeps from step to step.
+/// Contact state, kept from step to step.
 #[derive(Debug)]
 pub struct ContactState<T> {
-    /// One a shared block, and behind those what was found in blocks that are shared no longer.
+    /// Contacts of each shared block, followed by those of blocks that are no longer shared.
     pub(in crate::step) found: Vec<BlockContacts<T>>,
     shared: usize,
-    /// Used while blocks are arranged.
+    /// Previous contacts, while blocks are arranged.
     before: Vec<BlockContacts<T>>,
     pub(in crate::step) pairs: Vec<PairContact>,
-    /// How far particles of each body may have moved since the start, m.
+    /// Bound of the motion of each body's particles since the start, m.
     pub(in crate::step) way: Vec<f64>,
     pub(in crate::step) memory: ContactMemory,
-    /// Square of the largest speed by block, and by body.
+    /// Square of the largest speed by block (`squares`) and by body (`steps`).
     squares: Vec<T>,
     steps: Vec<T>,
-    /// One a thread.
+    /// Scratch memory, one per thread.
     pub(in crate::step) scratch: Vec<Mutex<Scratch<T>>>,
 }
 
@@ -53,12 +53,12 @@ impl<T> Default for ContactState<T> {
 }
 
 impl<T: Float> ContactState<T> {
-    /// The pairs that were ever in contact, by number.
+    /// Pairs that were ever in contact, by body index.
     pub(in crate::step) fn pairs(&self) -> &[PairContact] {
         &self.pairs
     }
 
-    /// The nodes in contact in the last step.
+    /// Return the nodes in contact in the last step.
     pub(crate) fn nodes<const D: usize>(&self, lattice: &Lattice<D>) -> Vec<ContactPoint> {
         let mut nodes = Vec::new();
         for found in &self.found {
@@ -79,8 +79,8 @@ impl<T: Float> ContactState<T> {
         nodes
     }
 
-    /// Node blocks have changed: keep what was found where the bodies of a shared block are still among those there now. What
-    /// was found elsewhere can be told until bodies are looked at again.
+    /// Rearrange contacts after a change of node blocks: keep those of shared blocks whose bodies are still there. Other
+    /// contacts are reported until the next update.
     pub(in crate::step) fn arrange<const D: usize>(&mut self, fields: &Fields<D>, bodies: usize) {
         let shared = fields.shared();
         self.before.append(&mut self.found);
@@ -89,7 +89,7 @@ impl<T: Float> ContactState<T> {
         let mut spare = rest.iter_mut().filter(|f| f.touches.is_empty());
         for (s, block) in shared.iter().enumerate() {
             let place = extended(&block.coordinates);
-            // Both are sorted by place.
+            // Both lists are sorted by block.
             while before.next_if(|f| f.block < place).is_some() {}
             let mut found = match before.next_if(|f| f.block == place) {
                 Some(found) => std::mem::take(found),
@@ -99,13 +99,13 @@ impl<T: Float> ContactState<T> {
             found.renumber(fields.members(s));
             self.found.push(found);
         }
-        // Those of blocks that are shared no longer, for what they tell and for their memory.
+        // Keep contacts of blocks that are no longer shared, for their report and their memory.
         self.found.extend(self.before.drain(..).filter(|f| f.bytes() > 0));
         self.shared = shared.len();
         self.way.resize(bodies, 0.0);
     }
 
-    /// The shared blocks before contact acts there; how far each body has moved; what laws remember; memory for
+    /// Return the contacts of the shared blocks, the motion of each body, the contact memory, and scratch memory for
     /// `threads`.
     #[allow(clippy::type_complexity)]
     pub(in crate::step) fn open(
@@ -118,18 +118,18 @@ impl<T: Float> ContactState<T> {
         (here, &self.way, &self.memory, &self.scratch)
     }
 
-    /// Keep what laws remember at the end of the step, for cells of `spacing`, m.
+    /// Store the state variables at the end of the step, for cells of `spacing`, m.
     pub(super) fn remember(&mut self, spacing: f64) {
         self.memory.keep(&self.found[..self.shared], spacing);
     }
 
-    /// Room for the squares of the largest speeds, one a block.
+    /// Return the buffer for squares of the largest speeds, one per block.
     pub(in crate::step) fn squares(&mut self, blocks: usize) -> &mut [T] {
         self.squares.resize(blocks, T::default());
         &mut self.squares
     }
 
-    /// Note the way of every body in a step of `dt`, s, from the squares of its blocks' speeds.
+    /// Add the motion of every body in a step of `dt`, s, from the squares of its blocks' speeds.
     pub(in crate::step) fn follow(&mut self, owner: impl Fn(usize) -> u32, dt: f64) {
         self.steps.clear();
         self.steps.resize(self.way.len(), T::default());
@@ -143,7 +143,8 @@ impl<T: Float> ContactState<T> {
         }
     }
 
-    /// Book what contact did to the trial velocities: friction and what else contact took, J.
+    /// Record the contact results of the trial velocities. Returns the energies dissipated by friction and by the rest of
+    /// contact, J.
     pub(in crate::step) fn book(&mut self, dt: f64) -> [f64; 2] {
         for pair in &mut self.pairs {
             (pair.force, pair.places, pair.gap) = ([0.0; 3], 0, None);
@@ -177,7 +178,7 @@ impl<T: Float> ContactState<T> {
         sums
     }
 
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         let scratch = |s: &Mutex<Scratch<T>>| s.lock().map_or(0, |s| s.bytes() + size_of::<Scratch<T>>());
         self.found.iter().map(BlockContacts::bytes).sum::<usize>()
@@ -190,12 +191,12 @@ impl<T: Float> ContactState<T> {
     }
 }
 
-/// Is it in contact, and not told of as another node?
+/// Return true if the touch is in contact, and not the image of another node.
 fn counts<T: Float>(touch: &Touch<T>) -> bool {
     touch.acts && !touch.image && touch.impulse.iter().any(|&x| x != T::default())
 }
 
-/// The entry of a pair of bodies in a sorted list.
+/// Return the entry of a pair of bodies in a sorted list, added if absent.
 fn entry(pairs: &mut Vec<PairContact>, bodies: [usize; 2]) -> &mut PairContact {
     let place = match pairs.binary_search_by_key(&bodies, |p| p.bodies) {
         Ok(place) => place,

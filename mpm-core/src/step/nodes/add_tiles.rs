@@ -1,4 +1,4 @@
-//! The sums over the tiles of the blocks of particles around a block of nodes.
+//! Sums over the tiles of the particle blocks around a node block.
 
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -10,17 +10,17 @@ use crate::step::passes::slot::Slot;
 use crate::step::passes::tile::{place, thirds, tile_nodes};
 use impactite_simd::{Arch, Float, Kernel, Quad, Vectors, prefetch_from};
 
-/// Add the tiles of the blocks of particles around a block of nodes to its nodes, in the order of the blocks.
+/// Kernel that adds the tiles of the particle blocks around a node block to its nodes, in the order of the blocks.
 pub(in crate::step) struct AddTiles<'a, T: Float, const D: usize, E> {
-    /// The block of nodes.
+    /// Nodes of the block.
     pub(in crate::step) nodes: &'a mut [Node<T>],
-    /// The blocks of particles.
+    /// Particle blocks.
     pub(in crate::step) slots: &'a [Slot<T, D>],
-    /// Which of them lie around it, and around the next one.
+    /// Slots around the node block, and around the next one.
     pub(in crate::step) around: [&'a [u32]; 2],
-    /// What to add where.
+    /// Records to sum, and their destination.
     pub(in crate::step) sums: NodeSums,
-    /// Does the method map two records?
+    /// True if the method maps two records.
     pub(in crate::step) two: bool,
     pub(in crate::step) extent: PhantomData<E>,
 }
@@ -42,26 +42,27 @@ impl<T: Float, const D: usize, E: Stencil> Kernel<T> for AddTiles<'_, T, D, E> {
     }
 }
 
-/// Which records of a tile go where.
+/// Destination of the records of a tile.
 #[derive(Clone, Copy)]
 struct Adds {
-    /// First ones to first ones.
+    /// Add first records to first ones.
     first: bool,
-    /// First ones to second ones.
+    /// Add first records to second ones.
     again: bool,
-    /// Second ones to second ones.
+    /// Add second records to second ones.
     second: bool,
 }
 
 impl<T: Float, const D: usize, E: Stencil> AddTiles<'_, T, D, E> {
-    /// Tile of the n-th neighbour, if there is one, of this (0) or the next block of nodes (1), and its rows that hold sums.
+    /// Return the tile of the n-th neighbour, if any, of this (0) or the next node block (1), and its rows that contain
+    /// sums.
     #[inline(always)]
     fn tile(&self, n: usize, block: usize) -> Option<(&[[T; 4]], u64)> {
         let slot = *self.around[block].get(n)?;
         self.slots.get(slot as usize).map(|slot| (slot.tile.all(), slot.rows))
     }
 
-    /// Add the tiles. The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
+    /// Add the tiles of all neighbouring particle blocks; the nodes are one third of each tile along an axis.
     #[inline(always)]
     fn add_all<A: Arch<T>>(&mut self, what: Adds) {
         for z in 0..if D == 3 { 3 } else { 1 } {
@@ -79,8 +80,8 @@ impl<T: Float, const D: usize, E: Stencil> AddTiles<'_, T, D, E> {
         }
     }
 
-    /// Add these rows of neighbour `n`, of whose tile the nodes are the third `X` along x; those of the next block of nodes
-    /// are asked for.
+    /// Add these rows of the tile of neighbour `n`, in which the nodes are the third `X` along x, and prefetch those of the
+    /// next node block.
     #[inline(always)]
     fn add<A: Arch<T>, const X: usize>(
         &mut self,

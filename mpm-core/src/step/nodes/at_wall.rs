@@ -1,21 +1,21 @@
-//! Surfaces of particles at a wall, and what holds them there ([`super::meet_walls`]).
+//! Particle surfaces at a wall, and their contact constraints ([`super::meet_walls`]).
 
 use crate::step::clients::near_particles::{FOUND, NearParticles, SWEEPS};
 
-/// Mass of a body's surface that acts on a node behind a wall, over its own mass, from which the node moves with the one in front of it.
+/// Ratio of surface mass acting on a node behind a wall to nodal mass, above which the node is tied to the one in front.
 const THIN: f64 = 10.0;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::{Boundary, Side};
 
-/// A wall at the start of a step.
+/// Wall at the start of a step.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Plane<const D: usize> {
     pub(in crate::step) axis: usize,
-    /// +1 if it pushes up the axis, else -1.
+    /// Direction of the wall force: +1 along the axis, else -1.
     pub(in crate::step) sign: f64,
-    /// Place, m.
+    /// Position, m.
     pub(in crate::step) at: f64,
-    /// Velocity, m/s; of a smooth wall across it alone.
+    /// Velocity, m/s; only its normal component for a frictionless wall.
     pub(in crate::step) velocity: [f64; D],
     pub(in crate::step) friction: f64,
 }
@@ -36,62 +36,65 @@ impl<const D: usize> Plane<D> {
         let sign = if side == Side::Above { 1.0 } else { -1.0 };
         Some(Plane { axis, sign, at: at + velocity[axis] * time, velocity, friction })
     }
-    /// Distance of a place in front of it, m.
+    /// Return the distance of a point in front of the wall, m.
     pub(in crate::step) fn distance(&self, x: &[f64; D]) -> f64 {
         (x[self.axis] - self.at) * self.sign
     }
 }
 
-/// What is known of a wall from step to step, and the particles at it in this one.
+/// State of a wall, kept from step to step, and the particles near it in the current step.
 #[derive(Clone, Debug, Default)]
 pub(in crate::step) struct AtWall<const D: usize> {
-    /// Body and number of the particles whose surfaces press on it, in order.
+    /// Body and number of the particles in active contact, sorted.
     pub(in crate::step) pressing: Vec<(u32, usize)>,
-    /// Particles whose surfaces may reach it, with weights at their surfaces.
+    /// Particles whose surfaces may reach the wall, with weights at their surfaces.
     pub(in crate::step) near: NearParticles<D>,
     pub(in crate::step) surfaces: Vec<Surface>,
-    /// Inverse masses that nodes show to surfaces, 1/kg; zero for those that a condition holds along the axis of the wall.
+    /// Inverse effective masses of the nodes, 1/kg; zero for nodes that a condition constrains along the axis of the wall.
     pub(in crate::step) shown: Vec<f64>,
-    /// The particles by their numbers, so that what is found does not depend on where they are kept.
+    /// Particles sorted by number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
-    /// Places of nodes of next to no mass among all of the grid, which move as the wall does.
+    /// Indices of nodes of almost no mass in the grid, which move with the wall.
     pub(in crate::step) light: Vec<u32>,
-    /// Nodes behind the wall of so little mass that they move with the one in front, and that one, by place among those of `near`.
+    /// Light nodes behind the wall, each with the node in front to which it is tied, by index in `near`.
     pub(in crate::step) tied: Vec<(u32, u32)>,
 }
 
-/// The surface of a particle at a wall.
+/// Surface of a particle at a wall.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Surface {
-    /// Distance in front of the wall at the start of the step, m.
+    /// Gap to the wall at the start of the step, m.
     pub(in crate::step) gap: f64,
-    /// Did it press in the step before?
+    /// True if the contact was active in the previous step.
     pub(in crate::step) pressed: bool,
-    /// Does it press in this one?
+    /// True if the contact is active in this step.
     pub(in crate::step) presses: bool,
-    /// Inverse of the mass that its nodes show there, 1/kg.
+    /// Inverse of the effective mass of its nodes, 1/kg.
     pub(in crate::step) give: f64,
-    /// Impulses of the wall's force over the step and of the constraint on velocities, N s, by the masses that nodes show.
+    /// Impulses of the wall force over the step (`force`) and of the velocity constraint (`stop`), N s, with effective
+    /// masses.
     pub(in crate::step) force: f64,
     pub(in crate::step) stop: f64,
-    /// How much of these get nodes that move.
+    /// Fractions of these impulses on unconstrained nodes.
     pub(in crate::step) passes: [f64; 2],
 }
 
 impl Surface {
-    /// The impulse that nodes get that move, N s, of which particles take the second part so much.
+    /// Return the impulse on unconstrained nodes, N s; particles receive the fraction `takes` of that of the velocity
+    /// constraint.
     pub(in crate::step) fn given(&self, takes: f64) -> f64 {
         self.passes[0] * self.force + takes * self.passes[1] * self.stop
     }
 }
 
-/// Components along an axis of what is said of nodes.
+/// Interpolate nodal values `of`, with the components of `weights` along an axis.
 fn along<const D: usize>(weights: &[(u32, [f64; D])], axis: usize, of: &[f64]) -> f64 {
     weights.iter().map(|(node, weight)| weight[axis] * of[*node as usize]).sum()
 }
 
 impl<const D: usize> AtWall<D> {
-    /// Change velocities of nodes across a wall until surfaces that press move as it does, and others do not go into it within the step.
+    /// Correct normal nodal velocities until active surfaces move with the wall, and others do not penetrate it within the
+    /// step.
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
         let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
@@ -117,7 +120,7 @@ impl<const D: usize> AtWall<D> {
         }
     }
 
-    /// Balance accelerations of nodes (forces over the masses that they show) at surfaces that press, and find which do.
+    /// Balance nodal accelerations (forces over effective masses) at active surfaces, and find the active ones.
     pub(in crate::step) fn bear(
         &mut self,
         wall: &Plane<D>,
@@ -151,17 +154,17 @@ impl<const D: usize> AtWall<D> {
                 break;
             }
         }
-        // Smaller ones are not found.
+        // Smaller forces are below the solver tolerance.
         let least = FOUND * self.surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.force));
         self.surfaces.iter_mut().for_each(|surface| surface.presses &= surface.force > least);
     }
 
-    /// Smaller impulses of the constraint on velocities are not found, N s.
+    /// Return the tolerance of the impulses of the velocity constraint, N s.
     pub(in crate::step) fn least_stop(&self) -> f64 {
         FOUND * self.surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.stop))
     }
 
-    /// Note which surfaces press, and which came to the wall in this step: they press from the next one on.
+    /// Store the active surfaces, and those that reached the wall in this step: they are active from the next step on.
     pub(in crate::step) fn note(&mut self) {
         self.pressing.clear();
         let (bodies, numbers) = (self.near.bodies(), self.near.numbers());
@@ -171,10 +174,10 @@ impl<const D: usize> AtWall<D> {
         self.pressing.extend(pressing.map(|&p| (bodies[p], numbers[p])));
     }
 
-    /// Tie nodes behind a wall to those in front of them, one cell of `spacing` on, where the mass that they have is small beside that of the
-    /// surfaces which act on them: `masses` are those of the particles. The force of the wall acts at surfaces, half a particle in front of the mass
-    /// that a node gets, and would throw a node that particles have just reached. Both are one node from here on, of both masses and momenta,
-    /// until [`AtWall::part`].
+    /// Tie nodes behind a wall to those in front, one cell of `spacing`, m, away, if their mass is small relative to that
+    /// of the surfaces acting on them; `masses` are those of the particles. The wall force acts at surfaces, half a
+    /// particle in front of the nodal mass, and would strongly accelerate a node that particles have just reached. Both
+    /// nodes then act as one, with the sums of masses and momenta, until [`AtWall::part`].
     pub(in crate::step) fn tie(&mut self, wall: &Plane<D>, masses: &[f64], spacing: f64) {
         self.tied.clear();
         let (axis, near) = (wall.axis, &mut self.near);
@@ -207,7 +210,7 @@ impl<const D: usize> AtWall<D> {
         }
     }
 
-    /// Have tied nodes move as those in front of them do, which get back their own masses.
+    /// Set tied nodes to the velocities of those in front, whose own masses are restored.
     pub(in crate::step) fn part(&mut self) {
         let nodes = &mut self.near.nodes;
         for &(node, front) in &self.tied {
@@ -219,7 +222,7 @@ impl<const D: usize> AtWall<D> {
         }
     }
 
-    /// Give tied nodes and those in front of them the mean of their velocities across the wall, by their masses.
+    /// Set tied nodes and those in front to their mass-weighted mean normal velocity.
     pub(in crate::step) fn join(&self, velocities: &mut [f64]) {
         if self.tied.is_empty() {
             return;
@@ -235,12 +238,12 @@ impl<const D: usize> AtWall<D> {
         self.follow(velocities);
     }
 
-    /// Have tied nodes take velocities across the wall of those in front of them.
+    /// Copy the normal velocities of the nodes in front to tied nodes.
     pub(in crate::step) fn follow(&self, velocities: &mut [f64]) {
         self.tied.iter().for_each(|(node, front)| velocities[*node as usize] = velocities[*front as usize]);
     }
 
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.near.bytes()
             + self.pressing.capacity() * size_of::<(u32, usize)>()
@@ -251,7 +254,7 @@ impl<const D: usize> AtWall<D> {
             + self.tied.capacity() * size_of::<(u32, u32)>()
     }
 
-    /// What is known from step to step, to a file or from one.
+    /// Save or restore the state that is kept from step to step.
     pub(in crate::step) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.list(&mut self.pressing, &(0, 0), |file, (body, number)| {
             let mut word = u64::from(*body);

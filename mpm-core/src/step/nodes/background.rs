@@ -1,4 +1,4 @@
-//! The background grid of a scene, with all that is kept at its nodes.
+//! Background grid of a scene, with all nodal data.
 
 use std::cell::Cell;
 
@@ -19,41 +19,41 @@ use crate::step::scene::Scene;
 use impactite_geometry::Lattice;
 use impactite_simd::{Float, Team};
 
-/// A grid, and whose its nodes are.
+/// Background grid, with the bodies of its nodes.
 pub(in crate::step) struct Background<T: Float, const D: usize> {
     pub(in crate::step) storage: Box<dyn GridStorage<T, D>>,
-    /// Where on the grid each body's nodes are.
+    /// Node blocks of each body.
     pub(in crate::step) fields: Fields<D>,
-    /// Where bodies touch.
+    /// Contact state.
     pub(in crate::step) contact: ContactState<T>,
-    /// Of each block of nodes.
+    /// Records of each node block.
     pub(in crate::step) books: Vec<BlockBooks>,
-    /// What no block of nodes gave or took alone, in a step.
+    /// Exchange of a step that belongs to no single node block.
     pub(in crate::step) scene_wide: Exchange,
-    /// The nodes at planes of symmetry, walls and fixed planes.
+    /// Nodes at symmetry planes, walls and fixed planes.
     pub(in crate::step) planes: Planes<T>,
-    /// Terms of the FMPM series, one a node; empty for other transfers.
+    /// Terms of the FMPM series, one per node; empty for other transfers.
     pub(in crate::step) terms: Vec<[T; 3]>,
     /// Particles near a surface of another discretisation.
     pub(in crate::step) near: NearParticles<D>,
-    /// Walls, in the order of the conditions.
+    /// Wall contact, in the order of the conditions.
     pub(in crate::step) walls: Vec<AtWall<D>>,
-    /// The step after which blocks were arranged last, and whether with a look ahead.
+    /// Step of the last arrangement of blocks (`arranged`), true if it looked ahead (`ahead`).
     pub(in crate::step) arranged: u64,
     pub(in crate::step) ahead: bool,
 }
 
-/// How planes see the nodes: how far stencils reach, and what a traction on a plane of nodes gives to the nodes in front of, on and behind
-/// it.
+/// Treatment of nodes at planes: stencil reach, and the shares of a traction on a plane of nodes for the nodes in front of,
+/// on and behind it.
 #[derive(Clone, Copy)]
 pub(in crate::step) struct AtPlanes {
-    /// Do they reach behind a plane that particles touch, and does the basis end at walls?
+    /// True if stencils extend beyond a plane that particles touch; true if the basis ends at walls.
     pub(in crate::step) reach: [bool; 2],
     pub(in crate::step) shares: [f64; 3],
 }
 
 impl<T: Float, const D: usize> Background<T, D> {
-    /// Without bodies.
+    /// Create a grid without bodies.
     pub(in crate::step) fn new(storage: Box<dyn GridStorage<T, D>>) -> Self {
         Background {
             storage,
@@ -80,7 +80,7 @@ impl<T: Float, const D: usize> Background<T, D> {
         self.storage.nodes_mut()
     }
 
-    /// The grid for a stage of a step, and where bodies touch, which leaves the bodies to be seen.
+    /// Return the grid for a stage of a step, and the contact state; the bodies remain readable.
     pub(in crate::step) fn stage<'a>(
         &'a mut self,
         scene: &'a Scene<T, D>,
@@ -106,7 +106,7 @@ impl<T: Float, const D: usize> Background<T, D> {
         (stage, contact)
     }
 
-    /// Have the node blocks that the particles reach after so many steps, and tell the bodies where they are.
+    /// Arrange the node blocks that the particles reach after this number of `steps`, and link the bodies to them.
     pub(in crate::step) fn arrange(
         &mut self,
         scene: &mut Scene<T, D>,
@@ -124,7 +124,7 @@ impl<T: Float, const D: usize> Background<T, D> {
         Ok(())
     }
 
-    /// Have the node blocks that were claimed when a checkpoint was written.
+    /// Arrange the node blocks that were requested when a checkpoint was written.
     pub(in crate::step) fn settle(&mut self, scene: &mut Scene<T, D>) -> Result<(), OutsideGrid> {
         let separate = scene.contact.separates();
         self.fields.settle(&mut *self.storage, &mut scene.bodies, separate)?;
@@ -144,8 +144,8 @@ impl<T: Float, const D: usize> Background<T, D> {
         self.planes.arrange(&*self.storage, (&self.fields, rigid), boundaries, at.reach, at.shares);
     }
 
-    /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where
-    /// it has one?
+    /// Return true if particles reach node blocks without a field of their body or, with `prune`, if a field is no longer
+    /// reached.
     pub(in crate::step) fn fields_changed(&self, scene: &mut Scene<T, D>, prune: bool) -> bool {
         let layout = self.fields.layout();
         scene.contact.separates()
@@ -154,8 +154,8 @@ impl<T: Float, const D: usize> Background<T, D> {
                 || prune && self.fields.outdated(&scene.bodies))
     }
 
-    /// Add the particles of a body in boxes that a surface reaches, with the velocities of their nodes, those of less mass than
-    /// `cutoff` left out. Are nodes' accelerations `known`?
+    /// Gather the particles of a body in boxes that a surface reaches, with the velocities of their nodes; nodes lighter
+    /// than `cutoff` are excluded. `known` is true if nodal accelerations are known.
     pub(in crate::step) fn gather_near(
         &self,
         near: &mut NearParticles<D>,
@@ -170,13 +170,14 @@ impl<T: Float, const D: usize> Background<T, D> {
         });
     }
 
-    /// Nodes of a body with mass, by index on the lattice; `known`: are their velocities at the start of the step of `dt`, s?
+    /// Return a lookup of a body's nodes with mass by lattice index; `known` is true if their velocities at the start of
+    /// the step of `dt`, s, are known.
     pub(in crate::step) fn near_node(
         &self,
         body: u32,
         (cutoff, known, dt): (T, bool, T),
     ) -> impl Fn(&[i32; D]) -> Option<NearNode<D>> + '_ {
-        // Nodes beside each other are mostly of one block.
+        // Consecutive nodes are mostly in one block.
         let last = Cell::new(None);
         move |at: &[i32; D]| {
             let block = at.map(|c| c.div_euclid(BLOCK as i32));
@@ -202,7 +203,7 @@ impl<T: Float, const D: usize> Background<T, D> {
         }
     }
 
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.storage.bytes()
             + self.books.capacity() * size_of::<BlockBooks>()

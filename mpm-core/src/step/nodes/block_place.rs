@@ -31,7 +31,7 @@ impl<const D: usize> BlockPlace<D> {
             (index - m.node) * m.sign < 0
         })
     }
-    /// The axes of the planes that a node lies behind.
+    /// Return the axes along which a node is behind a plane.
     pub(in crate::step) fn image(&self, n: usize, mirrors: &[Plane]) -> [bool; 3] {
         let mut image = [false; 3];
         for m in mirrors {

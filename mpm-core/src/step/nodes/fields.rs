@@ -1,11 +1,10 @@
-//! Which node blocks there are, and whose they are: the local multi-mesh of \[Ma2010\] 1.5.
+//! Node blocks and their bodies: the local multi-mesh of \[Ma2010\] 1.5.
 //!
-//! A block of nodes that the particles of one body reach belongs to that body. Where several bodies reach the
-//! same block, and the scene's [`ContactAlgorithm`](crate::ContactAlgorithm) keeps them apart, each has a **field block** of its
-//! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
-//! body's block as if they were alone; only the contact stages know that there are others. A field block holds the
-//! nodes that the body's particles reach, if they are few ([`Layout`]). Bodies that move as one share the fields of one of them
-//! (`Fields::join`).
+//! A node block that the particles of one body reach belongs to that body. If several bodies reach the same block, and the
+//! scene's [`ContactAlgorithm`](crate::ContactAlgorithm) separates them, each has its own **field block**: the first body
+//! uses the grid's block, the others use blocks appended to those of the grid. Particles access their body's block as if
+//! there were no other; only contact stages use several. A field block stores only the nodes that the body's particles
+//! reach, if they are few ([`Layout`]). Bodies that move as one share the fields of one of them (`Fields::join`).
 
 use super::layout::{Claim, Layout, whole_block};
 use crate::dim::block_nodes;
@@ -14,57 +13,57 @@ use crate::step::bodies::body::GridBody;
 use crate::step::rigid::motion::RigidState;
 use impactite_simd::{Float, Team};
 
-/// A field of a shared block: whose it is, and where.
+/// Field of a shared block: its body and its node block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Member {
-    /// Number of the body.
+    /// Index of the body.
     pub body: u32,
-    /// Its field block, by place among the nodes.
+    /// Index of its field block.
     pub block: u32,
-    /// Is the body's motion prescribed?
+    /// True if the body's motion is prescribed.
     pub prescribed: bool,
 }
 
-/// Who maps to a node block: a body and the block's place in the body's own list.
+/// Contributor to a node block: a body, and the index of the block in the body's own list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::step) struct Giver {
     pub(in crate::step) body: u32,
     pub(in crate::step) local: u32,
 }
 
-/// A node block that several bodies reach.
+/// Node block that several bodies reach.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::step) struct SharedBlock<const D: usize> {
     pub(in crate::step) coordinates: [i32; D],
-    /// Its fields, among the members.
+    /// Range of its fields among the members.
     pub(in crate::step) fields: std::ops::Range<usize>,
 }
 
-/// Nobody in particular.
+/// Owner of blocks that belong to no single body.
 pub(in crate::step) const NOBODY: u32 = u32::MAX;
 
-/// The node blocks of a scene, field blocks included.
+/// Node blocks of a scene, field blocks included.
 #[derive(Clone, Debug)]
 pub struct Fields<const D: usize> {
-    /// Of each block; the grid's own first.
+    /// Coordinates of each block; the grid's own first.
     coordinates: Vec<[i32; D]>,
-    /// The body of each block, or [`NOBODY`].
+    /// Body of each block, or [`NOBODY`].
     owners: Vec<u32>,
-    /// The nodes that each block keeps, a bit each, and where.
+    /// Nodes that each block stores, one bit each (`kept`), and their layout.
     kept: Vec<u64>,
     layout: Layout,
-    /// Where the givers of each block start; one more than there are blocks.
+    /// Start of each block's contributors; one more than there are blocks.
     starts: Vec<u32>,
     givers: Vec<Giver>,
     shared: Vec<SharedBlock<D>>,
     members: Vec<Member>,
-    /// The shared block that a block is a field of, and as which field.
+    /// Shared block and field index of each block.
     field_of: Vec<Option<(u32, u32)>>,
-    /// Of bodies that have no fields of their own, whose they share; sorted.
+    /// Bodies without fields of their own, and the bodies whose fields they share; sorted.
     joined: Vec<(u32, u32)>,
-    /// Whose block is where, sorted; empty if bodies are not kept apart.
+    /// Coordinates, body and index of each block, sorted; empty if bodies are not separated.
     table: Vec<([i32; D], u32, u32)>,
-    // Used while they are arranged.
+    // Buffers for the arrangement of fields.
     pub(in crate::step) claims: Vec<Claim<D>>,
     wanted: Vec<[i32; D]>,
     places: Vec<u32>,
@@ -94,26 +93,26 @@ impl<const D: usize> Default for Fields<D> {
 }
 
 impl<const D: usize> Fields<D> {
-    /// Let a body share the fields of another one, which has its own.
+    /// Assign the fields of the body `with`, which has its own, to another body.
     pub(in crate::step) fn join(&mut self, body: u32, with: u32) {
         self.joined.retain(|known| known.0 != body);
         self.joined.push((body, with));
         self.joined.sort_unstable();
     }
 
-    /// Let a body have fields of its own again.
+    /// Restore a body's own fields.
     pub(in crate::step) fn part(&mut self, body: u32) {
         self.joined.retain(|known| known.0 != body);
     }
 
-    /// Whose fields a body has.
+    /// Return the body whose fields a body uses.
     pub(in crate::step) fn owner_of(&self, body: u32) -> u32 {
         self.joined.binary_search_by_key(&body, |known| known.0).map_or(body, |at| self.joined[at].1)
     }
 
-    /// Have the node blocks that the particles reach, kept apart by body if `separate`, and tell the bodies
-    /// where theirs are; to look `ahead`, those that they reach from a cell beside as well. A body that rests has none, and
-    /// wakes where another claims what it would.
+    /// Arrange the node blocks that the particles reach, separated by body if `separate`, and link the bodies to them; with
+    /// `ahead`, include those reached from adjacent cells. A deactivated body has no blocks, and is reactivated if another
+    /// requests one that it would have.
     pub(in crate::step) fn arrange<T: Float>(
         &mut self,
         grid: &mut dyn GridStorage<T, D>,
@@ -127,7 +126,7 @@ impl<const D: usize> Fields<D> {
         for (number, body) in bodies.iter_mut().enumerate() {
             body.presence_mut().claims(self.owner_of(number as u32), ahead, &mut claims);
         }
-        // Those who wake claim, too, and may wake others.
+        // Reactivated bodies also request blocks, and may reactivate others.
         let mut known = 0;
         while known < claims.len() {
             let new = std::mem::replace(&mut known, claims.len())..claims.len();
@@ -151,7 +150,7 @@ impl<const D: usize> Fields<D> {
         self.settle(grid, bodies, separate)
     }
 
-    /// Have the node blocks that are claimed.
+    /// Arrange the requested node blocks.
     pub(in crate::step) fn settle<T: Float>(
         &mut self,
         grid: &mut dyn GridStorage<T, D>,
@@ -171,7 +170,7 @@ impl<const D: usize> Fields<D> {
         arranged
     }
 
-    /// Give every claim a block.
+    /// Assign a block to every request.
     fn assign<T: Float>(&mut self, grid: &mut dyn GridStorage<T, D>, claims: &[Claim<D>], separate: bool) {
         self.coordinates.clear();
         self.coordinates.extend_from_slice(grid.blocks());
@@ -198,8 +197,8 @@ impl<const D: usize> Fields<D> {
         }
     }
 
-    /// One place: the grid's block to the first body, further blocks to the others. A body whose particles do
-    /// not reach it yet has no part in it if another claims it.
+    /// Assign the blocks at one place: the grid's block to the first body, further blocks to the others. A body whose
+    /// particles do not reach it yet has no field if another requests it.
     fn divide(&mut self, block: Option<usize>, claims: &[Claim<D>]) {
         let Some(block) = block else { return };
         let coordinates = claims[0].coordinates;
@@ -248,7 +247,7 @@ impl<const D: usize> Fields<D> {
             let givers = places.iter().enumerate();
             found.extend(givers.map(|(l, &block)| (block, Giver { body: number, local: l as u32 })));
         }
-        // By block, bodies in order in each.
+        // Sort by block, then by body.
         found.sort_unstable_by_key(|f| (f.0, f.1.body));
         self.starts.clear();
         self.givers.clear();
@@ -272,7 +271,7 @@ impl<const D: usize> Fields<D> {
     pub(in crate::step) fn len(&self) -> usize {
         self.coordinates.len()
     }
-    /// Where their nodes are.
+    /// Storage layout of the nodes.
     pub(in crate::step) fn layout(&self) -> &Layout {
         &self.layout
     }
@@ -280,27 +279,27 @@ impl<const D: usize> Fields<D> {
     pub(in crate::step) fn coordinates(&self) -> &[[i32; D]] {
         &self.coordinates
     }
-    /// The body of a block, or [`NOBODY`].
+    /// Body of a block, or [`NOBODY`].
     pub(in crate::step) fn owner(&self, block: usize) -> u32 {
         self.owners[block]
     }
-    /// Who maps to a block, bodies in order.
+    /// Contributors to a block, in the order of bodies.
     pub(in crate::step) fn givers(&self, block: usize) -> &[Giver] {
         &self.givers[self.starts[block] as usize..self.starts[block + 1] as usize]
     }
-    /// The blocks that several bodies reach, by coordinates.
+    /// Blocks that several bodies reach, sorted by coordinates.
     pub(in crate::step) fn shared(&self) -> &[SharedBlock<D>] {
         &self.shared
     }
-    /// The fields of a shared block, bodies in order.
+    /// Fields of a shared block, in the order of bodies.
     pub(in crate::step) fn members(&self, shared: usize) -> &[Member] {
         &self.members[self.shared[shared].fields.clone()]
     }
-    /// The shared block that a block is a field of, and as which field.
+    /// Shared block and field index of a block.
     pub(in crate::step) fn field_of(&self, block: usize) -> Option<(usize, usize)> {
         self.field_of[block].map(|(s, f)| (s as usize, f as usize))
     }
-    /// Where the body's nodes of a place are (of the one common field if bodies are not kept apart).
+    /// Return the block of a body's nodes at `at` (of the common field if bodies are not separated).
     pub(in crate::step) fn find<T: Float>(
         &self,
         grid: &dyn GridStorage<T, D>,
@@ -315,16 +314,16 @@ impl<const D: usize> Fields<D> {
         }
         find_in(&self.table, at, body)
     }
-    /// Who maps to the field of a body at `at`, where bodies are kept apart.
+    /// Contributors to the field of a body at `at`, if bodies are separated.
     pub(in crate::step) fn givers_at(&self, at: &[i32; D], body: u32) -> &[Giver] {
         find_in(&self.table, at, body).map_or(&[], |block| self.givers(block))
     }
-    /// Is there a field that no particle of its body reaches any more?
+    /// Return true if a field is no longer reached by any particle of its body.
     pub(in crate::step) fn outdated<T: Float>(&self, bodies: &[Box<dyn GridBody<T, D>>]) -> bool {
         let reaches = |g: &Giver| bodies[g.body as usize].presence().reaches(g.local as usize);
         self.members.iter().any(|member| !self.givers(member.block as usize).iter().any(reaches))
     }
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.coordinates.capacity() * size_of::<[i32; D]>()
             + (self.owners.capacity() + self.starts.capacity()) * size_of::<u32>()
@@ -342,11 +341,11 @@ impl<const D: usize> Fields<D> {
     }
 }
 
-/// Bodies in a block of space from which on fields keep only the nodes that are reached; in the plane a block has few. Where
-/// two bodies meet, particles reach further nodes all the time, and every such change means to arrange all blocks anew.
+/// Number of bodies in a 3D block from which fields store only the nodes that are reached; a 2D block has few nodes. With
+/// two bodies in contact, particles often reach further nodes, and every such change requires an arrangement of all blocks.
 const CROWD: usize = 3;
 
-/// The nodes that a field keeps whose particles reach these: all, if they are most.
+/// Return the nodes that a field stores for these reached nodes: all, if most are reached.
 fn worth_keeping<const D: usize>(reached: u64) -> u64 {
     let most = 4 * reached.count_ones() as usize > 3 * block_nodes(D);
     if most { whole_block(D) } else { reached }

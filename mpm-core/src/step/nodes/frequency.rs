@@ -1,11 +1,12 @@
-//! Gershgorin's bound of the highest frequency, for the time step.
+//! Gershgorin bound of the highest frequency, for the time step limit.
 
-use super::stages::{free_directions, mass_cutoff};
+use super::constraints::free_directions;
+use super::stages::mass_cutoff;
 use crate::step::between_steps::rest::{AtNodes, Frequency};
 use crate::step::mpm::Mpm;
 use impactite_simd::Float;
 
-/// What a node has of the bound.
+/// Contributions of a node to the bound.
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     mass: f64,
@@ -13,15 +14,15 @@ struct Row {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// A bound of the highest frequency by the circles of Gershgorin,
+    /// Return a bound of the highest frequency by Gershgorin circles,
     ///
     /// ```text
     /// omega_i^2 <= (1/m_i) sum_p m_p c_p^2 |G_ip| sum_j |G_jp|
     /// ```
     ///
-    /// with c the speed of the fastest wave, whose m_p c_p^2 is the volume times the P-wave modulus. Nodes that boundaries
-    /// hold in every direction are left out. It knows where in their cells particles are, which h / c does not.
-    /// Made from the particles one by one, some ten times the work of a step.
+    /// with the largest wave speed c; m_p c_p^2 is the volume times the P-wave modulus. Nodes that boundaries constrain in
+    /// every direction are excluded. Unlike h / c, the bound includes the positions of particles in their cells. Computed
+    /// particle by particle: about ten times the cost of a step.
     pub fn frequency_bound(&self) -> Frequency {
         self.work.frequency_bound(self)
     }
@@ -52,8 +53,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Frequency { bound: square.sqrt(), speed }
     }
 
-    /// One over the longest step that [`Frequency`] allows, 1/s: sqrt(2) / omega with USL, 2 / omega with MUSL and USF;
-    /// in the updated frame no particle further than half a cell.
+    /// Return the inverse of the time step limit of [`Frequency`], 1/s: sqrt(2) / omega with USL, 2 / omega with MUSL and
+    /// USF; in the updated frame particles move half a cell at most.
     pub(in crate::step) fn gershgorin_rate(&self) -> f64 {
         let Frequency { bound, speed } = self.frequency_bound();
         let rate = bound / if self.facts().symplectic() { 2.0 } else { 2.0f64.sqrt() };
@@ -62,7 +63,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 }
 
-/// The larger of two; a NaN stays one.
+/// Return the larger value; NaN is kept.
 fn larger(a: f64, b: f64) -> f64 {
     if b.is_nan() || b > a { b } else { a }
 }

@@ -1,38 +1,38 @@
-//! Where the nodes of a block are kept.
+//! Storage layout of the nodes of blocks.
 //!
-//! A block has room for all its 4^D nodes, x fastest. Where several bodies share it, many of a body's nodes there are out
-//! of its particles' reach: such a field keeps only those within, in the same order.
+//! A block can store all its 4^D nodes, x fastest. If several bodies share it, many nodes of a body are out of its
+//! particles' reach: such a field stores only those within, in the same order.
 
 use crate::dim::block_nodes;
 use crate::grid::Node;
 use impactite_simd::Team;
 
-/// Places of the nodes of all blocks.
+/// Storage indices of the nodes of all blocks.
 #[derive(Clone, Debug, Default)]
 pub struct Layout {
-    /// Nodes of a whole block.
+    /// Number of nodes of a whole block.
     whole: usize,
     /// Number of blocks.
     blocks: usize,
-    /// First node of each block, and behind the last one; empty if all are whole.
+    /// First node of each block, and one past the last node; empty if all blocks are whole.
     starts: Vec<u32>,
-    /// Which nodes each block keeps, a bit each; likewise.
+    /// Nodes that each block stores, one bit each; empty if all blocks are whole.
     kept: Vec<u64>,
 }
 
-/// The bits of all nodes of a block.
+/// Return the bits of all nodes of a block.
 pub(in crate::step) const fn whole_block(d: usize) -> u64 {
     u64::MAX >> (64 - block_nodes(d))
 }
 
-/// Place of a node among those of a set.
+/// Return the rank of a node in a set.
 #[inline(always)]
 pub(in crate::step) fn rank(set: u64, node: usize) -> usize {
     (set & !(u64::MAX << node)).count_ones() as usize
 }
 
 impl Layout {
-    /// Blocks in `d` dimensions that keep these nodes.
+    /// Arrange blocks in `d` dimensions that store these nodes.
     pub(in crate::step) fn arrange(&mut self, d: usize, kept: impl ExactSizeIterator<Item = u64> + Clone) {
         (self.whole, self.blocks) = (block_nodes(d), kept.len());
         self.starts.clear();
@@ -49,43 +49,43 @@ impl Layout {
         self.starts.push(start);
     }
 
-    /// Are all blocks whole?
+    /// Return true if all blocks are whole.
     #[inline(always)]
     pub(in crate::step) fn is_whole(&self) -> bool {
         self.starts.is_empty()
     }
-    /// Nodes of all blocks.
+    /// Number of nodes of all blocks.
     pub(in crate::step) fn len(&self) -> usize {
         self.start(self.blocks)
     }
-    /// First node of a block.
+    /// Index of the first node of a block.
     #[inline(always)]
     pub(in crate::step) fn start(&self, block: usize) -> usize {
         if self.is_whole() { block * self.whole } else { self.starts[block] as usize }
     }
-    /// The nodes that a block keeps, a bit each.
+    /// Nodes that a block stores, one bit each.
     #[inline(always)]
     pub(in crate::step) fn kept(&self, block: usize) -> u64 {
         if self.is_whole() { u64::MAX >> (64 - self.whole) } else { self.kept[block] }
     }
-    /// Place of a node, if it is kept.
+    /// Index of a node, if stored.
     pub(in crate::step) fn place(&self, block: usize, node: usize) -> Option<usize> {
         let kept = self.kept(block);
         (kept >> node & 1 != 0).then(|| self.start(block) + rank(kept, node))
     }
-    /// The block of the node at a place.
+    /// Block of the node at an index.
     pub(in crate::step) fn block_of(&self, place: usize) -> usize {
         if self.is_whole() {
             return place / self.whole;
         }
         self.starts.partition_point(|&start| start as usize <= place) - 1
     }
-    /// The nodes of a block.
+    /// Items at the nodes of a block.
     pub(in crate::step) fn of<'a, X>(&self, items: &'a [X], block: usize) -> &'a [X] {
         &items[self.start(block)..self.start(block + 1)]
     }
 
-    /// `task` on the nodes of every block, with the matching element of `with`.
+    /// Run `task` on the nodes of every block, with the matching element of `with`.
     pub(in crate::step) fn each<X: Send, Y: Send>(
         &self,
         team: &Team,
@@ -107,37 +107,37 @@ impl Layout {
         });
     }
 
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.starts.capacity() * size_of::<u32>() + self.kept.capacity() * size_of::<u64>()
     }
 }
 
-/// The nodes that a block keeps.
+/// Items at the nodes that a block stores.
 pub(in crate::step) struct Piece<'a, X> {
-    /// In order of place.
+    /// Items in storage order.
     pub(in crate::step) items: &'a mut [X],
     kept: u64,
     whole: bool,
 }
 
 impl<X> Piece<'_, X> {
-    /// Are they all of the block's?
+    /// Return true if all nodes of the block are stored.
     pub(in crate::step) fn is_whole(&self) -> bool {
         self.whole
     }
-    /// Each with its number in the block.
+    /// Iterate over the items, with their node number in the block.
     pub(in crate::step) fn numbered(&mut self) -> impl Iterator<Item = (usize, &mut X)> {
         self.items.iter_mut().zip(numbers(self.kept)).map(|(item, n)| (n, item))
     }
-    /// One by its number in the block.
+    /// Return the item of a node number in the block, if stored.
     pub(in crate::step) fn get(&mut self, node: usize) -> Option<&mut X> {
         let place = rank(self.kept, node);
         if self.kept >> node & 1 != 0 { self.items.get_mut(place) } else { None }
     }
 }
 
-/// The numbers in a set, in order.
+/// Iterate over the numbers in a set, in order.
 pub(in crate::step) fn numbers(mut set: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let next = set.trailing_zeros() as usize;
@@ -146,12 +146,12 @@ pub(in crate::step) fn numbers(mut set: u64) -> impl Iterator<Item = usize> {
     })
 }
 
-/// All nodes as particles read them.
+/// All nodes, for reading by particles.
 #[derive(Clone, Copy)]
 pub struct Nodes<'a, T> {
-    /// Their records.
+    /// Records of the nodes.
     pub(in crate::step) all: &'a [Node<T>],
-    /// Where those of a block are.
+    /// Storage layout of the blocks.
     pub(in crate::step) layout: &'a Layout,
 }
 
@@ -190,28 +190,28 @@ mod tests {
     }
 }
 
-/// A body's claim to a node block.
+/// Request of a body for a node block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Claim<const D: usize> {
     /// Coordinates of the block.
     pub coordinates: [i32; D],
-    /// Number of the body.
+    /// Index of the body.
     pub body: u32,
-    /// The nodes that its particles reach, a bit each; none if they may come there, but are not there yet.
+    /// Nodes that its particles reach, one bit each; none if they may come there later.
     pub reached: u64,
 }
 
-/// Which records of the bodies' tiles to sum, and where to.
+/// Tile records to sum, and their destination.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NodeSums {
     /// Both records: mass, momentum and force.
     All,
-    /// The second into the second: force (USF).
+    /// Second into second records: force (USF).
     Force,
-    /// The first into the second: momentum mapped again (MUSL).
+    /// First into second records: momentum mapped again (MUSL).
     Again,
-    /// The same, of a velocity that is smoothed (FMPM).
+    /// First into second records: smoothed velocity (FMPM).
     Smoothed,
-    /// The same, of what particles are pushed by.
+    /// First into second records: impulses on particles.
     Pushes,
 }

@@ -1,20 +1,21 @@
-//! Walls that only push, as the surfaces of bodies meet them.
+//! Contact of unilateral walls with the surfaces of bodies.
 //!
-//! Half its size r along the normal: so far below the surface of a body its outermost particles lie. Where the surface of a
-//! particle, at x - r n, reaches a wall of normal n, it presses on it from the step in which it would go into the wall to that in which the
-//! nodes' acceleration draws it off. While it presses, the surface moves as the wall does:
+//! The outermost particles of a body are half a particle size r below its surface, along the normal. The surface of a
+//! particle, at x - r n, is in active contact with a wall of normal n from the step in which it would penetrate the wall to
+//! that in which the nodal acceleration pulls it off. In active contact the surface moves with the wall:
 //!
 //! sum_i N_i(x - r n) v_i . n = v_wall . n,  sum_i N_i(x - r n) a_i . n = 0
 //!
-//! with the particle's weights N_i at its surface. The constraint on the accelerations a_i is the force of the wall, which only pushes: it
-//! balances what matter presses with. That on the velocities v_i says how particles move and deform; particles are not pushed by it: they come to
-//! rest by the stress of the matter that is compressed. So a wall at rest does no work, and nothing is lost in the transfer of impulses to
-//! particles. (A wall that stops trial velocities step by step does work J . (v- + v+) / 2 on matter that parts at the start of a step and
-//! closes at its end, and FLIP keeps it: a bounce gave up to twice the energy. One that pushes particles by the stiffness of half of each loses
-//! in the transfer: 16 % of the energy of a flat impact with eight cells.)
+//! with the particle's weights N_i at its surface. The constraint on the accelerations a_i is the compressive force of the
+//! wall, which balances the pressure of the material. The constraint on the velocities v_i determines the motion and
+//! deformation of particles, but does not push them: the stress of the compressed material brings them to rest. So a wall
+//! at rest does no work, and the transfer of impulses to particles is lossless. (A wall that stops trial velocities step by
+//! step does work J . (v- + v+) / 2 on material that separates at the start of a step and closes at its end, and FLIP keeps
+//! it: a bounce gained up to twice the energy. A wall that pushes particles with the stiffness of half of each is lossy in
+//! the transfer: 16 % of the energy of a flat impact with eight cells.)
 //!
-//! Friction acts at the surface, too: the impulse along the wall is what brings it to rest on the wall, at most the coefficient of friction times
-//! the impulse across.
+//! Friction also acts at the surface: the tangential impulse brings the surface to rest on the wall, but is at most the
+//! friction coefficient times the normal impulse.
 
 use super::at_wall::{AtWall, Plane, Surface};
 use super::footprint::{Folds, NodeWeight};
@@ -25,23 +26,25 @@ use crate::step::mpm::Mpm;
 use impactite_simd::Float;
 use std::cell::RefCell;
 
-/// Least mass that a node shows to surfaces, over that of a cell full of the densest matter there. Nodes of next to no mass would give way to a
-/// surface all alone, at velocities that strain what is beside them.
+/// Least effective mass of a node for surfaces, over that of a cell full of the densest material there. Nodes of almost no
+/// mass would yield to a surface alone, at velocities that strain the adjacent material.
 const LIGHTEST: f64 = 0.1;
-/// Mass of nodes that surfaces do not see, over that of the lightest particle: their velocities are rounding.
+/// Mass of nodes that surfaces ignore, over that of the lightest particle: their velocities are rounding errors.
 const NO_MASS: f64 = 1e-12;
-/// Gap, over half the size of a particle, up to which a surface that pressed still presses: matter that expands is larger than its particle.
+/// Largest gap, over half the particle size, at which an active contact stays active: expanded material is larger than its
+/// particle.
 const PARTS: f64 = 0.25;
-/// A surface within this many cells of a wall touches it: a gap that was closed within a step is closed to rounding.
+/// Contact tolerance of the gap, in cells: a gap that was closed within a step is closed to rounding.
 const TOUCHES: f64 = 1e-6;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Have surfaces meet the walls at the end of the momentum update.
+    /// Apply wall contact at the end of the momentum update.
     pub(in crate::step) fn meet_walls(&mut self, dt: T) {
         self.at_walls(|this, at, wall| this.meet_wall(at, wall, dt));
     }
 
-    /// Hold the velocities of nodes where surfaces press on walls: `mapped` before forces act (USF), else as they are.
+    /// Constrain nodal velocities at surfaces in active wall contact; `mapped` is true for mapped velocities before forces
+    /// act (USF).
     pub(in crate::step) fn hold_at_walls(&mut self, dt: T, mapped: bool) {
         self.at_walls(|this, at, wall| {
             if mapped {
@@ -49,13 +52,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 at.surfaces.iter_mut().for_each(|s| s.presses = s.pressed);
             }
             this.hold_at(at, wall, dt, false);
-            // Particles take this much of what nodes move with.
+            // Particles receive the PIC fraction of the velocity constraint.
             at.surfaces.iter_mut().for_each(|surface| surface.force = 0.0);
             this.book_walls(at, wall, this.kernels.taken(dt).to_double());
         });
     }
 
-    /// Hold the velocities that were mapped again where surfaces press on walls (MUSL).
+    /// Constrain the re-mapped velocities at surfaces in active wall contact (MUSL).
     pub(in crate::step) fn hold_remapped_at_walls(&mut self, dt: T) {
         self.at_walls(|this, at, wall| this.hold_at(at, wall, dt, true));
     }
@@ -73,7 +76,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.grid.walls = walls;
     }
 
-    /// Know as many walls as there are.
+    /// Allocate the contact state of every wall.
     pub(in crate::step) fn have_walls(&mut self) {
         let count = self.scene.conditions.boundaries.iter().filter(|b| b.is_wall()).count();
         self.grid.walls.resize_with(count, AtWall::default);
@@ -156,7 +159,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             v[wall.axis] != 1.0
         };
         shown.clear();
-        // Where forces are mapped with momentum, velocities change by the force of the wall, too, which nodes share by their weights alone.
+        // With forces mapped together with momentum, the wall force changes velocities, too; nodes then share it by weights
+        // alone.
         let least = if self.kernels.facts().maps_together { 0.0 } else { LIGHTEST };
         shown.extend(
             near.nodes
@@ -204,8 +208,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         at.hold(wall, &mut velocities, step);
         self.book_walls(at, wall, takes);
-        // The work of a body force was booked with the mean of the velocities at the start and at the end; where momentum and impulse are
-        // known together, the first is that of both, and stays.
+        // Body force work was recorded with the mean of the velocities at the start and at the end. If momentum and impulse
+        // are mapped together, the start velocity is that of both, and stays.
         let held = if known { 1.0 } else { 0.5 };
         let gravity = self.scene.conditions.gravity.as_ref().map_or(0.0, |g| g(self.clock.time)[axis]);
         let moved = |s: &Surface| 0.5 * s.passes[0] * s.force + held * s.passes[1] * s.stop;
@@ -234,7 +238,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.move_nodes(at, wall, &velocities, dt);
     }
 
-    /// Book what a wall gave.
+    /// Record the impulse and work of a wall.
     fn book_walls(&mut self, at: &AtWall<D>, wall: &Plane<D>, takes: f64) {
         let axis = wall.axis;
         for surface in &at.surfaces {
@@ -273,7 +277,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         stage.extrapolate();
     }
 
-    /// Give nodes these velocities across a wall, m/s, as far as conditions allow that hold them, and not as an increment of what particles have.
+    /// Set the normal velocities of nodes at a wall, m/s, subject to constraints, and not as an increment of particle
+    /// velocities.
     fn move_nodes(&mut self, at: &AtWall<D>, wall: &Plane<D>, velocities: &[f64], dt: T) {
         let (axis, end) = (wall.axis, self.clock.time + dt.to_double());
         let tolerance = 1e-6 * self.grid.lattice().spacing();

@@ -1,6 +1,6 @@
 //! Sets of nodes of a block.
 
-/// Nodes of a block, a bit each, by the axis along which they are held.
+/// Constrained nodes of a block, one bit each, by axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct NodeSets(pub(in crate::step) [u64; 3]);
 

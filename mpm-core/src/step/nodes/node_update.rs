@@ -1,4 +1,4 @@
-//! What the grid stages make of a node: velocity, momentum update, re-mapped velocity.
+//! Nodal updates of the grid stages: velocity, momentum update, re-mapped velocity.
 
 use mpm_materials::Lane;
 
@@ -6,29 +6,29 @@ use crate::grid::Node;
 use impactite_scene::{Exchange, LocalDamping};
 use impactite_simd::{Arch, Float, Kernel, Quad};
 
-/// A node as conditions that react see it: its velocities at the start of the step, if they are known, and at the end, m/s.
+/// State of a node for reacting conditions: mass, kg, velocity at the start of the step, m/s, if known, and time step, s.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Trial {
     pub(in crate::step) mass: f64,
     pub(in crate::step) start: Option<[f64; 3]>,
     pub(in crate::step) dt: f64,
-    /// Are only velocities asked for that hold the node, before forces act?
+    /// True if only constraining reactions are requested, before forces act.
     pub(in crate::step) only_held: bool,
 }
 
-/// The boundaries as a node meets them.
+/// Boundary conditions at a node.
 pub(in crate::step) trait Around {
-    /// Make a velocity obey those that prescribe it, at a time. Does any apply there?
+    /// Apply prescribed velocities at a time. Returns true if any applies.
     fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool;
-    /// What those do that react to a velocity: it changes, and what is done is booked. Does any?
+    /// Apply reacting conditions to a velocity, and record them in the ledger. Returns true if any reacts.
     fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool;
-    /// The directions in which those hold the node in this step.
+    /// Directions in which reacting conditions constrain the node in this step.
     fn held(&self) -> [bool; 3];
-    /// The directions in which the weight of the node is among its forces already.
+    /// Directions in which the forces of the node include its weight already.
     fn weighed(&self) -> [bool; 3];
 }
 
-/// None.
+/// No boundary conditions.
 pub(in crate::step) struct Nothing;
 
 impl Around for Nothing {
@@ -46,20 +46,20 @@ impl Around for Nothing {
     }
 }
 
-/// What a stage makes of a node.
+/// Nodal update of a grid stage.
 pub(in crate::step) trait NodeUpdate<T>: Sync {
-    /// Does it find out which nodes conditions hold?
+    /// True if the update finds the constrained nodes.
     const HOLDS: bool = false;
 
-    /// The acceleration of all material that it adds, m/s^2.
+    /// Acceleration of all material that the update adds, m/s^2.
     fn weight(&self) -> Option<[f64; 3]> {
         None
     }
 
-    /// Change the node as the boundaries around it allow.
+    /// Update the node, subject to the boundary conditions around it.
     fn update(&self, node: &mut Node<T>, around: &mut impl Around, ledger: &mut Exchange);
 
-    /// The same, bit for bit, of nodes that no boundary reaches.
+    /// Update nodes without boundary conditions; bitwise equal to `update`.
     fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut Exchange) {
         one_by_one(self, nodes, ledger);
     }
@@ -69,7 +69,7 @@ fn one_by_one<T>(update: &(impl NodeUpdate<T> + ?Sized), nodes: &mut [Node<T>], 
     nodes.iter_mut().for_each(|node| update.update(node, &mut Nothing, ledger));
 }
 
-/// Only the sums.
+/// No update: only the sums.
 pub(in crate::step) struct Leave;
 
 impl<T> NodeUpdate<T> for Leave {
@@ -77,7 +77,7 @@ impl<T> NodeUpdate<T> for Leave {
     fn update(&self, _: &mut Node<T>, _: &mut impl Around, _: &mut Exchange) {}
 }
 
-/// Momentum over mass.
+/// Velocities: momentum over mass, without boundary conditions.
 pub(in crate::step) struct MeanVelocities<T, const D: usize> {
     pub(in crate::step) cutoff: T,
 }
@@ -136,7 +136,7 @@ pub(in crate::step) struct Integrate<T, const D: usize> {
     pub(in crate::step) end: f64,
     pub(in crate::step) gravity: Option<[f64; D]>,
     pub(in crate::step) from_velocity: bool,
-    /// Is the force at the nodes known, beside their momentum?
+    /// True if nodal forces are known separately from momentum.
     pub(in crate::step) forces: bool,
 }
 
@@ -197,8 +197,8 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             }
         }
         if self.gravity.is_some() {
-            // The work of a body force is its impulse times the mean velocity. Where nodes know the sum of momentum and impulse alone,
-            // that sum stands for the velocity at the start: summed over the nodes, impulses of stresses cancel.
+            // Body force work is its impulse times the mean velocity. If nodes store only the sum of momentum and impulse,
+            // that sum replaces the start velocity: summed over the nodes, impulses of stresses cancel.
             for d in 0..D {
                 let impulse = (mass * dt).to_double() * given[d];
                 ledger.load[d] += impulse;
@@ -217,7 +217,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
     }
 }
 
-/// [`Integrate`] where forces alone act.
+/// [`Integrate`] under nodal forces alone.
 struct IntegrateFree<'a, T, const D: usize> {
     cutoff: T,
     dt: T,
@@ -247,8 +247,8 @@ impl<T: Float, const D: usize> Kernel<T> for IntegrateFree<'_, T, D> {
     }
 }
 
-/// Local damping of the nodes, after all that acts on them: on what their velocities changed by in the step. Directions that conditions
-/// hold are left alone.
+/// Local damping of the nodes, after all forces and constraints: acts on the velocity changes of the step. Constrained
+/// directions are not damped.
 pub(in crate::step) struct Damp<T, const D: usize> {
     pub(in crate::step) cutoff: T,
     pub(in crate::step) dt: T,
@@ -277,7 +277,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Damp<T, D> {
             let impulse = mass * (slowed[d] - end[d]);
             ledger.load[d] += impulse;
             ledger.damping -= 0.5 * impulse * (start[d] + slowed[d]);
-            // The work of a body force was booked with the velocities before.
+            // Body force work was recorded with the undamped velocities: add the difference.
             ledger.work += 0.5 * mass * dt * self.gravity[d] * (slowed[d] - end[d]);
         }
     }
@@ -298,7 +298,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
             node.second[d + 1] *= per_mass;
             v[d] = node.second[d + 1].to_double();
         }
-        // What a condition holds moves as it made it move.
+        // Constrained directions keep the velocity of the constraint.
         let held = around.held();
         for d in (0..D).filter(|d| held[*d]) {
             node.second[d + 1] = node.first[d + 1];
@@ -316,7 +316,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
     }
 }
 
-/// [`Remap`] of all nodes alike.
+/// [`Remap`] without boundary conditions.
 struct RemapFree<'a, T> {
     cutoff: T,
     nodes: &'a mut [Node<T>],
@@ -335,7 +335,7 @@ impl<T: Float> Kernel<T> for RemapFree<'_, T> {
     }
 }
 
-/// A node too light to divide by: its momentum leaves with a note.
+/// Drop the momentum of a node that is too light to divide by, and record it.
 fn drop_momentum<T: Float, const D: usize>(node: &mut Node<T>, ledger: &mut Exchange, dt: T) {
     for d in 0..D {
         ledger.dropped[d] += (node.first[d + 1] + dt * node.second[d + 1]).to_double();
@@ -349,7 +349,7 @@ mod tests {
     use super::*;
     use crate::step::nodes::stages::mass_cutoff;
 
-    /// Nodes of all weights, from none to some that are too light for a velocity.
+    /// Return nodes of all masses, from zero to some that are too light for a velocity.
     fn nodes<T: Float>() -> Vec<Node<T>> {
         let mixed = |n: u32, k: u32| n.wrapping_mul(k).wrapping_mul(2_654_435_761) >> 8;
         let record = |n: u32, k: u32| T::of(f64::from(mixed(n, k)) * 1e-5 - 60.0);

@@ -1,5 +1,5 @@
-//! Nodes at planes of symmetry, walls and fixed planes, where stencils reach behind: what lies there is folded to
-//! the front, and what nodes there hold follows from those in front.
+//! Nodes at symmetry planes, walls and fixed planes, for stencils that extend behind them: contributions there are folded
+//! to the front, and nodal values there follow from those in front.
 
 use super::fields::Fields;
 use super::layout::NodeSums;
@@ -8,52 +8,52 @@ use crate::grid::{GridStorage, Node};
 use impactite_scene::boundary::{Boundary, Plane};
 use impactite_simd::Float;
 
-/// Places among the nodes of one in front of a plane, one on it and one behind it. [`NOWHERE`] where there is none.
+/// Indices of a node in front of a plane, one on it and one behind it; [`NOWHERE`] if there is none.
 type Column = [u32; 3];
 
 const NOWHERE: u32 = u32::MAX;
 
-/// The columns of nodes through a plane.
+/// Columns of nodes through a plane.
 #[derive(Clone, Debug)]
 struct Columns {
     plane: Plane,
     columns: Vec<Column>,
-    /// Those of rigid bodies: velocities there are the body's own, and only masses are folded.
+    /// Columns of rigid bodies: velocities are the body's own, and only masses are folded.
     rigid: Vec<Column>,
 }
 
-/// The planes of a scene with their nodes, found once for an arrangement of the grid.
+/// Planes of a scene with their nodes, updated with each arrangement of the grid.
 #[derive(Clone, Debug)]
 pub struct Planes<T> {
     symmetries: Vec<Columns>,
-    /// The planes of `symmetries`.
+    /// Planes of `symmetries`.
     mirrors: Vec<Plane>,
-    /// Do stencils reach behind them? Then nodes there are copies of those in front.
+    /// True if stencils extend behind symmetry planes; nodes there are then copies of those in front.
     wide: bool,
-    /// Those of them with another one cell in front, by place in `symmetries`.
+    /// Indices in `symmetries` of planes with another one cell in front.
     slices: Vec<usize>,
     /// Walls and fixed planes behind which velocities are extrapolated ([`crate::BoundaryModified`]).
     edges: Vec<Columns>,
-    /// The nodes in front of and behind planes of symmetry, each once.
+    /// Nodes in front of and behind symmetry planes, each once.
     beside: Vec<Beside<T>>,
-    /// The surfaces of conditions that push on them, each with the place of its condition.
+    /// Surfaces of conditions with forces on them, each with the index of its condition.
     surfaces: Vec<(usize, Columns)>,
-    /// Shares of a surface that nodes in front of, on and behind it have.
+    /// Shares of a surface for the nodes in front of, on and behind it.
     shares: [f64; 3],
-    /// Nodes with a share of a surface: node, condition, and the thickness that its mass stands for, m. Sorted.
+    /// Nodes with a share of a surface: node, condition, and thickness of its mass, m. Sorted.
     depths: Vec<(u32, u32, f64)>,
 }
 
-/// A node in front of or behind a plane of symmetry.
+/// Node in front of or behind a symmetry plane.
 #[derive(Clone, Copy, Debug)]
 struct Beside<T> {
-    /// Its place.
+    /// Index of the node.
     node: u32,
-    /// Is it behind one: a copy?
+    /// True if it is behind a plane: a copy.
     behind: bool,
-    /// Is it a rigid body's?
+    /// True for a node of a rigid body.
     rigid: bool,
-    /// As it was mapped.
+    /// Node as mapped by particles; later with the stored velocity in `second`.
     mapped: Node<T>,
 }
 
@@ -74,9 +74,9 @@ impl<T> Default for Planes<T> {
 }
 
 impl<T: Float> Planes<T> {
-    /// Find the nodes. `wide`: do stencils reach behind a plane that particles touch? `modified`: is what lies
-    /// behind walls and fixed planes extrapolated? `shares`: those of a plane that the nodes in front of, on and behind it have. `rigid`:
-    /// the numbers of rigid bodies.
+    /// Find the nodes at planes. `wide` is true if stencils extend beyond a plane that particles touch, `modified` if
+    /// values behind walls and fixed planes are extrapolated. `shares` are those of a plane for the nodes in front of, on
+    /// and behind it; `rigid` are the indices of rigid bodies.
     pub fn arrange<const D: usize>(
         &mut self,
         grid: &dyn GridStorage<T, D>,
@@ -126,20 +126,21 @@ impl<T: Float> Planes<T> {
         }
     }
 
-    /// Is nothing folded?
+    /// Return true if nothing is folded.
     pub fn is_empty(&self) -> bool {
         self.symmetries.is_empty() && self.edges.is_empty() && self.surfaces.is_empty()
     }
 
-    /// The thickness that a node's mass stands for at the surface of a condition, by the places of both, m; none without a share.
+    /// Return the thickness of a node's mass at the surface of a condition, by the indices of both, m; none without a
+    /// share.
     pub(in crate::step) fn depth(&self, node: usize, condition: usize) -> Option<f64> {
         let key = (node as u32, condition as u32);
         let found = self.depths.binary_search_by_key(&key, |&(node, condition, _)| (node, condition)).ok()?;
         Some(self.depths[found].2)
     }
 
-    /// Share out the surfaces of conditions. The mass of a node on one is that of half a cell in front of it, whatever the shape function;
-    /// so much of the surface is its own, and its neighbours' across the plane.
+    /// Distribute the surfaces of conditions. The mass of a node on a surface is that of half a cell in front of it, for
+    /// any shape function; this much of the surface belongs to the node and to its neighbours across the plane.
     fn share_surfaces(&mut self, nodes: &[Node<T>], spacing: f64) {
         let Planes { surfaces, shares, depths, .. } = self;
         depths.clear();
@@ -158,25 +159,25 @@ impl<T: Float> Planes<T> {
         depths.sort_unstable_by_key(|&(node, condition, _)| (node, condition));
     }
 
-    /// The planes of symmetry.
+    /// Symmetry planes.
     pub(crate) fn mirrors(&self) -> &[Plane] {
         &self.mirrors
     }
 
-    /// Planes of symmetry that stencils reach behind: nodes there are copies.
+    /// Symmetry planes that stencils extend behind: nodes there are copies.
     pub(crate) fn copied(&self) -> &[Plane] {
         if self.wide { &self.mirrors } else { &[] }
     }
 
-    /// The axes of the planes of symmetry that nodes are mirrored at.
+    /// Axes of the symmetry planes that mirror nodes.
     pub(in crate::step) fn mirrored_axes(&self) -> [bool; 3] {
         std::array::from_fn(|axis| self.copied().iter().any(|m| m.axis == axis))
     }
 
-    /// Give the nodes at planes what the other half of the body would, or what lies behind edges. Returns the
-    /// impulse of the planes of symmetry, N s; `moves`: what first\[i\] and second\[i\] of a node give to the particles'
-    /// momentum. Beside planes of symmetry the `weight`, m/s^2, acts across them as a force on the mass that particles there gave
-    /// themselves, so that on their images it acts as the mirror image. Returned second is what of the impulse is the first records'.
+    /// Fold the contributions at planes: add those of the body's mirror half, or those behind edges. `moves` are the
+    /// factors of first\[i\] and second\[i\] of a node in the momentum of particles. Next to symmetry planes the normal
+    /// component of `weight`, m/s^2, acts as a force on the mass that particles mapped there themselves, so that it acts
+    /// mirrored on their images. Returns the impulse of the symmetry planes, N s, and its part from the first records.
     pub fn fold(
         &mut self,
         nodes: &mut [Node<T>],
@@ -212,7 +213,7 @@ impl<T: Float> Planes<T> {
                 _ => mapped.second = nodes[*node as usize].second,
             }
         }
-        // Two planes may be two cells apart and share the nodes between them: first give, then copy.
+        // Two planes may be two cells apart and share the nodes between them: first add, then copy.
         for fold in [give_mirrored, copy_mirrored] {
             for Columns { plane, columns, .. } in self.symmetries.iter().filter(|_| self.wide) {
                 for &[front, _, back] in columns.iter().filter(is_pair) {
@@ -242,7 +243,7 @@ impl<T: Float> Planes<T> {
         [impulse, of_first]
     }
 
-    /// Nodes of rigid bodies beside planes of symmetry stand for the body's image, too.
+    /// Fold the masses of nodes of rigid bodies next to symmetry planes, which include the body's image.
     fn fold_masses_of_rigid(&self, nodes: &mut [Node<T>]) {
         for copy in [false, true] {
             for &[front, _, back] in self.symmetries.iter().flat_map(|s| &s.rigid).filter(is_pair) {
@@ -257,8 +258,8 @@ impl<T: Float> Planes<T> {
         }
     }
 
-    /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
-    /// nothing crosses.
+    /// Zero normal components between two symmetry planes one cell apart, where values folded in front of one plane are on
+    /// the other.
     fn close_slices(&self, nodes: &mut [Node<T>], sums: NodeSums) {
         for Columns { plane, columns, .. } in self.slices.iter().map(|&i| &self.symmetries[i]) {
             let across = 1 + plane.axis;
@@ -271,17 +272,17 @@ impl<T: Float> Planes<T> {
         }
     }
 
-    /// Note the velocities in front of and behind planes of symmetry, before contact changes them.
+    /// Store the velocities in front of and behind symmetry planes, before contact changes them.
     pub fn note_velocities(&mut self, nodes: &[Node<T>]) {
         for Beside { node, mapped, .. } in &mut self.beside {
             mapped.second = nodes[*node as usize].first;
         }
     }
 
-    /// Copy what contact made of the velocities in front of planes of symmetry to the nodes behind. Returns the impulse
-    /// of the planes, N s: what the changes since [`Planes::note_velocities`] give to the particles, less what they
-    /// are for the nodes in front. `counts`: is the node one whose body's momentum is counted? Behind the plane a rigid body has velocities
-    /// of its own, and only the change is mirrored; `per_dt`, 1/s: that of its accelerations, too.
+    /// Copy velocities changed by contact in front of symmetry planes to the nodes behind. Returns the impulse of the
+    /// planes, N s: the effect of the changes since [`Planes::note_velocities`] on the particles, less that on the nodes in
+    /// front. `counts` is true for a node whose body's momentum is counted. Behind the plane a rigid body has its own
+    /// velocities, and only the change is mirrored; with `per_dt`, 1/s, that of its accelerations, too.
     pub fn copy_velocities(
         &self,
         nodes: &mut [Node<T>],
@@ -331,13 +332,13 @@ impl<T: Float> Planes<T> {
         impulse
     }
 
-    /// The velocity that was noted of a node beside planes.
+    /// Return the stored velocity of a node next to planes.
     fn noted(&self, node: u32) -> Option<[T; 4]> {
         let found = self.beside.binary_search_by_key(&node, |b| b.node).ok()?;
         Some(self.beside[found].mapped.second)
     }
 
-    /// Give the nodes behind walls and fixed planes what the others extrapolate to.
+    /// Extrapolate nodal vectors to the nodes behind walls and fixed planes.
     pub fn extrapolate(&self, nodes: &mut [Node<T>]) {
         for column in self.edges.iter().flat_map(|e| &e.columns).filter(|c| !c.contains(&NOWHERE)) {
             let [front, on, back] = column.map(|n| n as usize);
@@ -349,7 +350,8 @@ impl<T: Float> Planes<T> {
         }
     }
 
-    /// What the nodes at `start..start + count` were given themselves, of those that stand for their images, too.
+    /// Return the masses mapped by the body's own particles to the nodes `start..start + count` that also represent its
+    /// image.
     pub(in crate::step) fn own_masses(&self, start: usize, count: usize) -> OwnMasses<'_, T> {
         let place = |node: usize| self.beside.partition_point(|b| (b.node as usize) < node);
         let beside =
@@ -357,7 +359,7 @@ impl<T: Float> Planes<T> {
         OwnMasses { start, beside }
     }
 
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub fn bytes(&self) -> usize {
         let of = |c: &Columns| c.columns.capacity() + c.rigid.capacity();
         let columns = self.symmetries.iter().chain(&self.edges).map(of).sum::<usize>();
@@ -368,15 +370,15 @@ impl<T: Float> Planes<T> {
     }
 }
 
-/// What nodes beside planes of symmetry were given themselves.
+/// Masses mapped by a body's own particles to nodes next to symmetry planes.
 pub(in crate::step) struct OwnMasses<'a, T> {
     start: usize,
     beside: &'a [Beside<T>],
 }
 
 impl<T: Float> OwnMasses<'_, T> {
-    /// The part of the `i`-th node's mass that its own particles gave: of what happens to the node they get as much. The
-    /// rest goes to its images, mirrored. None of a node without images.
+    /// Return the share of the `i`-th node's mass that its own particles mapped; they receive the same share of all changes
+    /// of the node. The rest belongs to its images, mirrored. None for a node without images.
     pub(in crate::step) fn share(&self, i: usize, node: &Node<T>) -> Option<f64> {
         let found = self.beside.binary_search_by_key(&(self.start + i), |b| b.node as usize).ok()?;
         let (own, all) = (self.beside[found].mapped.first[0], node.first[0]);
@@ -384,12 +386,12 @@ impl<T: Float> OwnMasses<'_, T> {
     }
 }
 
-/// Has the column nodes on both sides?
+/// Return true if the column has nodes on both sides.
 fn is_pair(column: &&Column) -> bool {
     column[0] != NOWHERE && column[2] != NOWHERE
 }
 
-/// The columns of nodes through a plane, of each body's field its own, with its owner.
+/// Return the columns of nodes through a plane, separately for each body's field, with the owner.
 fn columns<T: Float, const D: usize>(
     grid: &dyn GridStorage<T, D>,
     fields: &Fields<D>,
@@ -399,7 +401,7 @@ fn columns<T: Float, const D: usize>(
     let layers = [node + sign, node, node - sign];
     let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
     let stride = BLOCK.pow(axis as u32);
-    // Each column of a body once: by the block on the plane, or in front where that one does not exist.
+    // List each column of blocks of a body once, with the coordinate along the axis set to zero.
     let mut places: Vec<([i32; D], u32)> = Vec::new();
     for (block, c) in fields.coordinates().iter().enumerate() {
         if layers.iter().any(|&l| block_of(l) == c[axis]) {
@@ -429,8 +431,8 @@ fn columns<T: Float, const D: usize>(
     columns
 }
 
-/// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
-/// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
+/// Zero the normal momentum and force of a node on a symmetry plane, which the other half of the body cancels, before any
+/// division or difference. Returns the impulse of the plane, N s: the cancelled amount.
 fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: NodeSums, moves: [T; 2]) -> f64 {
     let mut impulse = -(moves[1] * std::mem::take(&mut node.second[1 + axis])).to_double();
     if sums == NodeSums::All {
@@ -439,15 +441,14 @@ fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: NodeSums, moves: [T; 2
     impulse
 }
 
-/// The impulse of symmetry planes through a node beside them, N s: what the folded node gives to the particles
-/// less what the particles gave to it.
+/// Return the impulse of symmetry planes through a node next to them, N s: contribution of the folded node to the
+/// particles, less that of the particles to the node.
 fn folded_impulse<T: Float>(mapped: &Node<T>, folded: &Node<T>, axis: usize, moves: [T; 2]) -> f64 {
     let records = |n: &Node<T>| moves[0] * n.first[1 + axis] + moves[1] * n.second[1 + axis];
     (mapped.first[0] / folded.first[0] * records(folded) - records(mapped)).to_double()
 }
 
-/// Add the node behind a symmetry plane, mirrored, to the one in front: what the other half of the body would
-/// have given.
+/// Add the node behind a symmetry plane, mirrored, to the one in front: the contribution of the body's other half.
 fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: NodeSums) {
     let sum = |a: [T; 4], b: [T; 4]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
     if sums == NodeSums::All {
@@ -456,7 +457,7 @@ fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axi
     nodes[front].second = sum(nodes[front].second, mirrored(nodes[back].second, axis));
 }
 
-/// The other half of the body behind a symmetry plane is the image of this one.
+/// Copy the node in front of a symmetry plane, mirrored, to the one behind: the image of this half of the body.
 fn copy_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: NodeSums) {
     if sums == NodeSums::All {
         nodes[back].first = mirrored(nodes[front].first, axis);
@@ -469,9 +470,8 @@ fn mirrored<T: Float>(mut record: [T; 4], axis: usize) -> [T; 4] {
     record
 }
 
-/// Give what was mapped behind an edge to the nodes that its velocity is extrapolated from: the adjoint of
-/// v_back = 2 v_on - v_front. The basis then ends at the edge: at the edge's nodes it interpolates
-/// (Steffen, Kirby, Berzins 2008).
+/// Redistribute contributions behind an edge to the nodes of the extrapolation: the adjoint of v_back = 2 v_on - v_front.
+/// The basis then ends at the edge: at the edge's nodes it interpolates (Steffen, Kirby, Berzins 2008).
 fn fold_extrapolated<T: Float>(nodes: &mut [Node<T>], column: Column, sums: NodeSums) {
     if column.contains(&NOWHERE) {
         return;

@@ -1,4 +1,4 @@
-//! Which node blocks a body's particles reach, and where it finds them.
+//! Node blocks that a body's particles reach, and links to them.
 
 use mpm_contact::{NearPoint, SurfaceQuantity};
 
@@ -15,7 +15,7 @@ use crate::step::passes::surface_quantity::{NearTask, SurfaceTask, beside, nodes
 use impactite_simd::{Float, prefetch_from};
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Does a particle reach a node that its body does not have?
+    /// Return true if a particle reaches a node that its body does not have.
     pub(in crate::step) fn reaches_beyond_links(&mut self, layout: &Layout) -> bool {
         let count = self.facts().nodes;
         let around = self.nodes_around.chunks(neighbours(D));
@@ -31,20 +31,20 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         })
     }
 
-    /// Does a particle reach a block of the body's own list?
+    /// Return true if a particle reaches a block of the body's own list.
     pub(in crate::step) fn reaches_block(&self, block: usize) -> bool {
         let count = self.facts().nodes;
         let around = &self.contributors[block * neighbours(D)..][..neighbours(D)];
         around.iter().enumerate().any(|(n, &slot)| {
-            // Seen from the slot, the node block lies in the opposite direction.
+            // The node block is in the opposite direction from the slot.
             let o = offset::<D>(neighbours(D) - 1 - n);
             let slot = self.slots.get(slot as usize);
             slot.is_some_and(|s| nodes_of::<D>(count, &o, s.block.occupied()) != 0)
         })
     }
 
-    /// Note the bins whose stencils the body shall have nodes for: those with particles, and, to look `ahead`, those
-    /// beside them, for which slots are made.
+    /// Store the bins whose stencil nodes the body requests: those with particles and, with `ahead`, adjacent ones, for
+    /// which slots are made.
     pub(in crate::step) fn expect(&mut self, ahead: bool) {
         if !ahead {
             self.slots.iter_mut().for_each(|slot| slot.linked = slot.block.occupied());
@@ -69,7 +69,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let mut linked = 0;
             for (n, &around) in self.slots[s].slots_around.iter().enumerate() {
                 let Some(other) = self.slots.get(around as usize) else { continue };
-                // Seen from there, this slot lies in the opposite direction.
+                // This slot is in the opposite direction from the other.
                 linked |= beside::<D>(&offset(neighbours(D) - 1 - n), other.block.occupied());
             }
             self.slots[s].linked = linked;
@@ -121,7 +121,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 places.push(block);
                 self.contributors.resize(places.len() * neighbours(D), NONE);
             }
-            // Seen from the node block, this slot lies in the opposite direction.
+            // This slot is in the opposite direction from the node block.
             let last = self.contributors.len() - 1;
             self.contributors[last - n as usize] = slot;
         }
@@ -194,7 +194,7 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
     fn add_tiles(&self, block: usize, sums: NodeSums, nodes: &mut [Node<T>]) {
         let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
         let around = [around, next];
-        // Whose tiles the block after the next one sums up.
+        // Slots whose tiles the block after the next one sums.
         for &slot in around[1].iter().skip(neighbours(D)).take(neighbours(D)) {
             prefetch_from(&self.slots, slot as usize, 0);
         }
@@ -236,7 +236,7 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             return;
         }
         let (h, origin, centre) = (self.lattice.spacing(), self.lattice.origin(), self.bin_centre());
-        // Particles reach beyond their bins by what they are wide, and by their motion in the step, of less than half a cell.
+        // Particles extend beyond their bins by their size, and by their motion in the step, of less than half a cell.
         let margin = h;
         let box_of = |first: &[i32; D], cells: i32| {
             let low = std::array::from_fn(|d| origin[d] + h * (f64::from(first[d]) + centre - 0.5) - margin);
@@ -249,7 +249,7 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             let reach: [f64; D] = std::array::from_fn(|d| edges[..D].iter().map(|edge| edge[d].abs()).sum());
             (size, reach)
         };
-        // Domains that do not change are all alike.
+        // Constant domains are equal for all particles.
         let carried = self.facts().total || self.facts().domain.carried();
         let of_all = if carried { None } else { Some(size_of(&[])) };
         let (mut numbers, mut weights) = (Vec::new(), Vec::new());
@@ -276,7 +276,7 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                         slot.block.read(at, &mut numbers);
                         size_of(&numbers)
                     });
-                    // What its nodes' accelerations add to its motion is within the margin.
+                    // The motion due to nodal accelerations is within the margin.
                     let beside = |d: usize| half_size.max(reach[d]) + BESIDE * h;
                     let low = std::array::from_fn(|d| position[d] + (dt * velocity[d]).min(0.0) - beside(d));
                     let high = std::array::from_fn(|d| position[d] + (dt * velocity[d]).max(0.0) + beside(d));
@@ -296,7 +296,7 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
     }
 }
 
-/// A margin of what particles near surfaces sweep, in cells.
+/// Margin of the swept boxes of particles near surfaces, in cells.
 const BESIDE: f64 = 0.1;
 
 fn length(edge: [f64; 3]) -> f64 {

@@ -1,19 +1,19 @@
-//! Periodic planes: blocks of particles and nodes are those of one period, and what lies beyond is found there.
+//! Periodic planes: particle and node blocks are those of one period, and blocks beyond are mapped to it.
 //!
-//! A period is a whole number of blocks. So a particle that leaves its block does so into one that lies beside it or a period away, at
-//! the same place within it, and the tile of a block is summed up by the nodes of blocks beside it, wherever those are: nodes act
-//! across the planes, sums are made in the order of directions as elsewhere, and no stage of a step knows of it.
+//! A period is a whole number of blocks. A particle thus leaves its block into an adjacent one or one a period away, at the
+//! same position within it, and the tile of a block is summed by the nodes of its periodic neighbours: nodes interact
+//! across the planes, sums keep the order of directions, and no stage of a step needs a special case.
 
 use crate::dim::BLOCK;
 use impactite_geometry::Lattice;
 use impactite_scene::boundary::{Boundary, BoundaryError};
 
-/// The blocks of a period along each axis.
+/// Range of the blocks of a period along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Wrap<const D: usize> {
-    /// The first one.
+    /// First block.
     first: [i32; D],
-    /// How many there are; none along an axis without periodic planes.
+    /// Number of blocks; zero along an axis without periodic planes.
     count: [i32; D],
 }
 
@@ -24,10 +24,10 @@ impl<const D: usize> Default for Wrap<D> {
 }
 
 impl<const D: usize> Wrap<D> {
-    /// Of these boundaries, which lie on nodes.
+    /// Create the wrap of these boundaries, which are on nodes.
     ///
     /// # Errors
-    /// A period that is no whole number of blocks; two along an axis; another plane across such an axis.
+    /// A period that is not a whole number of blocks; two periods along an axis; another plane across such an axis.
     pub(in crate::step) fn of(
         boundaries: &[Boundary<D>],
         lattice: &Lattice<D>,
@@ -50,17 +50,17 @@ impl<const D: usize> Wrap<D> {
         Ok(wrap)
     }
 
-    /// Is nothing periodic?
+    /// Return true if nothing is periodic.
     pub(in crate::step) fn is_none(&self) -> bool {
         self.count == [0; D]
     }
 
-    /// Cells of a period along each axis, zero without one.
+    /// Number of cells of a period along each axis, zero without one.
     pub(in crate::step) fn cells(&self) -> [i32; D] {
         self.count.map(|count| count * BLOCK as i32)
     }
 
-    /// The block of the period that is this one.
+    /// Return the periodic image of a block within the period.
     #[inline]
     pub(in crate::step) fn block(&self, mut at: [i32; D]) -> [i32; D] {
         for d in 0..D {
@@ -71,7 +71,7 @@ impl<const D: usize> Wrap<D> {
         at
     }
 
-    /// The node of the period that is this one.
+    /// Return the periodic image of a node within the period.
     pub(in crate::step) fn node(&self, mut at: [i32; D]) -> [i32; D] {
         let size = BLOCK as i32;
         for d in 0..D {

@@ -1,17 +1,17 @@
-//! From particles to the nodes of their cell, where a stencil is two nodes an axis: the same sums as [`super::scatter`]
-//! makes by rows, with fewer operations.
+//! Scatter from particles to the nodes of their cell, for stencils of two nodes per axis: the same sums as
+//! [`super::scatter`], with fewer operations.
 //!
-//! The first record is added to all nodes of the cell at once, by its weights on them. Forces go by way of **moments**: with
-//! N_i = prod_d (1/2 + s_d xi_d), s_d = -1 or 1 the side of the node, and c_a a power of two,
+//! The first record is added to all nodes of the cell at once, with the nodal weights. Forces are summed to **moments**
+//! first: with N_i = prod_d (1/2 + s_d xi_d), s_d = -1 or 1 the side of the node, and c_a a power of two,
 //!
 //! ```text
 //! sum_p sum_d G_d dN_i/dxi_d = sum_a c_a s^a M_a,      M_x = sum_p G_x,   M_xy = sum_p (xi_y G_x + xi_x G_y),
 //!                                                    M_xyz = sum_p (xi_y xi_z G_x + xi_x xi_z G_y + xi_x xi_y G_z)
 //! ```
 //!
-//! over the subsets a of the axes. Moments take lanes over particles, and become nodal sums by additions once a cell. What
-//! is rounded away is a part of the largest force in the cell, which does no harm where a force is mapped: it does not
-//! vanish with the mass of a node. Masses and momenta do, and their quotient is a velocity: those are not mapped so.
+//! over the subsets a of the axes. Lanes of moments are particles; additions once per cell turn moments into nodal sums.
+//! Rounding errors are relative to the largest force in the cell. This is harmless for forces, which do not vanish with the
+//! mass of a node. Masses and momenta do, and their quotient is a velocity: they are not mapped by moments.
 
 use mpm_materials::{Lane, Mat3};
 
@@ -20,10 +20,10 @@ use crate::dim::{Array, Stencil};
 use crate::shape::node_offset;
 use impactite_simd::{Arch, Band, Float, Quad, through_memory};
 
-/// The moments of the forces of one cell. The bits of the place are the axes: x, y, xy, z, xz, yz, xyz from 1 on.
+/// Moments of the forces of one cell. Bits of the index are the axes: x, y, xy, z, xz, yz, xyz from 1 on.
 pub(in crate::step) struct Moments<Q: Lane, E: Stencil>(E::Nodes<Q>);
 
-/// What G = (G_x, G_y, G_z), one component of it, at xi adds to the moment of some axes.
+/// Return the contribution of one component of G = (G_x, G_y, G_z) at xi to the moment of the axes `AXES`.
 #[inline(always)]
 fn moment<L: Lane, const AXES: usize>([x, y, z]: &[L; 3], [gx, gy, gz]: &[L; 3]) -> L {
     match AXES {
@@ -38,20 +38,20 @@ fn moment<L: Lane, const AXES: usize>([x, y, z]: &[L; 3], [gx, gy, gz]: &[L; 3])
 }
 
 impl<Q: Lane, E: Stencil> Moments<Q, E> {
-    /// None yet.
+    /// Return zero moments.
     #[inline(always)]
     pub(in crate::step) fn zero() -> Self {
         Moments(E::Nodes::<Q>::filled(Q::zero()))
     }
 
-    /// Add a group at `xi`, of which `force` has the columns G_d; zero for lanes without a particle.
+    /// Add a group of particles at `xi`; `force` has the columns G_d, zero in lanes without a particle.
     #[inline(always)]
     pub(in crate::step) fn add_group<T, A>(&mut self, xi: &[A::Batch; 3], force: &Mat3<A::Batch>)
     where
         T: Float,
         A: Arch<T, Quad = Q>,
     {
-        // One moment after the other: all at once are more than there are registers.
+        // One moment after another: all at once exceed the number of registers.
         self.add_moment::<T, A, 1>(xi, force);
         self.add_moment::<T, A, 2>(xi, force);
         self.add_moment::<T, A, 3>(xi, force);
@@ -79,7 +79,7 @@ impl<Q: Lane, E: Stencil> Moments<Q, E> {
         self.0[AXES] = self.0[AXES] + A::sums(of);
     }
 
-    /// Add the particle at `xi` with these records.
+    /// Add the particle at `xi` with its records.
     #[inline(always)]
     pub(in crate::step) fn add_one<T: Float>(&mut self, xi: &[T; 3], records: &[[T; 4]; RECORDS])
     where
@@ -102,7 +102,7 @@ impl<Q: Lane, E: Stencil> Moments<Q, E> {
         }
     }
 
-    /// Add the sums to the nodes of the cell, of which the first lies at `corner`.
+    /// Add the nodal sums to the nodes of the cell, whose first node is at `corner`.
     #[inline(always)]
     pub(in crate::step) fn give<T: Float>(&self, nodes: &mut [[T; 4]], corner: usize)
     where
@@ -127,7 +127,7 @@ impl<Q: Lane, E: Stencil> Moments<Q, E> {
     }
 }
 
-/// Add 1, x, y and xy parts to the four nodes of a layer, with the signs of their sides.
+/// Add the 1, x, y and xy terms to the four nodes of a layer, with the signs of their sides.
 #[inline(always)]
 fn give_layer<T: Float, Q: Quad<T>>(nodes: &mut [[T; 4]], stride: usize, parts: [Q; 4]) {
     let [one, x, y, xy] = parts;
@@ -139,26 +139,26 @@ fn give_layer<T: Float, Q: Quad<T>>(nodes: &mut [[T; 4]], stride: usize, parts: 
     }
 }
 
-/// Nodes of a stencil.
+/// Number of nodes of a stencil.
 #[inline(always)]
 const fn nodes_of<E: Stencil>() -> usize {
     E::NODES * E::NODES * E::LAYERS
 }
 
-/// Where node `n` of the cell lies in a tile, from its first node on.
+/// Offset of node `n` of the cell in a tile, from the first node on.
 #[inline(always)]
 const fn place<E: Stencil>(n: usize) -> usize {
     ((n >> 2) * E::TILE + (n >> 1 & 1)) * E::TILE + (n & 1)
 }
 
-/// Component `c` of the vector in the records of a cell's nodes, in tile order, at particles with these weights.
+/// Interpolate component `c` of a nodal vector of the cell, from records in tile order, to particles with these weights.
 #[inline(always)]
 pub(in crate::step) fn from_cell<T: Float, P: Lane<Real = T>, E: Stencil>(
     weights: &E::Nodes<P>,
     nodes: &[[T; 4]],
     c: usize,
 ) -> P {
-    // Two sums side by side, so that each waits half as long.
+    // Two independent sums, which halve the length of the dependency chain.
     let mut sums = [P::zero(); 2];
     for n in 0..nodes_of::<E>() {
         let number = P::splat(nodes[place::<E>(n)][c + 1]);
@@ -167,8 +167,9 @@ pub(in crate::step) fn from_cell<T: Float, P: Lane<Real = T>, E: Stencil>(
     sums[0] + sums[1]
 }
 
-/// Add the first `LANES` particles of a group to the nodes of their cell, of which the first lies at `corner` of the
-/// tile, without forces: to its `first` records, and what acts as such to its `second` where the pass maps two.
+/// Scatter the first `LANES` particles of a group to the nodes of their cell, whose first node is at `corner` of the tile:
+/// momentum to the `first` records, and hoop forces to the `second` if the pass maps two. Forces with weight gradients are
+/// excluded.
 #[inline(always)]
 pub(in crate::step) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     [first, second]: [&mut [[T; 4]]; 2],
@@ -205,7 +206,7 @@ pub(in crate::step) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANE
     }
 }
 
-/// A record with what its affine part adds to it at node `n` of the cell.
+/// Return a record with its affine part evaluated at node `n` of the cell.
 #[inline(always)]
 fn seen_from<L: Lane, E: Stencil>(n: usize, mut record: L, affine: &[L; 3]) -> L {
     for d in 0..if E::LAYERS > 1 { 3 } else { 2 } {
@@ -214,7 +215,8 @@ fn seen_from<L: Lane, E: Stencil>(n: usize, mut record: L, affine: &[L; 3]) -> L
     record
 }
 
-/// Add one particle with these weights on the nodes of its cell, of which the first lies at `corner`, likewise.
+/// Scatter one particle, with these weights on the nodes of its cell, whose first node is at `corner`, as [`scatter_cell`]
+/// does.
 #[inline(always)]
 pub(in crate::step) fn add_particle<T: Float, A: Arch<T>, E: Stencil>(
     [first, second]: [&mut [[T; 4]]; 2],

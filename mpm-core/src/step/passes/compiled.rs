@@ -1,4 +1,4 @@
-//! The kernels of a method, compiled from its parts.
+//! Kernels of a method, compiled from its components.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -31,7 +31,7 @@ use crate::transfer::{Flip, Transfer, taken};
 use impactite_scene::embedding::AnySpace;
 use impactite_simd::Float;
 
-/// The kernels of a shape function.
+/// Kernels of a shape function.
 pub(in crate::step) struct KernelsOfShape<S>(pub(in crate::step) S);
 
 impl<T: Float, const D: usize, S: ShapeFunction<T, D>> ShapeKernels<T, D> for KernelsOfShape<S> {
@@ -110,12 +110,13 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> ShapeKernels<T, D> for Ke
     }
 }
 
-/// Something that is asked of a pass as a type.
+/// Query that a pass type answers.
 trait AskPass<A> {
     fn of<K: PassKind>(self) -> A;
 }
 
-/// Ask it of a pass of the method `M` by its name; `none` of a pass that the method has not, and that is not compiled.
+/// Evaluate the query `what` for the pass `which` of the method `M`; `none` for passes that the method lacks, which are not
+/// compiled.
 fn ask<T: Float, const D: usize, M: Composition<T, D>, A>(which: Which, what: impl AskPass<A>, none: A) -> A {
     match which {
         Which::Map => what.of::<<M::Update as StressUpdate>::Map>(),
@@ -145,7 +146,7 @@ impl AskPass<Pass> for AskDoes {
     }
 }
 
-/// A pass over a block, the law behind a call.
+/// Pass over a block with a dynamically called constitutive law.
 struct Run<'a, 'b, T: Float, const D: usize, M> {
     method: &'a M,
     shapes: &'a dyn ShapeKernels<T, D>,
@@ -157,7 +158,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> AskPass<()> for Run<'_, '_,
     }
 }
 
-/// A pass over a block, with its law as part of it: the task, unless no law moves on in the pass.
+/// Pass over a block with an inlined constitutive law. Returns the task unprocessed if the pass does not update the law.
 struct RunInlined<'a, 'b, T: Float, const D: usize, M, C> {
     run: Run<'a, 'b, T, D, M>,
     law: &'a C,
@@ -170,7 +171,7 @@ where
 {
     fn of<K: PassKind>(self) -> Option<Task<'b, T, D>> {
         let Run { method, shapes, task } = self.run;
-        // Where no law is asked, and where it is asked once in a run, the pass is the same.
+        // Passes without a law, or with one that is evaluated once per run, are those of the dynamically called law.
         if const { K::DOES.strain.is_none() } {
             return Some(task);
         }
@@ -190,7 +191,7 @@ fn sweep<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>(
     T::dispatch(Sweep::<'_, T, D, SpecOf<M, K, T, D>, _> { shape, transfer, law, shapes, task, pass });
 }
 
-/// The kernels of a method, laws behind a call.
+/// Kernels of a method with dynamically called constitutive laws.
 struct KernelsOf<M, S> {
     method: M,
     shape: KernelsOfShape<S>,
@@ -237,7 +238,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> MethodKernels<T, D> for Ker
     }
 }
 
-/// The same with the law of one body as part of the passes in which it moves on.
+/// Kernels of a method with the law of one body inlined in the passes that update it.
 struct InlinedKernels<T: Float, const D: usize, M, C> {
     of: Arc<dyn MethodKernels<T, D>>,
     method: M,
@@ -255,7 +256,7 @@ where
     }
     fn sweep(&self, which: Which, task: Task<'_, T, D>) {
         let run = Run { method: &self.method, shapes: self.of.shape(), task };
-        // A pass that the method has not is none with the law either.
+        // The result is `None`, too, for passes that the method lacks.
         if let Some(task) = ask::<T, D, M, _>(which, RunInlined { run, law: &self.law }, None) {
             self.of.sweep(which, task);
         }
@@ -277,8 +278,8 @@ where
     }
 }
 
-/// The kernels of particles that hold the place of others' on a grid: they map mass and velocity, take what the nodes get, and go where
-/// they are placed.
+/// Kernels of proxy particles, which represent particles of another solver on a grid: they map mass and velocity, gather
+/// nodal velocity changes, and follow prescribed positions.
 struct PlaceKernels<S> {
     shape: KernelsOfShape<S>,
     facts: Facts,
@@ -331,14 +332,15 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> MethodKernels<T, D> for P
     }
 }
 
-/// The kernels of a method.
+/// Compile the kernels of a method, with dynamically called laws.
 pub(crate) fn kernels<T: Float, const D: usize, M: Composition<T, D>>(
     method: M,
 ) -> Arc<dyn MethodKernels<T, D>> {
     Arc::new(of(method))
 }
 
-/// The kernels of a method, which are `of` it, for the bodies of one law.
+/// Compile the kernels of a method for the bodies of one law, which is inlined; `of` has those with dynamically called
+/// laws.
 pub(crate) fn inlined<T, const D: usize, M, C>(
     method: M,
     of: Arc<dyn MethodKernels<T, D>>,

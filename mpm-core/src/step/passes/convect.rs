@@ -1,4 +1,4 @@
-//! Domains that follow the motion of their particles.
+//! Particle domains that are convected with the motion.
 
 use mpm_materials::{Lane, Mat3};
 
@@ -8,20 +8,20 @@ use crate::shape::domain::{Corners, MOST_NUMBERS};
 use crate::shape::{Basis, Domain, ShapeFunction};
 use impactite_simd::Float;
 
-/// How the particles of a group move.
+/// Motion of a group of particles in a step.
 pub(in crate::step) struct Moved<'a, P> {
-    /// Where they were.
+    /// Positions before the step, in cells from the bin's centre.
     pub(in crate::step) xi: &'a [P; 3],
-    /// Their velocity.
+    /// Interpolated nodal velocity, m/s.
     pub(in crate::step) nodal: &'a [P; 3],
-    /// Its gradient.
+    /// Velocity gradient with respect to xi, m/s.
     pub(in crate::step) gradient: &'a Mat3<P>,
-    /// Cells a metre per second in the step.
+    /// Displacement in cells per velocity: dt / h, s/m.
     pub(in crate::step) cells: P,
 }
 
 impl<P: Lane> Moved<'_, P> {
-    /// Let domains follow; corners with the velocity of the `nodes` at their places.
+    /// Update the domains; corners move with the velocity of the `nodes` interpolated to them.
     #[inline(always)]
     pub(in crate::step) fn domain<T, S, const D: usize>(
         &self,
@@ -56,7 +56,7 @@ impl<P: Lane> Moved<'_, P> {
             }
             Domain::Corners => {
                 let corners = Corners::of::<D>(S::DOMAIN, domain);
-                // Corners that were drawn in move as much more as they are farther out.
+                // Extrapolate the relative velocity from scaled corners to the true ones.
                 let cells = cells / corners.scale;
                 for c in 0..1 << D {
                     let hats = corners.linear_weights::<S::Extent, D>(c, xi);

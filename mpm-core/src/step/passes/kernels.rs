@@ -1,9 +1,9 @@
-//! The kernels of a method as objects, so that a scene is one type whatever method it is of, and passes are compiled once, where
-//! the method is, and not in every program.
+//! Kernels of a method as trait objects: a scene has one type for all methods, and passes are compiled once, in the crate
+//! that defines the method, not in every program.
 //!
-//! `MethodKernels` has the passes over particles, with the law behind a call or, for who asks for it
-//! ([`Deformable::inlined`](crate::step::Deformable::inlined)), as part of them; `ShapeKernels` what depends on the shape function alone.
-//! [`Facts`] are what a step asks of a method otherwise.
+//! `MethodKernels` has the passes over particles, with the constitutive law called dynamically or, on request
+//! ([`Deformable::inlined`](crate::step::Deformable::inlined)), inlined; `ShapeKernels` has the kernels that depend on the
+//! shape function alone. [`Facts`] are the other properties of a method that a step needs.
 
 use std::sync::Arc;
 
@@ -31,51 +31,51 @@ use crate::transfer::Transfer;
 use impactite_scene::embedding::Embedding;
 use impactite_simd::Float;
 
-/// What a step asks of a method beside its kernels.
+/// Properties of a method that a step needs, other than its kernels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Facts {
-    /// A line that names the ingredients.
+    /// One-line description of the method: names of its components.
     pub description: String,
     /// Name of the embedding.
     pub embedding: &'static str,
-    /// Is the third direction a hoop around an axis?
+    /// True if the third direction is the hoop direction around an axis.
     pub hoop: bool,
-    /// Nodes of the stencil along an axis.
+    /// Number of stencil nodes per axis.
     pub nodes: usize,
-    /// What of its domain a particle carries.
+    /// Particle domain: data that each particle stores.
     pub domain: Domain,
-    /// Does the basis end at walls and fixed planes?
+    /// True if the basis ends at walls and fixed planes.
     pub boundary_modified: bool,
-    /// Largest dt c / h measured with USL.
+    /// Largest stable Courant number dt c / h measured with USL.
     pub usl_limit: f64,
-    /// Is stress updated before the forces (USF)?
+    /// True if stress is updated before the forces (USF).
     pub before_forces: bool,
-    /// Is the momentum mapped a second time (MUSL)?
+    /// True if the momentum is mapped a second time (MUSL).
     pub remap: bool,
-    /// Are momentum and the impulse of the coming step mapped together?
+    /// True if momentum and the impulse of the coming step are mapped together.
     pub maps_together: bool,
-    /// Are forces mapped at all?
+    /// True if forces are mapped.
     pub maps_force: bool,
-    /// Do weights belong to the reference configuration?
+    /// True if weights are evaluated in the reference configuration.
     pub total: bool,
-    /// Do laws see the mean dilatation of a bin?
+    /// True if laws use the mean dilatation of a bin.
     pub mean: bool,
-    /// Does the transfer read the nodal acceleration?
+    /// True if the transfer reads the nodal acceleration.
     pub reads_increment: bool,
-    /// Is it affine?
+    /// True if the transfer is affine.
     pub affine: bool,
-    /// Is its affine fit also the velocity gradient?
+    /// True if the affine fit is also the velocity gradient.
     pub least_squares: bool,
-    /// Order of FMPM; 1 for others.
+    /// Order of FMPM; 1 for other transfers.
     pub order: usize,
 }
 
 impl Facts {
-    /// The default time control: half of h / (c + |v|) for MUSL and USF, whose limit is 1.4 and more; for
-    /// USL 0.7 of the smallest limit measured in three dimensions for the shape function (book, "The stable time step").
-    /// Chart C10 (docs/report/index.html) has the limits of 704 arrangements of particles, and left these factors as they
-    /// are. A third or half of the step changes the errors of charts C1 and C2 by less than a quarter, up or down, but those of the
-    /// cubic spline with FMPM(4), which has next to none from the grid.
+    /// Return the default time control. MUSL and USF, with a limit of 1.4 and more, use half of h / (c + |v|); USL uses 0.7
+    /// of the smallest limit measured in three dimensions for the shape function (book, "The stable time step"). Chart C10
+    /// (docs/report/index.html) has the limits of 704 particle arrangements, which did not change these factors. A third or
+    /// half of the step changes the errors of charts C1 and C2 by less than a quarter, up or down, except for the cubic
+    /// spline with FMPM(4), whose error from the grid is almost zero.
     pub fn time_control(&self) -> TimeControl {
         let factor = if self.symplectic() { 0.5 } else { 0.7 * self.usl_limit };
         TimeControl::Courant { factor, growth: 1.1 }
@@ -102,23 +102,23 @@ impl Facts {
             order: M::Transfer::ORDER,
         }
     }
-    /// Records that it maps to a node.
+    /// Number of records that the method maps to a node.
     pub fn records(&self) -> usize {
         if self.maps_together || !self.maps_force { 1 } else { 2 }
     }
-    /// Nodes that the particles of a block reach, in `d` dimensions.
+    /// Number of nodes that the particles of a block reach, in `d` dimensions.
     pub fn tile_nodes(&self, d: usize) -> usize {
         (BLOCK + self.nodes - 1).pow(d as u32)
     }
-    /// Do stencils reach behind a plane that particles touch?
+    /// Return true if stencils extend beyond a plane that particles touch.
     pub fn wide(&self) -> bool {
         self.nodes > 2
     }
-    /// Is the stable step that of central differences, which USL falls short of?
+    /// Return true if the time step limit is that of central differences; the limit of USL is lower.
     pub fn symplectic(&self) -> bool {
         self.remap || self.before_forces
     }
-    /// The last pass of a step.
+    /// Return the last pass of a step.
     pub fn last_pass(&self) -> Which {
         if self.symplectic() { Which::Second } else { Which::First }
     }
@@ -126,26 +126,27 @@ impl Facts {
 
 /// Passes of a method.
 pub(crate) trait MethodKernels<T: Float, const D: usize>: Send + Sync {
-    /// What a step asks beside them.
+    /// Properties of the method that a step needs.
     fn facts(&self) -> &Facts;
-    /// A pass over a block.
+    /// Run a pass over a block.
     fn sweep(&self, which: Which, task: Task<'_, T, D>);
-    /// What a pass maps.
+    /// Quantities that a pass maps to the grid.
     fn maps(&self, which: Which) -> Maps;
-    /// What a pass does.
+    /// Operations of a pass.
     fn does(&self, which: Which) -> Pass;
-    /// How much of the nodes' velocity particles take for their own in a step of `dt`, s.
+    /// PIC fraction of the transfer in a step of `dt`, s: 0 for FLIP, 1 for PIC and APIC.
     fn taken(&self, dt: T) -> T;
-    /// The shape function's kernels.
+    /// Kernels of the shape function.
     fn shape(&self) -> &dyn ShapeKernels<T, D>;
-    /// A method of the same shape function for particles that hold the place of others' ([`crate::step::clients::reference_scene`]); none where nodes
-    /// do not know accelerations, and in the reference configuration. With `forces` they map forces, too, as loads.
+    /// Kernels with the same shape function for proxy particles ([`crate::step::clients::reference_scene`]); none for
+    /// transfers without nodal accelerations, FMPM of higher order and the reference configuration. With `forces` the
+    /// proxies map forces, too, as loads.
     fn for_place(&self, forces: bool) -> Option<Arc<dyn MethodKernels<T, D>>>;
 }
 
-/// What depends on a shape function alone.
+/// Kernels that depend on the shape function alone.
 pub(crate) trait ShapeKernels<T: Float, const D: usize>: Send + Sync {
-    /// Append particles that come to a block to their bins, and add them to its tile.
+    /// Append particles that arrive in a block to their bins, and scatter them to its tile.
     fn take_in(
         &self,
         block: &mut Block<T, D>,
@@ -154,7 +155,8 @@ pub(crate) trait ShapeKernels<T: Float, const D: usize>: Send + Sync {
         common: &Common<T>,
         mapped: (Maps, &MigrationPayload),
     );
-    /// Add the tiles of the slots around a block of nodes, and ask for those around the next one; `two` records a node?
+    /// Add the tiles of the slots around a node block, and prefetch those around the next one; with `two`, nodes have two
+    /// records.
     fn add_tiles(
         &self,
         nodes: &mut [Node<T>],
@@ -163,22 +165,22 @@ pub(crate) trait ShapeKernels<T: Float, const D: usize>: Send + Sync {
         sums: NodeSums,
         two: bool,
     );
-    /// A quantity of the particles around a block.
+    /// Compute a surface quantity of the particles around a block.
     fn surface_quantity(&self, about: SurfaceTask<'_, T, D>);
-    /// The particles around a block.
+    /// Visit the particles around a block.
     fn near_points(&self, about: NearTask<'_, T, D>, visit: &mut dyn FnMut(u64, &NearPoint<T>));
-    /// Book the power of loads with the velocities that the nodes have.
+    /// Return the power of loads, W, with the current nodal velocities.
     fn book_loads(&self, task: LoadTask<'_, T, D>) -> T;
     /// Add loads to the tile of a block.
     fn map_loads(&self, task: LoadTask<'_, T, D>);
-    /// Have the particles of a block carry the velocities of the nodes.
+    /// Store the nodal velocities at the particles of a block.
     fn carry_velocity(&self, task: LoadTask<'_, T, D>);
-    /// Weights along an axis and their derivatives, as many as the stencil has nodes, of one particle.
+    /// Return the weights of one particle along an axis, one per stencil node, and their derivatives.
     fn weights(&self, xi: T, half: T) -> [[T; 4]; 2];
     /// Second moment of the weights along an axis.
     fn inertia(&self, xi: T, half: T) -> T;
-    /// The half size after a relative elongation, of [`Domain::Axes`].
+    /// Return the half size of a [`Domain::Axes`] domain after a relative elongation.
     fn stretch(&self, half: T, strain: T) -> T;
-    /// Weights on all nodes and their derivatives along each axis, of a domain that convects: call `node` for each.
+    /// Call `node` with the weight on each node of a convected domain, and its derivative along each axis.
     fn table(&self, xi: &[T; 3], domain: &[T; MOST_NUMBERS], node: &mut dyn FnMut(usize, T, [T; 3]));
 }

@@ -1,8 +1,8 @@
-//! Groups of particles on their way through their law: what a pass gathers of them before the law is called for all, and hands on
-//! to the stages after it.
+//! Batch of particle groups for the constitutive law: data that a pass gathers before one call of the law for all groups,
+//! and loads again in the stages after it.
 //!
-//! A group has a **slot**: a place in the list that the law sees. Where one vector takes two groups, those have slots side by side, the
-//! first an even one; a group that is alone leaves the other empty.
+//! Each group has a **slot**: an index in the list that the law receives. If one vector has two groups, their slots are
+//! adjacent, the first one even; a single group leaves the other slot empty.
 
 use mpm_materials::material::{Deformation, NO_GROUP, PairOutput, Response};
 use mpm_materials::{Breakdown, Mat3, Sym3};
@@ -11,24 +11,24 @@ use super::spread::MAX_LANES;
 use crate::particles::Members;
 use impactite_simd::{Float, Pack, RowPair};
 
-/// Particles that go through the stages of a pass at once.
+/// Particles that pass through the stages together.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Entry {
-    /// Their groups.
+    /// Groups of the particles.
     pub(in crate::step) members: Members,
-    /// How many they are.
+    /// Number of particles.
     pub(in crate::step) here: u32,
-    /// Slot of their first group.
+    /// Slot of the first group.
     slot: u32,
 }
 
 impl Entry {
-    /// Which two slots its first group has one of.
+    /// Index of the pair of slots that contains the first group.
     #[inline(always)]
     fn pair(&self) -> usize {
         self.slot as usize / 2
     }
-    /// Which of them.
+    /// Position of the first group in its pair: 0 or 1.
     #[inline(always)]
     fn half(&self) -> usize {
         self.slot as usize % 2
@@ -38,44 +38,44 @@ impl Entry {
 /// The entries of a bin.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct BinEntries {
-    /// The bin.
+    /// Index of the bin.
     pub(in crate::step) number: u32,
-    /// Its first entry, and the one behind its last.
+    /// First entry, and one past the last.
     pub(in crate::step) entries: [u32; 2],
 }
 
-/// A group in its slot.
+/// Group in a slot.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Occupant {
-    /// Its bin.
+    /// Bin of the group.
     pub(in crate::step) bin: u32,
-    /// Its particles.
+    /// Number of particles.
     pub(in crate::step) here: u32,
 }
 
-/// What a law is asked with.
+/// Input and output of a call of the law.
 pub(in crate::step) struct ForLaw<'a, T: Float> {
-    /// Groups, by place in their block.
+    /// Groups, by index in their block.
     pub(in crate::step) groups: &'a [u32],
-    /// How they deform.
+    /// Deformation of the groups.
     pub(in crate::step) deformation: &'a [Deformation<T::Row>],
-    /// Room for what the law returns.
+    /// Buffer for the response of the law.
     pub(in crate::step) response: &'a mut Response<T>,
 }
 
-/// What the mean dilatation is made of.
+/// Input and output of the mean dilatation.
 pub(in crate::step) struct ForMean<'a, T: Float> {
-    /// Groups, by place in their block.
+    /// Groups, by index in their block.
     pub(in crate::step) groups: &'a [u32],
-    /// Who they are.
+    /// Bin and number of particles of each group.
     pub(in crate::step) occupants: &'a [Occupant],
-    /// How they deform.
+    /// Deformation of the groups.
     pub(in crate::step) deformations: &'a mut [Deformation<T::Row>],
-    /// Room for a row of each.
+    /// Buffer for the volume ratios, one row per group.
     pub(in crate::step) ratios: &'a mut [T::Row],
 }
 
-/// Groups on their way through a law: memory of a thread. Of all lists, the first numbers are those in use.
+/// Batch of groups for the law: memory of a thread. The leading elements of each list are in use.
 #[derive(Debug, Default)]
 pub(in crate::step) struct LawBatch<T: Float> {
     entries: Vec<Entry>,
@@ -84,7 +84,7 @@ pub(in crate::step) struct LawBatch<T: Float> {
     groups: Vec<u32>,
     slots: usize,
     deformations: Vec<Deformation<T::Row>>,
-    /// Rows that are handed on, so many for two slots.
+    /// Rows for the later stages, `numbers_kept` for two slots.
     kept: Vec<RowPair<T::Row>>,
     numbers_kept: usize,
     ratios: Vec<T::Row>,
@@ -93,7 +93,7 @@ pub(in crate::step) struct LawBatch<T: Float> {
 }
 
 impl<T: Float> LawBatch<T> {
-    /// Forget all.
+    /// Remove all groups.
     #[inline(always)]
     pub(in crate::step) fn clear(&mut self) {
         self.entered = 0;
@@ -105,7 +105,7 @@ impl<T: Float> LawBatch<T> {
     pub(in crate::step) fn groups(&self) -> usize {
         self.slots
     }
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.entries.capacity() * size_of::<Entry>()
             + self.bins.capacity() * size_of::<BinEntries>()
@@ -117,11 +117,11 @@ impl<T: Float> LawBatch<T> {
             + self.response.bytes()
     }
 
-    /// Let the groups of a bin in, so many, of which `numbers_kept` rows are handed on.
+    /// Begin a bin with this number of `groups`, each with `numbers_kept` rows for the later stages.
     #[inline(always)]
     pub(in crate::step) fn open(&mut self, groups: usize, numbers_kept: usize) -> BatchWriter<'_, T> {
         self.numbers_kept = numbers_kept;
-        // One more, for a group that is alone.
+        // One extra slot, for a single group.
         let slots = self.slots + groups + 1;
         if self.groups.len() < slots || self.kept.len() < slots.div_ceil(2) * numbers_kept {
             self.grow(slots);
@@ -148,7 +148,7 @@ impl<T: Float> LawBatch<T> {
         self.deformations.resize(pairs, Deformation::default());
         self.kept.resize(pairs * self.numbers_kept.max(1), RowPair::default());
     }
-    /// The groups of a bin are in, as a writer counted.
+    /// End a bin, given the numbers of entries and slots that the writer counted.
     #[inline(always)]
     pub(in crate::step) fn close(&mut self, bin: usize, [entered, slots]: [usize; 2]) {
         let entries = [self.entered as u32, entered as u32];
@@ -156,7 +156,7 @@ impl<T: Float> LawBatch<T> {
         (self.entered, self.slots) = (entered, slots);
     }
 
-    /// The groups, by place in their block, how they deform, and where what the law says goes.
+    /// Groups, their deformation and the response buffer, for a call of the law.
     #[inline(always)]
     pub(in crate::step) fn for_law(&mut self) -> ForLaw<'_, T> {
         ForLaw {
@@ -165,7 +165,7 @@ impl<T: Float> LawBatch<T> {
             response: &mut self.response,
         }
     }
-    /// The groups and who they are; how they deform; and room for a row of each.
+    /// Groups, their occupants, deformation and a row buffer, for the mean dilatation.
     pub(in crate::step) fn for_mean(&mut self) -> ForMean<'_, T> {
         let occupants = &mut self.occupants;
         occupants.clear();
@@ -173,7 +173,7 @@ impl<T: Float> LawBatch<T> {
         for bin in &self.bins {
             for entry in &self.entries[bin.entries[0] as usize..bin.entries[1] as usize] {
                 let (first, [one, two]) = (entry.slot as usize, entry.members.groups);
-                // Lanes go one by one, or all from the first on.
+                // Lanes are processed one by one, or all from the first on.
                 let last = entry.members.lane + entry.here;
                 let of = |here: u32| Occupant { bin: bin.number, here };
                 if one == two {
@@ -193,7 +193,7 @@ impl<T: Float> LawBatch<T> {
         let (groups, ratios) = (&self.groups[..self.slots], &mut self.ratios[..self.slots]);
         ForMean { groups, occupants: &self.occupants, deformations: &mut self.deformations, ratios }
     }
-    /// What comes back.
+    /// Return a reader of the results.
     #[inline(always)]
     pub(in crate::step) fn reader(&self) -> BatchReader<'_, T> {
         BatchReader {
@@ -206,7 +206,7 @@ impl<T: Float> LawBatch<T> {
         }
     }
 
-    /// The first particle whose law broke down: the bin and the entry that it is in, its lane there, and why.
+    /// Return the first particle whose law failed: its bin, entry, lane in the entry and the cause.
     #[inline(always)]
     pub(in crate::step) fn first_fault<P: Pack<T>>(&self) -> Option<(usize, Entry, usize, Breakdown)> {
         if self.response.faults().is_empty() { None } else { self.find_fault::<P>() }
@@ -224,7 +224,7 @@ impl<T: Float> LawBatch<T> {
     }
 }
 
-/// The lane in an entry of a particle in a lane of a slot.
+/// Return the lane in an entry of the particle in a lane of a slot, if it is there.
 fn lane_in<T: Float, P: Pack<T>>(entry: &Entry, slot: usize, lane: usize) -> Option<usize> {
     let alone = entry.members.groups[0] == entry.members.groups[1];
     let n = slot.checked_sub(entry.slot as usize).filter(|n| *n < 2 - usize::from(alone))?;
@@ -233,7 +233,7 @@ fn lane_in<T: Float, P: Pack<T>>(entry: &Entry, slot: usize, lane: usize) -> Opt
     (lane < entry.here as usize).then_some(lane)
 }
 
-/// Where groups of a bin come in.
+/// Writer for the groups of a bin.
 pub(in crate::step) struct BatchWriter<'a, T: Float> {
     entries: &'a mut [Entry],
     entered: usize,
@@ -245,7 +245,7 @@ pub(in crate::step) struct BatchWriter<'a, T: Float> {
 }
 
 impl<T: Float> BatchWriter<'_, T> {
-    /// Enter particles.
+    /// Append particles.
     #[inline(always)]
     pub(in crate::step) fn enter<P: Pack<T>>(&mut self, members: Members, here: usize) -> Entry {
         let [one, two] = members.groups;
@@ -270,7 +270,7 @@ impl<T: Float> BatchWriter<'_, T> {
         entry
     }
 
-    /// How particles deform: a gradient, and what makes increments of it.
+    /// Store the deformation of particles: gradient, and factor that makes it an increment.
     #[inline(always)]
     pub(in crate::step) fn put_gradient<P: Pack<T>>(&mut self, entry: &Entry, gradient: &Mat3<P>, step: P) {
         let (half, lane) = (entry.half(), entry.members.lane as usize);
@@ -283,7 +283,7 @@ impl<T: Float> BatchWriter<'_, T> {
         step.to_pair(&mut to.step, half, lane);
     }
 
-    /// Hand on numbers.
+    /// Store numbers for the later stages.
     #[inline(always)]
     pub(in crate::step) fn keep<P: Pack<T>>(
         &mut self,
@@ -297,14 +297,14 @@ impl<T: Float> BatchWriter<'_, T> {
         }
     }
 
-    /// How many are in, entries and groups.
+    /// Numbers of entries and slots so far.
     #[inline(always)]
     pub(in crate::step) fn counted(&self) -> [usize; 2] {
         [self.entered, self.slots]
     }
 }
 
-/// What comes back of groups.
+/// Reader of the results of groups.
 #[derive(Clone, Copy)]
 pub(in crate::step) struct BatchReader<'a, T: Float> {
     /// Bins with entries.
@@ -323,7 +323,7 @@ impl<'a, T: Float> BatchReader<'a, T> {
         &self.entries[bin.entries[0] as usize..bin.entries[1] as usize]
     }
 
-    /// The gradient of how particles deform, as it was put.
+    /// Load the gradient of particles, as stored by the writer.
     #[inline(always)]
     pub(in crate::step) fn gradient<const D: usize, P: Pack<T>>(
         &self,
@@ -338,7 +338,7 @@ impl<'a, T: Float> BatchReader<'a, T> {
         }
     }
 
-    /// Numbers that were handed on.
+    /// Load the numbers stored for the later stages.
     #[inline(always)]
     pub(in crate::step) fn kept<P: Pack<T>>(
         &self,
@@ -352,7 +352,7 @@ impl<'a, T: Float> BatchReader<'a, T> {
         }
     }
 
-    /// What the law says of particles: stress, volume ratio and, if it was asked for, wave speed.
+    /// Load the response of the law: stress, volume ratio and, if requested, wave speed.
     #[inline(always)]
     pub(in crate::step) fn outputs<P: Pack<T>>(&self, entry: &Entry, speeds: bool) -> (Sym3<P>, P, P) {
         let (output, half, lane) = (&self.outputs[entry.pair()], entry.half(), entry.members.lane as usize);
@@ -364,7 +364,7 @@ impl<'a, T: Float> BatchReader<'a, T> {
         (stress, ratio, if speeds { P::from_pair(&output.step_speed, half, lane) } else { P::zero() })
     }
 
-    /// The velocity gradient of particles, 1/s, D x D numbers each, over `unit`.
+    /// Load the velocity gradient of particles, 1/s, D x D numbers each: the stored gradient times `unit`.
     #[cold]
     #[inline(never)]
     pub(in crate::step) fn gradients<const D: usize, P: Pack<T>>(

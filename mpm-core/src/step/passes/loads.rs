@@ -1,7 +1,8 @@
-//! Loads of particles on the grid: their force, and the power of it.
+//! Loads of particles on the grid: force and power.
 //!
-//! Apart from the passes, so that those of bodies without a load know nothing of them: a loaded body's forces are added to its tiles when
-//! the pass that maps them is done and its particles are where they belong, and booked before the pass that changes their velocities.
+//! Loads are separate from the passes, so that bodies without a load do not pay for them. The forces of a loaded body are
+//! added to its tiles after the pass that maps forces, when its particles are in their bins; their power is recorded before
+//! the pass that changes the velocities.
 
 use mpm_materials::Lane;
 
@@ -22,22 +23,22 @@ use impactite_simd::{Arch, Float, Kernel, Quad, Vectors};
 pub struct LoadTask<'a, T: Float, const D: usize> {
     pub(in crate::step) slot: &'a mut Slot<T, D>,
     pub(in crate::step) common: &'a Common<T>,
-    /// Where particles carry them.
+    /// Particle rows of the loads.
     pub(in crate::step) rows: LoadRows,
     /// Tractions on the loaded areas, Pa.
     pub(in crate::step) tractions: &'a [[f64; 3]],
-    /// What the pass maps.
+    /// Quantities that the pass maps.
     pub(in crate::step) maps: Maps,
-    /// All nodes of the grid, and the blocks of them around.
+    /// All nodes of the grid, and the node blocks around the block.
     pub(in crate::step) nodes: (Nodes<'a, T>, &'a [u32]),
-    /// Do nodes know their accelerations?
+    /// True if nodes store accelerations.
     pub(in crate::step) reads_increment: bool,
     /// Memory of the thread.
     pub(in crate::step) tile_in: &'a mut TileIn<T>,
 }
 
 impl<T: Float, const D: usize> LoadTask<'_, T, D> {
-    /// Force on a particle, N; none if it carries no load.
+    /// Return the load on a particle, N; none if it is zero.
     #[inline(always)]
     fn force(&self, block: &Block<T, D>, at: crate::particles::Place) -> Option<[T; 3]> {
         let mut force = [T::default(); 3];
@@ -57,7 +58,7 @@ impl<T: Float, const D: usize> LoadTask<'_, T, D> {
     }
 }
 
-/// Weights of a particle on all nodes of its stencil.
+/// Evaluate the weights of a particle on all nodes of its stencil.
 #[inline(always)]
 fn weights_of<T: Float, S: ShapeFunction<T, D>, const D: usize>(
     shape: &S,
@@ -81,7 +82,7 @@ fn weights_of<T: Float, S: ShapeFunction<T, D>, const D: usize>(
     weights
 }
 
-/// From a particle at `xi` to node `n` of its stencil, cells.
+/// Return the vector from a particle at `xi` to node `n` of its stencil, cells.
 #[inline(always)]
 fn offset_of<T: Float, E: Stencil, const D: usize>(n: usize, xi: impl Fn(usize) -> T) -> [T; D] {
     let at = [n % E::NODES, n / E::NODES % E::NODES, n / (E::NODES * E::NODES)];
@@ -89,7 +90,7 @@ fn offset_of<T: Float, E: Stencil, const D: usize>(n: usize, xi: impl Fn(usize) 
     std::array::from_fn(|d| T::of(at[d] as f64 - middle) - xi(d))
 }
 
-/// Place in a tile of node `n` of the stencil that begins at `corner`.
+/// Return the tile index of node `n` of the stencil that begins at `corner`.
 #[inline(always)]
 fn node_at<E: Stencil>(corner: usize, n: usize) -> usize {
     let (i, j, k) = (n % E::NODES, n / E::NODES % E::NODES, n / (E::NODES * E::NODES));
@@ -151,8 +152,8 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for MapLoads<'_
     }
 }
 
-/// The velocities of the nodes at a block's particles, m/s, which they carry in place of their acceleration from then on, and the gradient
-/// of the velocity around them, as APIC fits it.
+/// Store the nodal velocities interpolated to a block's particles, m/s, in place of their acceleration, and the velocity
+/// gradient of the APIC fit.
 pub(in crate::step) struct CarryVelocity<'a, T: Float, const D: usize, S> {
     pub(in crate::step) shape: &'a S,
     pub(in crate::step) task: LoadTask<'a, T, D>,
@@ -213,8 +214,8 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for CarryVeloci
     }
 }
 
-/// Power of the loads of a block's particles, W: the forces on the nodes did their work with the velocities in the middle of the step,
-/// here mapped to the particles; where nodes know no accelerations, by what was mapped before.
+/// Power of the loads of a block's particles, W: force times mid-step nodal velocity, interpolated to the particles.
+/// Without nodal accelerations, the particle velocity replaces the nodal velocity before the step.
 pub(in crate::step) struct BookLoads<'a, T: Float, const D: usize, S> {
     pub(in crate::step) shape: &'a S,
     pub(in crate::step) task: LoadTask<'a, T, D>,

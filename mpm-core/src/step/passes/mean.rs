@@ -1,4 +1,4 @@
-//! The mean dilatation of a bin ([`crate::MeanDilatation`]).
+//! Mean dilatation of a bin ([`crate::MeanDilatation`]).
 
 use mpm_materials::Lane;
 use mpm_materials::material::{Deformation, Material, NO_GROUP, States};
@@ -9,8 +9,8 @@ use crate::dilatation::MeanDilatation;
 use crate::particles::Masses;
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 
-/// Let laws see the mean change of volume of each bin's particles, by mass, of groups of a batch; `rows` are those of their
-/// block, with as many a group as `stride` says, from `first` on those of states.
+/// Replace the dilatation increments of a batch by the mass-weighted mean of each bin. `rows` are the rows of the block,
+/// `stride` per group; states begin at row `first`.
 #[inline(never)]
 pub(in crate::step) fn dilate<T: Float, const D: usize>(
     batch: &mut LawBatch<T>,
@@ -34,7 +34,7 @@ struct Dilate<'a, T: Float> {
     rows: &'a [T::Row],
     stride: usize,
     masses: Masses<T>,
-    /// Axes that a dilatation is spread over.
+    /// Number of axes over which a dilatation is distributed.
     axes: usize,
 }
 
@@ -53,7 +53,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
                 end += 1;
             }
             let there = (begin..end).filter(|&n| groups[n] != NO_GROUP);
-            // Of masses, and of traces of the increments and volume ratios by mass.
+            // Sums of mass, and of mass-weighted increment traces and volume ratios.
             let mut sums = [A::Pack::zero(); 3];
             for n in there.clone() {
                 let rows = &rows[groups[n] as usize * stride..][..stride];
@@ -62,7 +62,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
                     let alive = lane_index.lt(here);
                     let mass = masses.of_group(alive, |row| of_row::<T, A::Pack>(&rows[row], lane));
                     sums[0] = sums[0] + mass;
-                    // Of lanes without a particle nothing is known: their numbers may be none.
+                    // Lanes without a particle are undefined and may contain NaN.
                     let known = |x| A::Pack::select(alive, x, A::Pack::zero());
                     let trace = trace::<T, A::Pack>(&deformations[n / 2], n % 2, lane);
                     let ratio = of_row::<T, A::Pack>(&ratios[n], lane);
@@ -84,7 +84,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
                     let ratio = of_row::<T, A::Pack>(&ratios[n], lane);
                     let back = (mean_ratio - ratio) / ratio * A::Pack::of(MeanDilatation::RETURN);
                     let more = mean_trace + back - trace::<T, A::Pack>(deformation, half, lane);
-                    // Of the gradient as much as makes that increment.
+                    // Correction of the gradient that yields this increment.
                     let step = A::Pack::from_pair(&deformation.step, half, lane);
                     let more = more * A::Pack::of(1.0 / axes as f64) / step;
                     let more = A::Pack::select(lane_index.lt(here), more, A::Pack::zero());
@@ -99,7 +99,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
     }
 }
 
-/// Traces of the increments of a group.
+/// Return the traces of the increments of a group.
 #[inline(always)]
 fn trace<T: Float, P: Pack<T>>(of: &Deformation<T::Row>, half: usize, lane: usize) -> P {
     let diagonal = |d: usize| P::from_pair(&of.gradient[4 * d], half, lane);

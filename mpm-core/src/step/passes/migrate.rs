@@ -1,5 +1,5 @@
-//! Particles that leave their bins: out of a bin during its work, into another when all bins of a block are
-//! done (if they stay in the block) or between passes.
+//! Migration of particles between bins: removal during the pass over a bin, insertion after all bins of a block (if they
+//! stay in the block) or between passes.
 
 use mpm_materials::Lane;
 
@@ -18,39 +18,39 @@ use crate::step::between_steps::splitting::Splitter;
 use impactite_scene::Cause;
 use impactite_simd::{Arch, Float, Kernel, Quad, Vectors};
 
-/// Who leaves groups of a bin that go through a pass together, by bits of lanes.
+/// Particles that leave the groups of a bin that pass through the stages together, as bits of lanes.
 pub(in crate::step) struct Leaving<'a, T: Float> {
     pub(in crate::step) bin: usize,
-    /// The groups. The last one is the last of them in the bin.
+    /// Groups, in the order of the bin.
     pub(in crate::step) members: Members,
-    /// Particles that left the bin.
+    /// Particles that left the bin, one bit each.
     pub(in crate::step) gone: u32,
     pub(in crate::step) cut: Cut<'a, T>,
 }
 
-/// Which particles are cut in two, wherever they are.
+/// Particles to be split, inside or outside their bin.
 pub(in crate::step) struct Cut<'a, T: Float> {
     pub(in crate::step) long: u32,
     pub(in crate::step) splitter: &'a Splitter<T>,
-    /// The velocity gradient in units of 1/s, D x D numbers of each lane.
+    /// Velocity gradient, 1/s, D x D numbers per lane.
     pub(in crate::step) gradient: &'a [[T; MAX_LANES]; 9],
 }
 
-/// The numbers of a particle's records that go with it when it leaves its bin: not those that are zero, nor G_dc beside G_cd,
-/// nor mass and momentum, where they are those of the particle itself.
+/// Components of a particle's records that migrate with it: without zeros, without G_dc (equal to G_cd), and without mass
+/// and momentum if they follow from the particle itself.
 pub(crate) struct MigrationPayload {
-    /// By kind of record and place in it.
+    /// Kind of record, and index of the component.
     numbers: [(u8, u8); MOST_LUGGAGE],
     count: usize,
 }
-/// Momentum, hoop force and load, affine part, force.
+/// Largest number of components: momentum, hoop force and load, affine part, force.
 const MOST_LUGGAGE: usize = 3 + 3 + 9 + 6;
 
 impl MigrationPayload {
-    /// Of the particles in a pass that maps this; may they be cut in two?
+    /// Select the components for a pass that maps `maps`; with `splits`, particles may be split.
     #[inline(always)]
     pub(in crate::step) fn of<const D: usize>(maps: Maps, splits: bool) -> Self {
-        // What is cut in two gives each half of what the whole would map.
+        // The halves of a split particle map half of the parent's records, not their own momentum.
         let plain = !maps.has_affine() && !splits;
         let mut payload = MigrationPayload { numbers: [(0, 0); MOST_LUGGAGE], count: 0 };
         for kind in 0..RECORDS {
@@ -63,13 +63,13 @@ impl MigrationPayload {
         payload
     }
 
-    /// How many numbers that are.
+    /// Number of components.
     #[inline(always)]
     pub(in crate::step) fn count(&self) -> usize {
         self.count
     }
 
-    /// Take them from the records.
+    /// Copy the components from the records.
     #[inline(always)]
     fn pack<T: Copy>(&self, records: &[[T; 4]; RECORDS], to: &mut [T]) {
         for (x, &(kind, c)) in to.iter_mut().zip(&self.numbers[..self.count]) {
@@ -77,7 +77,7 @@ impl MigrationPayload {
         }
     }
 
-    /// The records of a particle with these numbers, of which those that went with it are the last.
+    /// Restore the records of a particle from its numbers, the last of which are the migrated components.
     #[inline(always)]
     fn unpack<T: Float, const D: usize>(&self, numbers: &[T], mass: T, maps: Maps) -> [[T; 4]; RECORDS] {
         let mut records = [[T::default(); 4]; RECORDS];
@@ -98,8 +98,8 @@ impl MigrationPayload {
     }
 }
 
-/// Take the particles that leave groups out of their bin and put them into the outbox, or among those that stay in the
-/// block, with their records, of which zeros are left; what is cut in two goes there as two.
+/// Move leaving particles from their bin to the outbox, or to `within` if they stay in the block, together with their
+/// records, which are set to zero. A split particle is moved as its two children.
 #[cold]
 #[inline(never)]
 pub(in crate::step) fn send_away<T: Float, const D: usize>(
@@ -112,7 +112,7 @@ pub(in crate::step) fn send_away<T: Float, const D: usize>(
     let Leaving { bin, members, gone, cut: Cut { long, splitter, gradient } } = leaving;
     let columns = block.particle_numbers();
     let mut leave = gone | long;
-    // The last lane first: the particle that takes the place of one removed has been at work already.
+    // Last lane first: the particle that replaces a removed one has been processed already.
     while leave != 0 {
         let lane = leave.ilog2();
         leave &= !(1 << lane);
@@ -142,7 +142,7 @@ pub(in crate::step) fn send_away<T: Float, const D: usize>(
             address.shift::<D>(numbers);
             continue;
         }
-        // A child takes half of everything its parent maps, from its own place.
+        // Each child maps half of its parent's records, from its own position.
         for record in &mut own {
             for x in record {
                 *x *= T::of(0.5);
@@ -166,7 +166,7 @@ pub(in crate::step) fn send_away<T: Float, const D: usize>(
     }
 }
 
-/// In which bin is xi, seen from the one it was in?
+/// Return the offset of the bin of xi from the old bin, cells.
 #[inline(always)]
 fn cells_off<T: Float>(xi: T) -> T {
     let (half, far) = (T::of(0.5), T::of(1.5));
@@ -181,19 +181,19 @@ fn cells_off<T: Float>(xi: T) -> T {
     }
 }
 
-/// Where a particle goes that left its bin.
+/// Destination of a particle that left its bin.
 struct Address<T> {
-    /// The block, as an outbox has it.
+    /// Index of the destination block, as in an outbox.
     to: usize,
     bin: usize,
-    /// By how many cells.
+    /// Offset from the old bin, cells.
     cells: [T; 3],
-    /// Is that more than one, or does nobody know?
+    /// True if the offset exceeds one cell or is not a number.
     far: bool,
 }
 
 impl<T: Float> Address<T> {
-    /// Of a particle at `xi` of `bin`.
+    /// Compute the destination of a particle at `xi` of `bin`.
     #[inline(always)]
     fn of<const D: usize>(xi: &[T; 3], bin: usize) -> Self {
         let mut address = Address { to: 0, bin: 0, cells: [T::default(); 3], far: false };
@@ -203,7 +203,7 @@ impl<T: Float> Address<T> {
             address.cells[d] = cells;
             let within_one = cells.abs() <= T::of(1.0); // false for a value that is not a number
             address.far |= !within_one;
-            // Two cells are the most: one moved, less than one from the parent.
+            // At most two cells: one by motion, less than one from the parent to the child.
             let at = (rest % BLOCK) as i32 + (cells.to_double() as i32).clamp(-2, 2);
             rest /= BLOCK;
             let (block_shift, place) = crate::particles::split(at);
@@ -215,7 +215,7 @@ impl<T: Float> Address<T> {
         address
     }
 
-    /// Make records refer to the bin that the particle goes to: R = [m, m v] - sum A xi refers to the bin's centre.
+    /// Refer records to the centre of the destination bin: R = [m, m v] - sum A xi.
     #[inline(always)]
     fn turn<const D: usize>(&self, records: &mut [[T; 4]; RECORDS], maps: Maps) {
         for d in 0..if maps.has_affine() { D } else { 0 } {
@@ -226,15 +226,15 @@ impl<T: Float> Address<T> {
         }
     }
 
-    /// Room for its numbers and what goes with it.
+    /// Reserve space for the numbers of the particle and its payload.
     #[inline(always)]
     fn room<'a, const D: usize>(&self, out: &'a mut Outbox<T>, within: &'a mut Outbox<T>) -> &'a mut [T] {
         let list = if self.to == neighbours(D) / 2 { within } else { out };
         list.post(self.to, self.bin)
     }
 
-    /// Make its position refer to that bin, too. Rounding may leave it at 1/2 where it was just below -1/2: that is the bin's
-    /// far edge.
+    /// Refer the position to the centre of the destination bin. Rounding may turn a value just below -1/2 into 1/2, the far
+    /// edge of the bin.
     #[inline(always)]
     fn shift<const D: usize>(&self, numbers: &mut [T]) {
         for d in 0..D {
@@ -243,7 +243,7 @@ impl<T: Float> Address<T> {
     }
 }
 
-/// The offset and the domain of a particle of which `number` gives the number in a row.
+/// Return the offset and the domain of a particle; `number` reads its value in a row.
 #[inline(always)]
 pub(in crate::step) fn place_of<T: Float, const D: usize, S: ShapeFunction<T, D>>(
     number: impl Fn(usize) -> T,
@@ -257,17 +257,17 @@ pub(in crate::step) fn place_of<T: Float, const D: usize, S: ShapeFunction<T, D>
     (xi, domains.of::<T::Single, S, D>(carried))
 }
 
-/// Append particles that come to a block to their bins there, and scatter them, one by one: for a shape function, whatever pass
-/// sent them.
+/// Append particles that arrive in a block to their bins, and scatter them one by one; independent of the pass that sent
+/// them.
 pub(in crate::step) struct Arrivals<'a, T: Float, const D: usize, S> {
     pub(in crate::step) shape: &'a S,
     pub(in crate::step) block: &'a mut Block<T, D>,
-    /// The block's tile, and its rows that hold sums.
+    /// Tile of the block, and its rows that contain sums.
     pub(in crate::step) sums: (&'a mut [[T; 4]], &'a mut u64),
-    /// Where they are, which of them they are, and which block they go to as seen from there.
+    /// Outbox, selection of its particles, and index of the destination block seen from the sender.
     pub(in crate::step) from: (&'a Outbox<T>, Sent, usize),
     pub(in crate::step) common: &'a Common<T>,
-    /// What the pass maps, and what went with them of it.
+    /// Quantities that the pass maps, and the components that migrated.
     pub(in crate::step) mapped: (Maps, &'a MigrationPayload),
 }
 
@@ -307,7 +307,7 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_
     }
 }
 
-/// Add one particle to the nodes of its stencil, of which the first lies at `corner` of the tile.
+/// Scatter one particle to the nodes of its stencil, whose first node is at `corner` of the tile.
 #[inline(always)]
 fn give_one<T: Float, A: Arch<T>, S: ShapeFunction<T, D>, const D: usize>(
     shape: &S,

@@ -1,4 +1,4 @@
-//! Passes over particles: gather, strain, law, motion, scatter, and the kernels that they are compiled to.
+//! Passes over particles: gather, strain, constitutive law, motion, scatter, and their compiled kernels.
 
 pub(crate) mod cell;
 pub(crate) mod compiled;

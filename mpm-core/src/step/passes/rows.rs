@@ -1,5 +1,4 @@
-//! Rows of groups, as a pass reads and writes them: of one group, of two whose lanes one vector takes together, or of one lane of a
-//! group.
+//! Access of a pass to the rows of groups: one group, two groups in one vector, or one lane of a group.
 
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -8,30 +7,30 @@ use mpm_materials::{Sink, Source};
 
 use impactite_simd::{Float, Pack};
 
-/// The rows of the groups that a vector takes its lanes from. Of vectors of one group, the second one is never looked at.
+/// Rows of the groups in the lanes of a vector. Vectors of one group do not read the second one.
 pub(crate) struct Rows<T, S> {
     groups: [S; 2],
-    /// The lane, of vectors of one.
+    /// Lane in the group, for vectors of one lane.
     lane: usize,
     number: PhantomData<T>,
 }
 
-/// Rows that can be written.
+/// Mutable rows of groups.
 pub(crate) type RowsMut<'a, T> = Rows<T, &'a mut [<T as Float>::Row]>;
 
 impl<T: Float, S: Deref<Target = [T::Row]>> Rows<T, S> {
-    /// Of two groups, or of one and anything else; of one of its lanes, if vectors have one.
+    /// Access two groups, or one group and an arbitrary second one; `lane` selects the lane for vectors of one lane.
     #[inline(always)]
     pub(crate) fn of(groups: [S; 2], lane: usize) -> Self {
         Rows { groups, lane, number: PhantomData }
     }
-    /// The numbers of a row.
+    /// Load the numbers of a row.
     #[inline(always)]
     pub(in crate::step) fn load<P: Pack<T>>(&self, row: usize) -> P {
         let second = &self.groups[if P::GROUPS == 1 { 0 } else { 1 }];
         P::from_rows([&self.groups[0][row], &second[row]], self.lane)
     }
-    /// Reads a law's state from row `at` on.
+    /// Return a reader of a law's state from row `at` on.
     #[inline(always)]
     pub(in crate::step) fn reader(&self, at: usize) -> Reader<'_, T, S> {
         Reader { rows: self, at }
@@ -39,7 +38,7 @@ impl<T: Float, S: Deref<Target = [T::Row]>> Rows<T, S> {
 }
 
 impl<'a, T: Float> RowsMut<'a, T> {
-    /// Write the numbers of a row.
+    /// Store the numbers of a row.
     #[inline(always)]
     pub(in crate::step) fn store<P: Pack<T>>(&mut self, row: usize, numbers: P) {
         numbers.to_row(0, &mut self.groups[0][row], self.lane);
@@ -47,14 +46,14 @@ impl<'a, T: Float> RowsMut<'a, T> {
             numbers.to_row(1, &mut self.groups[1][row], self.lane);
         }
     }
-    /// Writes a law's state from row `at` on.
+    /// Return a writer of a law's state from row `at` on.
     #[inline(always)]
     pub(in crate::step) fn writer(&mut self, at: usize) -> Writer<'_, 'a, T> {
         Writer { rows: self, at }
     }
 }
 
-/// Reads a law's state.
+/// Reader of a law's state.
 pub(in crate::step) struct Reader<'a, T, S> {
     rows: &'a Rows<T, S>,
     at: usize,
@@ -68,7 +67,7 @@ impl<T: Float, P: Pack<T>, S: Deref<Target = [T::Row]>> Source<P> for Reader<'_,
     }
 }
 
-/// Writes a law's state.
+/// Writer of a law's state.
 pub(in crate::step) struct Writer<'a, 'b, T: Float> {
     rows: &'a mut RowsMut<'b, T>,
     at: usize,
@@ -82,7 +81,7 @@ impl<T: Float, P: Pack<T>> Sink<P> for Writer<'_, '_, T> {
     }
 }
 
-/// Numbers of a row.
+/// Load numbers of a row.
 #[inline(always)]
 pub(in crate::step) fn of_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
     P::from_rows([row, row], lane)

@@ -1,16 +1,16 @@
-//! From the particles of a bin to the nodes of its stencil: the adjoint of the gather.
+//! Scatter from the particles of a bin to the nodes of its stencil: the adjoint of the gather.
 //!
-//! What a particle adds to node i is, with N_i its weight and dN_i its derivative with respect to xi,
+//! Contribution of a particle to node i, with its weight N_i and its derivative dN_i with respect to xi:
 //!
 //! ```text
 //! first:   N_i (R + sum_d A_d i_d)                R = [m, m v] - sum_d A_d xi_d,  A_d = m h C e_d  (APIC)
 //! second:  sum_d G_d dN_i/dxi_d + N_i H           G_d = -V sigma e_d / h,  H hoop force
 //! ```
 //!
-//! Where a step needs only their sum, momentum plus the impulse of the force, both go to the first record with
-//! G and H multiplied by the step; in the moving-least-squares form the force is part of A.
+//! Both are added to the first record, with G and H multiplied by the time step, if a step needs only the sum of momentum
+//! and force impulse. In the moving-least-squares form the force is part of A.
 //!
-//! Lanes here are the four numbers of a node record, one particle at a time.
+//! Lanes are the four numbers of a node record; particles are processed one at a time.
 
 use mpm_materials::Lane;
 
@@ -20,9 +20,9 @@ use crate::dim::{Array, Stencil};
 use crate::shape::node_offset;
 use impactite_simd::{Arch, Band, Float, Quad, apart};
 
-/// Add the particles in the first `LANES` lanes of a group to the nodes of their bin's stencil, of which the
-/// first lies at `corner` of the tile: to its `first` records and, where the pass maps two, to its `second`.
-/// A lane without a particle has records of zero. Forces that go by way of [`super::cell::Moments`] are left to those.
+/// Scatter the particles in the first `LANES` lanes of a group to the nodes of their bin's stencil, whose first node is at
+/// `corner` of the tile: to the first records and, if the pass maps two, to the second. Lanes without a particle have zero
+/// records. Forces summed in [`super::cell::Moments`] are excluded.
 #[inline(always)]
 pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     tiles: [&mut [[T; 4]]; 2],
@@ -51,7 +51,7 @@ fn scatter_here<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     let first = if maps.momentum { &mut first[corner..][..E::SPAN] } else { first };
     let second = if maps.second() { &mut second[corner..][..E::SPAN] } else { second };
     let mut rows = RowsOut::<T, A, E, LANES> { first, second, spread, records, maps };
-    // By hand: a loop that the compiler does not unroll would decide for each row what is known here.
+    // Unrolled by hand: a loop that the compiler does not unroll would evaluate these conditions for each row.
     rows.add_layer(0);
     if E::LAYERS > 1 {
         rows.add_layer(1);
@@ -64,7 +64,7 @@ fn scatter_here<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     }
 }
 
-/// The rows of nodes of a stencil, with what is added to them.
+/// Node rows of a stencil, and the contributions to them.
 struct RowsOut<'a, T: Float, A: Arch<T>, E: Stencil, const LANES: usize> {
     first: &'a mut [[T; 4]],
     second: &'a mut [[T; 4]],
@@ -86,7 +86,7 @@ impl<T: Float, A: Arch<T>, E: Stencil, const LANES: usize> RowsOut<'_, T, A, E, 
         }
     }
 
-    /// Add to row (j, k), which is read and written once for all lanes.
+    /// Add all lanes to row (j, k), which is read and written once.
     #[inline(always)]
     fn add(&mut self, j: usize, k: usize) {
         let RowsOut { first, second, spread, records, maps } = self;

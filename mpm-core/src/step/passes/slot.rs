@@ -1,5 +1,4 @@
-//! What a pass over a block of particles works on: the block's own data, the memory of a thread, the numbers that all blocks
-//! of a body share.
+//! Data of a pass over a block of particles: block data, thread memory, and parameters that all blocks of a body share.
 
 use mpm_materials::Lane;
 use mpm_materials::material::Material;
@@ -15,54 +14,54 @@ use crate::step::nodes::layout::Nodes;
 use impactite_scene::Cause;
 use impactite_simd::{AlignedRecords, Float, LINE, Whereabouts};
 
-/// A block of particles with what its passes need and leave behind.
+/// Block of particles with the input and output of its passes.
 ///
-/// What sums over tiles need comes first, in one cache line.
+/// Fields that sums over tiles need come first, in one cache line.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub struct Slot<T: Float, const D: usize> {
-    /// What its particles add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
-    /// the method maps two, all second ones.
+    /// Contributions of the particles to the nodes that they reach, `TILE` nodes per axis, x fastest: all first records,
+    /// then, if the method maps two, all second ones.
     pub tile: AlignedRecords<T>,
-    /// Rows of the tile that hold sums, a bit each; nothing is known of the others.
+    /// Rows of the tile that contain sums, one bit each; the others are undefined.
     pub rows: u64,
-    /// The particles.
+    /// Block of particles.
     pub block: Block<T, D>,
-    /// Slots around, likewise.
+    /// Slots around the block, 3^D, x fastest (`u32::MAX` if absent).
     pub slots_around: Vec<u32>,
-    /// Bins whose stencils the body's nodes hold, a bit each.
+    /// Bins whose stencil nodes are allocated for the body, one bit each.
     pub linked: u64,
-    /// What the last pass found.
+    /// Results of the last pass.
     pub report: Report<T>,
 }
 
-/// Memory of a thread for a pass over a block.
+/// Thread memory for a pass over a block.
 #[derive(Debug, Default)]
 pub struct Scratch<T: Float> {
-    /// Which one it is among those of all threads.
+    /// Index among the memories of all threads.
     pub(in crate::step) number: u32,
     pub(in crate::step) movers: Movers<T>,
     pub(in crate::step) tile_in: TileIn<T>,
-    /// What goes through a pass beside a group that has no other.
+    /// Rows of a dummy group that fills the second half of a vector.
     pub(in crate::step) idle: Vec<T::Row>,
-    /// Groups on their way through their law.
+    /// Batch of groups for the constitutive law.
     pub(in crate::step) batch: LawBatch<T>,
 }
 
 impl<T: Float> Scratch<T> {
-    /// The `number`-th one, empty.
+    /// Create the empty memory of thread `number`.
     pub(in crate::step) fn new(number: usize) -> Self {
         Scratch { number: number as u32, ..Scratch::default() }
     }
-    /// Particles that left their blocks.
+    /// Outbox of the particles that left their blocks.
     pub(in crate::step) fn out(&mut self) -> &mut Outbox<T> {
         &mut self.movers.out
     }
-    /// Room for nodal records.
+    /// Buffer for nodal records.
     pub(in crate::step) fn tile_in(&mut self) -> &mut TileIn<T> {
         &mut self.tile_in
     }
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.movers.bytes()
             + self.tile_in.bytes()
@@ -71,26 +70,26 @@ impl<T: Float> Scratch<T> {
     }
 }
 
-/// Where the memory of a slot lies: to be asked for while another slot is at work.
+/// Memory locations of a slot, to be prefetched while another slot is processed.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outline {
     slot: Whereabouts,
-    /// Tables of its block.
+    /// Tables of the block.
     tables: [Whereabouts; 2],
-    /// The groups of its block.
+    /// Groups of the block.
     groups: Whereabouts,
     tile: Whereabouts,
 }
 
 impl Outline {
-    /// Of a slot.
+    /// Return the memory locations of a slot.
     pub(in crate::step) fn of<T: Float, const D: usize>(slot: &Slot<T, D>) -> Self {
         let [runs, before, groups] = slot.block.outline();
         let (tables, tile) = ([runs, before], Whereabouts::of(slot.tile.all()));
         Outline { slot: Whereabouts::of(std::slice::from_ref(slot)), tables, groups, tile }
     }
 
-    /// Ask for the slot and its tables.
+    /// Prefetch the slot and its tables.
     #[inline(always)]
     pub(in crate::step) fn ask_first(&self) {
         for memory in [self.slot, self.tables[0], self.tables[1]] {
@@ -98,8 +97,8 @@ impl Outline {
         }
     }
 
-    /// Ask for what falls to one of the bins of the block at work: some of the first `records` of the tile; towards the end,
-    /// the groups that lie first, which are those of the first bins if few moved.
+    /// Prefetch the share of one bin of the current block: some of the first `records` of the tile and, for the last bins,
+    /// the leading groups, which are those of the first bins if few particles moved.
     #[inline(always)]
     pub(in crate::step) fn ask<T: Float, const D: usize>(&self, bin: usize, records: usize) {
         let lines = (records * size_of::<[T; 4]>()).div_ceil(LINE * block_nodes(D));
@@ -111,27 +110,27 @@ impl Outline {
     }
 }
 
-/// Cache lines of the groups that lie first that are asked for beside each of the last bins of the block before: in space two
-/// groups of full bins are about fifteen, so that all of them are those of some eight bins.
+/// Cache lines of the leading groups to prefetch with each of the last bins of the previous block. In 3D two groups of a
+/// full bin are about fifteen lines, so that all prefetched lines cover about eight bins.
 const FIRST_LINES: usize = 8;
 
-/// What a pass found out.
+/// Results of a pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Report<T> {
-    /// Largest (c + |v|) / h, 1/s.
+    /// Largest signal rate (c + |v|) / h, 1/s.
     pub rate: T,
-    /// Mass, kg, and momentum, kg m/s, of the particles, where they moved.
+    /// Mass, kg, and momentum, kg m/s, of the particles, for passes that move them.
     pub moments: [T; 4],
-    /// Particles that were split.
+    /// Number of split particles.
     pub splits: u32,
-    /// Kinetic energy of the motion within them, J.
+    /// Kinetic energy of the motion within split particles, J.
     pub revealed: T,
-    /// The first particle that cannot go on.
+    /// First particle with an error.
     pub trouble: Option<Trouble>,
 }
 
 impl<T: Float> Report<T> {
-    /// Note a particle that cannot go on, of groups of a bin.
+    /// Record a particle with an error, from groups of a bin.
     #[inline(always)]
     pub(in crate::step) fn note(
         &mut self,
@@ -148,23 +147,23 @@ impl<T: Float> Report<T> {
     }
 }
 
-/// A particle that cannot go on.
+/// Particle with an error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trouble {
-    /// Its bin in the block.
+    /// Bin of the particle in its block.
     pub bin: usize,
-    /// Its number.
+    /// Number of the particle.
     pub particle: usize,
-    /// What happened.
+    /// Cause of the error.
     pub cause: Cause,
 }
 
-/// The numbers every block of a body shares in a pass.
+/// Parameters of a pass, shared by all blocks of a body.
 #[derive(Clone, Copy, Debug)]
 pub struct Common<T> {
     /// Time step, s.
     pub dt: T,
-    /// The step after it, s, which impulses mapped together with momentum are for.
+    /// Next time step, s, for impulses mapped together with momentum.
     pub next_dt: T,
     /// Node spacing h, m.
     pub spacing: T,
@@ -172,72 +171,71 @@ pub struct Common<T> {
     pub origin: T,
     /// Reference density of the law, kg/m^3.
     pub density: T,
-    /// Are wave speeds wanted, for the next time step?
+    /// True if wave speeds are requested, for the next time step.
     pub speeds: bool,
-    /// Does the law see the mean dilatation of a bin?
+    /// True if the law uses the mean dilatation of a bin.
     pub mean: bool,
     /// Domain half sizes of the particles, in units of h.
     pub domains: Domains<T>,
-    /// What particles weigh.
+    /// Masses of the particles.
     pub masses: Masses<T>,
-    /// First row of displacement and deformation, where particles are mapped in their reference configuration.
+    /// First row of displacement and deformation gradient, for mapping in the reference configuration.
     pub frame: usize,
-    /// When particles are split.
+    /// Splitting criterion of particles.
     pub splitter: Splitter<T>,
 }
 
-/// A block for a pass over it.
+/// Input of a pass over a block.
 pub struct Task<'a, T: Float, const D: usize> {
-    /// The body's law.
+    /// Constitutive law of the body.
     pub material: &'a dyn Material<T>,
     /// All nodes of the grid.
     pub nodes: Nodes<'a, T>,
-    /// Blocks of nodes around the block, 3^D, x fastest (`u32::MAX` where there is none), and those around the
-    /// block that comes next, if one does.
+    /// Node blocks around the block, 3^D, x fastest (`u32::MAX` if absent), and those around the next block, if any.
     pub around: [&'a [u32]; 2],
-    /// The block.
+    /// Slot of the block.
     pub slot: &'a mut Slot<T, D>,
-    /// The one that comes next.
+    /// Memory locations of the next block.
     pub next: Option<&'a Outline>,
-    /// Which of the thread's particles on their way left it.
+    /// Selection of the particles in the thread's outbox that left the block.
     pub sent: &'a mut Sent,
-    /// What lanes without a particle hold, as its block has it, from a place that all blocks share.
+    /// Values of lanes without a particle, as in the block, from memory that all blocks share.
     pub dummy: &'a [T],
     /// Memory of the thread.
     pub scratch: &'a mut Scratch<T>,
-    /// Shared numbers.
+    /// Shared parameters.
     pub common: &'a Common<T>,
 }
 
-/// The particles that change their bins, as a thread finds them.
+/// Particles that change their bins, collected by a thread.
 #[derive(Clone, Debug, Default)]
 pub struct Movers<T> {
-    /// Those that leave their block.
+    /// Particles that leave their block.
     pub(in crate::step) out: Outbox<T>,
-    /// Those of the block at work that stay in it: its own pass takes them in at its end.
+    /// Particles that change bins within the current block; its pass inserts them at its end.
     pub(in crate::step) within: Outbox<T>,
-    /// The numbers of one on its way, or of the two that it was cut in.
+    /// Numbers of a particle to be split, then of its two children.
     pub(in crate::step) moving: Vec<T>,
 }
 
 impl<T: Float> Movers<T> {
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.out.bytes() + self.within.bytes() + self.moving.capacity() * size_of::<T>()
     }
 }
 
-/// Where particles' domains come from: their columns, or one box for all.
+/// Particle domains: from columns, or one box for all particles.
 #[derive(Clone, Copy, Debug)]
 pub struct Domains<T> {
-    /// The first column, where particles carry them.
+    /// First column, if particles store their domains.
     pub column: usize,
-    /// Half sizes of those that don't, in units of h.
+    /// Half sizes of the common box, in units of h.
     pub half: [T; 3],
 }
 
 impl<T: Float> Domains<T> {
-    /// The numbers of a domain, of which `carried` gives those that particles have of their own.
+    /// Return the numbers of a domain; `carried` reads those that particles store.
     #[inline(always)]
     pub(in crate::step) fn of<P: Lane<Real = T>, S: ShapeFunction<T, D>, const D: usize>(
         &self,

@@ -1,4 +1,4 @@
-//! What a pass is of a method, as a type: what its kernels are compiled for.
+//! Specification of a pass of a method, as a type for which its kernels are compiled.
 
 use std::marker::PhantomData;
 
@@ -11,21 +11,21 @@ use crate::transfer::Transfer;
 use impactite_scene::embedding::Embedding;
 use impactite_simd::{Float, Vectors};
 
-/// A pass, with what it needs to know of its method.
+/// Pass, with the properties of its method that it needs.
 pub(in crate::step) trait Spec<T: Float, const D: usize>: Send + Sync + 'static {
     /// The shape function.
     type Shape: ShapeFunction<T, D>;
-    /// The transfer, if velocities change.
+    /// Transfer, if velocities change.
     type Transfer: Transfer<T>;
-    /// What it does.
+    /// Operations of the pass.
     const DOES: Pass;
-    /// The copies that its kernels are worth.
+    /// Vector extensions for which its kernels are compiled.
     const VECTORS: Vectors;
-    /// Is the third direction a hoop around an axis?
+    /// True if the third direction is the hoop direction around an axis.
     const HOOP: bool;
-    /// Do weights belong to the reference configuration?
+    /// True if weights are evaluated in the reference configuration.
     const TOTAL: bool;
-    /// What it maps.
+    /// Quantities that the pass maps.
     const MAPS: Maps;
 }
 
@@ -61,7 +61,7 @@ where
     };
 }
 
-/// The pass `K` of the method `M`, as far as it sees it.
+/// Pass `K` of the method `M`, reduced to the components that the pass needs.
 pub(in crate::step) type SpecOf<M, K, T, const D: usize> = PassOf<
     <M as Composition<T, D>>::Shape,
     <K as PassKind>::Transfer<T, <M as Composition<T, D>>::Transfer>,

@@ -1,7 +1,7 @@
-//! What contact asks of the particles near the nodes that bodies share.
+//! Surface quantities of the particles near nodes that bodies share, for contact.
 //!
-//! Nodes of a block are given by a bit each, x fastest. Only bins whose stencil has one of them are visited:
-//! slots around the block, bins and particles in order of place, so that the sums do not depend on threads.
+//! Nodes of a block are bits, x fastest. Only bins whose stencil has one of them are visited: slots around the block, bins
+//! and particles in index order, so that sums do not depend on threads.
 
 use std::marker::PhantomData;
 
@@ -17,17 +17,17 @@ use crate::shape::domain::{Table, table};
 use crate::shape::{ShapeFunction, Weights, bin_centre, node_offset};
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 
-/// For each of the nodes of a stencil: its place in the block, if it is asked about.
+/// Stencil nodes of a bin among the requested ones: index in the block of each, or [`OUTSIDE`].
 struct Reached {
     node: [u8; block_nodes(3)],
-    /// Where the bin's block is from the block of the nodes.
+    /// Offset of the bin's block from the block of the nodes.
     block: [i32; 3],
 }
 
 const OUTSIDE: u8 = u8::MAX;
 
-/// Places in a node block of the stencil, of `count` nodes an axis, of the bin at `first` (coordinates of its first stencil node,
-/// relative to the block's first node), as far as they are in `nodes`.
+/// Find the nodes of a bin's stencil, of `count` nodes per axis, that are in `nodes` of a node block. `first` are the
+/// coordinates of its first stencil node, relative to the block's first node.
 #[inline(always)]
 fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached {
     let mut found = Reached { node: [OUTSIDE; block_nodes(3)], block: [0; 3] };
@@ -54,10 +54,10 @@ fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached
     found
 }
 
-/// The first of the four layers of a block across each axis, a bit a node.
+/// First of the four layers of a block normal to each axis, one bit per node.
 const LAYERS: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
 
-/// A set of places in a block, moved along an axis; what leaves the block is lost.
+/// Shift a bit set of a block along an axis; bits that leave the block are dropped.
 #[inline(always)]
 fn moved(set: u64, by: i32, axis: usize) -> u64 {
     let stride = [1, 4, 16][axis];
@@ -67,13 +67,14 @@ fn moved(set: u64, by: i32, axis: usize) -> u64 {
             kept |= LAYERS[axis] << (place as usize * stride);
         }
     }
-    // Nothing is kept of what would be shifted by 64 or more.
+    // No bits remain for shifts by 64 or more.
     let shift = by.unsigned_abs() * stride as u32;
     let set = set & kept;
     if by < 0 { set.wrapping_shr(shift) } else { set.wrapping_shl(shift) }
 }
 
-/// The nodes of a block at offset `o` from a slot that stencils, of `count` nodes an axis, of the slot's `bins` have.
+/// Return the nodes of the block at offset `o` from a slot in the stencils, of `count` nodes per axis, of the slot's
+/// `bins`.
 #[inline(always)]
 pub(in crate::step) fn nodes_of<const D: usize>(count: usize, o: &[i32; D], bins: u64) -> u64 {
     let mut set = bins;
@@ -87,7 +88,7 @@ pub(in crate::step) fn nodes_of<const D: usize>(count: usize, o: &[i32; D], bins
     set
 }
 
-/// The bins of a slot at offset `o` from another that are among `bins` of that or next to one of them.
+/// Return the bins of a slot at offset `o` from another that are among `bins` of the other or adjacent to one of them.
 pub(in crate::step) fn beside<const D: usize>(o: &[i32; D], bins: u64) -> u64 {
     let mut set = bins;
     for d in 0..D {
@@ -96,7 +97,7 @@ pub(in crate::step) fn beside<const D: usize>(o: &[i32; D], bins: u64) -> u64 {
     set
 }
 
-/// The bins of a slot at offset `o` from the block whose stencils, of `count` nodes an axis, have one of `nodes`.
+/// Return the bins of a slot at offset `o` from the block whose stencils, of `count` nodes per axis, have one of `nodes`.
 #[inline(always)]
 fn bins_at<const D: usize>(count: usize, o: &[i32; D], nodes: u64) -> u64 {
     let mut set = nodes;
@@ -110,7 +111,7 @@ fn bins_at<const D: usize>(count: usize, o: &[i32; D], nodes: u64) -> u64 {
     set
 }
 
-/// The bins of the slots around a block that have one of `nodes` in their stencil, with particles in them.
+/// Visit the non-empty bins of the slots around a block that have one of `nodes` in their stencil.
 macro_rules! for_bins {
     ($slots:expr, $contributors:expr, $nodes:expr, $count:expr, $d:ident, $masses:expr, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
         for around in 0..neighbours($d) {
@@ -139,7 +140,7 @@ macro_rules! for_bins {
     };
 }
 
-/// What is asked, of whom.
+/// Request of a surface quantity from particles.
 pub struct SurfaceTask<'a, T: Float, const D: usize> {
     pub(in crate::step) what: SurfaceQuantity,
     pub(in crate::step) material: &'a dyn Material<T>,
@@ -154,26 +155,27 @@ pub struct SurfaceTask<'a, T: Float, const D: usize> {
     pub(in crate::step) masses: Masses<T>,
 }
 
-/// A quantity of the particles around a block, by their weights ([`GRADIENT`], [`TRACTION`]) or places ([`REACH`]).
+/// Kernel of a quantity of the particles around a block, by their weights ([`GRADIENT`], [`TRACTION`]) or places
+/// ([`REACH`]).
 pub(in crate::step) struct SurfaceKernel<'a, T: Float, const D: usize, S, const KIND: u8> {
     pub(in crate::step) shape: &'a S,
     pub(in crate::step) about: SurfaceTask<'a, T, D>,
-    /// What the law says of the groups that are visited, in turn, where that is asked.
+    /// Responses of the law for the visited groups, in order, if required.
     pub(in crate::step) said: &'a [Response<T>],
 }
 
 /// Sums of gradients of weights, times masses or volumes.
 pub(in crate::step) const GRADIENT: u8 = 0;
-/// How far particles reach.
+/// Largest extents of particles along the normals.
 pub(in crate::step) const REACH: u8 = 1;
 /// Sums of normal stresses.
 pub(in crate::step) const TRACTION: u8 = 2;
 
-/// How far from the line through a node a particle may be to count for [`SurfaceQuantity::LocalReach`], squared, in cells;
-/// those half a cell away to either side count alike, whatever the rounding.
+/// Squared distance limit of particles from the line through a node for [`SurfaceQuantity::LocalReach`], in cells;
+/// particles half a cell away to either side are included despite rounding.
 const BESIDE: f64 = 0.25 + 1e-6;
 
-/// What the law says of the groups that are visited, bin by bin.
+/// Evaluate the law for the visited groups, bin by bin, if required.
 pub(in crate::step) fn asked<T: Float, const D: usize>(
     about: &SurfaceTask<'_, T, D>,
     count: usize,
@@ -193,7 +195,7 @@ pub(in crate::step) fn asked<T: Float, const D: usize>(
         let (all, stride) = slot.block.all_rows();
         let mut response = Response::default();
         let states = States { all, stride, first: Columns::state(D), groups: &groups };
-        // Speeds are not looked at.
+        // Wave speeds are not used.
         material.describe(states, T::of(1.0), &mut response);
         said.push(response);
     });
@@ -232,9 +234,9 @@ where
         let reaches = KIND == REACH;
         let (centres, local) = (what == SurfaceQuantity::CentreReach, what == SurfaceQuantity::LocalReach);
         let per_density = A::Pack::splat(material.density()).recip();
-        // A sum a node and lane; lanes are added up at the end.
+        // One sum per node and lane; lanes are added up at the end.
         let mut sums = [[if reaches { lowest } else { zero }; 3]; block_nodes(3)];
-        // Half sizes along the normals, where they are the same for all particles.
+        // Half sizes along the normals, if equal for all particles.
         let mut sizes = [T::default(); block_nodes(3)];
         if reaches && !centres && !carries {
             let mut left = nodes;
@@ -294,7 +296,7 @@ where
                     }
                     for c in 0..layers {
                         for b in 0..count {
-                            // What the nodes of a row have in common, of a gradient and of a weight.
+                            // Factors common to the nodes of a row, for a gradient and for a weight.
                             let (y, z) = (w[1].value[b], w[2].value[c] * amount);
                             let (yz, dyz) = (y * z, w[1].slope[b] * z);
                             let ydz = if D == 3 { y * (w[2].slope[c] * amount) } else { zero };
@@ -382,7 +384,7 @@ where
     }
 }
 
-/// n . sigma . n.
+/// Return the normal stress n . sigma . n.
 #[inline(always)]
 fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
     let two = L::of(2.0);
@@ -390,13 +392,13 @@ fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
     direct + two * (s.0[3] * n[1] * n[2] + s.0[4] * n[0] * n[2] + s.0[5] * n[0] * n[1])
 }
 
-/// Where particles near some nodes of a block are asked for one by one.
+/// Visitor of single particles near some nodes of a block.
 pub(in crate::step) struct NearPoints<'a, T: Float, const D: usize, S> {
     pub(in crate::step) shape: PhantomData<S>,
     pub(in crate::step) about: NearTask<'a, T, D>,
 }
 
-/// Whose particles.
+/// Particles near some nodes of a block, to be visited one by one.
 pub struct NearTask<'a, T: Float, const D: usize> {
     pub(in crate::step) slots: &'a [Slot<T, D>],
     /// The slots around the block.
@@ -416,7 +418,7 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> NearPoints<'_, T, D, S> {
             for node in at.node.into_iter().filter(|n| *n != OUTSIDE) {
                 mask |= 1 << node;
             }
-            // Nodes of the block are at whole numbers; the bin's centre is where its stencil's is.
+            // Nodes of the block have integer coordinates; the centre of the bin is that of its stencil.
             let mut centre = [T::default(); 3];
             for d in 0..D {
                 let place = (bin / BLOCK.pow(d as u32) % BLOCK) as i32;
@@ -453,14 +455,14 @@ mod tests {
 
     #[test]
     fn bins_beside_spill_into_blocks_around() {
-        // The last bin of a block in the plane: all around it, three of them in three other blocks.
+        // Last bin of a 2D block: its neighbours include three in three other blocks.
         let last = 1 << (BLOCK * BLOCK - 1);
         assert_eq!(beside::<2>(&[0, 0], last), 0b1100_1100_0000_0000);
         assert_eq!(beside::<2>(&[1, 0], last), 0b0001_0001_0000_0000);
         assert_eq!(beside::<2>(&[0, 1], last), 0b1100);
         assert_eq!(beside::<2>(&[1, 1], last), 1);
         assert_eq!(beside::<2>(&[-1, 0], last), 0);
-        // A full block in space: itself, and a layer of each of its neighbours.
+        // Full 3D block: all its bins, and one layer of each neighbour.
         let count = |o| beside::<3>(&o, !0).count_ones() as usize;
         assert_eq!((count([0; 3]), count([0, -1, 0]), count([1, 1, 0]), count([-1; 3])), (64, 16, 4, 1));
         assert_eq!(count([2, 0, 0]), 0);

@@ -1,9 +1,9 @@
-//! One pass over the particles of a block: the particle stages of a step, fused.
+//! Pass over the particles of a block: the fused particle stages of a step.
 //!
-//! The nodes that the block's particles reach are copied once into a tile; each bin reads its stencil from
-//! there, each group of lanes is gathered, updated and scattered while it is in registers and cache, and the
-//! sums go to the block's own output tile. No other block writes it, so that threads never meet; the grid
-//! adds the tiles up in a fixed order (`nodes`).
+//! The nodes that the block's particles reach are copied once into a tile. Each bin reads its stencil from there; each
+//! group of lanes is gathered, updated and scattered while it is in registers and cache. Sums are added to the block's own
+//! output tile, which no other block writes, so that threads do not interfere; the grid adds the tiles in a fixed order
+//! (`nodes`).
 
 use impactite_scene::Cause;
 use std::marker::PhantomData;
@@ -27,23 +27,22 @@ use crate::particles::{Columns, Groups, Members, Sent};
 use crate::shape::bin_centre;
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, through_memory};
 
-/// Groups of a bin that go through the stages of a pass together. A law is a long chain of operations that wait for each
-/// other; those of two groups, one behind the other, run side by side. With two nodes an axis the gather is so
-/// short that what the stages hand on costs more than that gains (book, "What helped, what did not"); so it does where one vector holds
-/// two groups.
+/// Number of groups of a bin that pass through the stages together. A law is a long dependency chain; the chains of two
+/// groups overlap. With two nodes per axis the gather is so short that passing data between the stages costs more than the
+/// overlap gains (book, "What helped, what did not"); the same holds if one vector has two groups.
 const fn groups_at_once<E: Stencil>(lanes: usize, groups: usize) -> usize {
     if E::NODES > 2 && groups == 1 && lanes > 1 { GROUPS_AT_ONCE } else { 1 }
 }
 const GROUPS_AT_ONCE: usize = 2;
 
-/// Bins between the one at work and the one whose particles are asked for.
+/// Prefetch distance: bins between the current one and the one whose particles are prefetched.
 const AHEAD: usize = 8;
 
-/// What of a pass its preparation depends on.
+/// Properties of a pass for its preparation.
 struct Setting<'a> {
-    /// Rows at work.
+    /// Number of rows that the pass uses.
     at_work: usize,
-    /// That of the masses, if it lies apart of them.
+    /// Row of the masses, if outside these rows.
     mass_row: Option<usize>,
     reads: Reads,
     maps: Maps,
@@ -51,8 +50,8 @@ struct Setting<'a> {
 }
 
 impl<T: Float, const D: usize> Task<'_, T, D> {
-    /// Have all that a pass over the block needs, and nothing of the last one: the same for all passes of a stencil, and so no part of
-    /// their kernels. Is there a particle?
+    /// Prepare the buffers of a pass over the block, and reset those of the last one. The code is common to all passes of a
+    /// stencil, and so no part of their kernels. Returns true if the block has a particle.
     #[inline(never)]
     fn prepare<E: Stencil>(&mut self, setting: &Setting<'_>, groups_a_vector: usize) -> bool {
         let Slot { block, tile, rows, report, .. } = &mut *self.slot;
@@ -83,13 +82,14 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
     }
 }
 
-/// How a pass reaches the law of its particles.
+/// Access of a pass to the law of its particles.
 pub(in crate::step) trait Law<T: Float> {
-    /// Is it part of the kernel? Else it is called for groups of particles together.
+    /// True if the law is part of the kernel; otherwise it is called for groups of particles together.
     const INLINED: bool;
-    /// Rows of a state, where that is known when compiling.
+    /// Number of rows of a state, if known at compile time.
     const ROWS: usize;
-    /// A step of a pack whose state begins at row `at`, or what is said of it as it stands.
+    /// Update a pack whose state begins at row `at`, or evaluate its state if there is no `motion`: stress, volume ratio,
+    /// wave speed and fault.
     fn step<P: Pack<T>>(
         &self,
         rows: &mut RowsMut<'_, T>,
@@ -100,7 +100,7 @@ pub(in crate::step) trait Law<T: Float> {
     ) -> (Sym3<P>, P, P, Fault<P>);
 }
 
-/// The law behind a call: [`Material`].
+/// Dynamically called law: [`Material`].
 pub(in crate::step) struct Called;
 
 impl<T: Float> Law<T> for Called {
@@ -119,7 +119,8 @@ impl<T: Float> Law<T> for Called {
     }
 }
 
-/// The law as part of the kernel: a copy, so that laws of plain numbers, which no write to memory can change, can stay in vectors.
+/// Inlined law: a copy in the kernel, so that laws of plain numbers, which no write to memory can change, can stay in
+/// vectors.
 pub(in crate::step) struct Inlined<C>(pub(in crate::step) C);
 
 impl<T: Float, C: Constitutive<T>> Law<T> for Inlined<C> {
@@ -149,7 +150,7 @@ impl<T: Float, C: Constitutive<T>> Law<T> for Inlined<C> {
     }
 }
 
-/// The pass `P` over one block.
+/// Pass `P` over one block.
 pub(in crate::step) struct Sweep<'a, T: Float, const D: usize, P: Spec<T, D>, L> {
     pub(in crate::step) shape: &'a P::Shape,
     pub(in crate::step) transfer: &'a P::Transfer,
@@ -159,8 +160,8 @@ pub(in crate::step) struct Sweep<'a, T: Float, const D: usize, P: Spec<T, D>, L>
     pub(in crate::step) pass: PhantomData<P>,
 }
 
-/// Groups of which the law is asked at once, at least, if a block has as many: so few that what is handed on stays in the first
-/// cache, and so many that the call does not count.
+/// Minimum number of groups for a call of the law, if the block has as many: few enough for the batch to stay in the
+/// first-level cache, enough to make the cost of the call negligible.
 const ENOUGH: usize = 4;
 
 impl<T, const D: usize, P, L> Kernel<T> for Sweep<'_, T, D, P, L>
@@ -181,7 +182,7 @@ where
         let by_coefficients = Stages::<T, D, P, A>::BY_COEFFICIENTS;
         let states = Columns::state(D);
         let least = states + L::ROWS;
-        // Rows at work, and what lies apart of them.
+        // Rows that the pass uses, and the mass row if outside them.
         let at_work = if does.has_law() || does.moves { task.common.domains.column } else { states };
         let mass_row = task.common.masses.row().filter(|row| *row >= at_work);
         let payload = MigrationPayload::of::<D>(maps, task.common.splitter.is_on());
@@ -257,8 +258,8 @@ where
                     batch.close(number, counted);
                 }
                 while !parts.is_empty() {
-                    // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
-                    // bin's particles are one batch or two.
+                    // Load the stencil from memory: the compiler would broadcast all its numbers to vectors once per bin,
+                    // which has only one or two batches.
                     let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
                     let bin = Bin { stencil, nodes, x };
                     let mut taken = 0;
@@ -325,7 +326,7 @@ where
                 continue;
             }
 
-            // All groups gathered so far through their law, and on.
+            // Call the law for all groups gathered so far, and complete their stages.
             let (all, stride) = groups.all_rows();
             if does.strain.is_some() {
                 if common.mean {
@@ -414,21 +415,21 @@ where
     }
 }
 
-/// Numbers of a particle that are handed on beside its increment: the affine part of its velocity.
+/// Number of values of a particle passed on in addition to its increment: the affine part of its velocity.
 const fn numbers_kept<T: Float, const D: usize, P: Spec<T, D>>() -> usize {
     if P::MAPS.affine { D * D } else { 0 }
 }
 
-/// Particles of a bin that go through the stages of a pass at once.
+/// Particles of a bin that pass through the stages together.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::step) struct Part {
-    /// Their groups.
+    /// Groups of the particles.
     members: Members,
-    /// How many they are.
+    /// Number of particles.
     here: usize,
 }
 
-/// The parts of a bin that are left: groups from the last to the first one; lanes likewise, where they go one by one.
+/// Remaining parts of a bin: groups in reverse order, and lanes in reverse order if processed one by one.
 #[derive(Clone, Copy)]
 struct Parts {
     next: Option<(u32, usize)>,
@@ -443,7 +444,7 @@ impl Parts {
     fn is_empty(&self) -> bool {
         self.next.is_none()
     }
-    /// The next one.
+    /// Remove and return the next part.
     #[inline(always)]
     fn take<T: Float, P: Pack<T>>(&mut self, groups: &Groups<'_, T>) -> Part {
         let Some((group, here)) = self.next else { return Part::default() };
@@ -463,7 +464,7 @@ impl Parts {
     }
 }
 
-/// The lanes of a part whose particles are to be cut in two.
+/// Return the lanes of a part whose particles must be split.
 #[cold]
 #[inline(never)]
 fn too_long<T: Float, const D: usize>(
@@ -484,7 +485,7 @@ fn too_long<T: Float, const D: usize>(
     long
 }
 
-/// The first of the particles whose law broke down.
+/// Return the first of the particles whose law failed.
 #[cold]
 fn first_fault<T: Float, L: Lane<Real = T>>(here: usize, fault: Fault<L>) -> Option<(usize, Cause)> {
     (0..here).find_map(|lane| Some((lane, Cause::Law(fault.cause(lane)?))))

@@ -1,5 +1,5 @@
-//! Tiles: the nodes that the particles of one block of bins reach, `TILE` an axis, x fastest. A pass reads the
-//! grid through one and adds to the grid through another.
+//! Tiles: nodes that the particles of one block of bins reach, `TILE` per axis, x fastest. A pass reads the grid through
+//! one tile and adds to the grid through another.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::grid::Node;
 use crate::shape::ShapeFunction;
 use impactite_simd::{AlignedRecords, Arch, Float, Quad, apart, prefetch_early_from};
 
-/// Nodes that the particles of a block reach, along an axis and in all, for a method.
+/// Number of nodes that the particles of a block reach, in `d` dimensions.
 pub fn tile_nodes<E: Stencil>(d: usize) -> usize {
     E::TILE.pow(d as u32)
 }
@@ -26,7 +26,7 @@ pub(in crate::step) fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> us
     if D == 3 { (z * E::TILE + y) * E::TILE + x } else { y * E::TILE + x }
 }
 
-/// Rows of tile nodes along x, `TILE` an axis, that the stencils of bins reach, a bit each. `bins` has a bit for each bin.
+/// Return the rows of tile nodes along x, `TILE` per axis, that are in the stencils of `bins`; one bit per row and per bin.
 #[inline(always)]
 pub(in crate::step) fn rows_of<E: Stencil, const D: usize>(bins: u64) -> u64 {
     let mut rows = 0;
@@ -47,7 +47,7 @@ pub(in crate::step) fn rows_of<E: Stencil, const D: usize>(bins: u64) -> u64 {
     rows
 }
 
-/// The records of a tile in runs of rows.
+/// Iterate over the records of a tile, in runs of rows.
 #[inline(always)]
 fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = Range<usize>> {
     std::iter::from_fn(move || {
@@ -58,7 +58,7 @@ fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// The nodal records that a block's particles read, and those of other blocks that none of them does.
+/// Nodal records that a block's particles read. Other records are left from other blocks.
 #[derive(Debug, Default)]
 pub(in crate::step) struct TileIn<T> {
     first: AlignedRecords<T>,
@@ -66,12 +66,12 @@ pub(in crate::step) struct TileIn<T> {
 }
 
 impl<T: Float> TileIn<T> {
-    /// Bytes of its memory.
+    /// Allocated memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
         self.first.bytes() + self.second.bytes()
     }
 
-    /// Copy at least these rows of records out of the blocks of the grid.
+    /// Copy at least these rows of records from the node blocks of the grid.
     #[inline(always)]
     pub(in crate::step) fn load<E: Stencil, const D: usize>(
         &mut self,
@@ -89,7 +89,7 @@ impl<T: Float> TileIn<T> {
         }
     }
 
-    /// The same where blocks may lack nodes.
+    /// Copy records from node blocks that may lack nodes.
     #[inline(never)]
     fn load_kept<E: Stencil, const D: usize>(&mut self, nodes: Nodes<'_, T>, around: &[u32], reads: Reads) {
         let layers = if D == 3 { E::TILE } else { 1 };
@@ -171,13 +171,13 @@ impl<T: Float> TileIn<T> {
         }
     }
 
-    /// The records, first and second.
+    /// First and second records.
     #[inline(always)]
     pub(in crate::step) fn records(&self) -> [&[[T; 4]]; 2] {
         [self.first.all(), self.second.all()]
     }
 
-    /// Ask for row `row` of the nodes that another block of particles reads soon.
+    /// Prefetch row `row` of the nodes that the next block of particles reads.
     #[inline(always)]
     pub(in crate::step) fn prefetch<E: Stencil, const D: usize>(
         nodes: Nodes<'_, T>,
@@ -192,7 +192,7 @@ impl<T: Float> TileIn<T> {
         let (by, ny) = place::<E>(y);
         let (blocks, line) = (&around[(bz * 3 + by) * 3..][..3], (nz * BLOCK + ny) * BLOCK);
         let (left, right) = (thirds::<E>(0).len(), thirds::<E>(2).len());
-        // Nobody asks what lies at a block that is none.
+        // Prefetching the address of an absent block has no effect.
         if left > 0 {
             let from = block_nodes(D) * blocks[0] as usize + line + BLOCK - left;
             prefetch_early_from(nodes.all, from, left);
@@ -201,7 +201,7 @@ impl<T: Float> TileIn<T> {
         prefetch_early_from(nodes.all, block_nodes(D) * blocks[2] as usize + line, right);
     }
 
-    /// A piece of a row inside one block; nothing where the block does not exist.
+    /// Copy a piece of a row inside one block; nothing if the block does not exist.
     #[inline(always)]
     fn piece(&mut self, nodes: &[Node<T>], from: usize, to: usize, length: usize, reads: Reads) {
         let Some(found) = nodes.get(from..from + length) else { return };
@@ -220,7 +220,7 @@ impl<T: Float> TileIn<T> {
     }
 }
 
-/// The nodes of a block by lines along x; none where there is no such block.
+/// Return the nodes of a block by lines along x; empty if the block does not exist.
 #[inline(always)]
 fn lines_of<T, const D: usize>(nodes: &[Node<T>], block: u32) -> &[[Node<T>; BLOCK]] {
     let from = block_nodes(D) * block as usize;
@@ -235,21 +235,21 @@ fn copy<T: Float>(to: &mut [[T; 4]], from: &[Node<T>], record: usize) {
     }
 }
 
-/// Which of the three blocks along an axis a tile coordinate lies in, and where.
+/// Return the block of a tile coordinate, of the three along an axis, and the coordinate within it.
 #[inline(always)]
 pub fn place<E: Stencil>(tile: usize) -> (usize, usize) {
     let node = tile + BLOCK - (-E::BASE) as usize;
     (node / BLOCK, node % BLOCK)
 }
 
-/// Which nodal vectors a pass reads.
+/// Nodal vectors that a pass reads.
 #[derive(Clone, Copy)]
 pub(in crate::step) struct Reads {
     pub(in crate::step) first: bool,
     pub(in crate::step) second: bool,
 }
 
-/// The nodal records of one bin's stencil, as a gather has them.
+/// Nodal records of one bin's stencil, in the format of a gather.
 #[repr(C, align(64))]
 pub(in crate::step) struct Stencilled<T: Float, E: Stencil> {
     pub(in crate::step) first: E::Nodes<[T; 4]>,
@@ -277,8 +277,7 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
     }
 }
 
-/// The records of the stencil that begins at `corner`, as coefficients where the shape function has a polynomial
-/// form.
+/// Load the records of the stencil that begins at `corner`, as coefficients if the shape function has a polynomial form.
 #[inline(always)]
 fn load_stencil<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     to: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
@@ -334,7 +333,7 @@ pub(in crate::step) fn clear_rows<T: Float, const D: usize, E: Stencil>(
     }
 }
 
-/// The tile coordinates that lie in the left, same or right block (0, 1, 2) along an axis.
+/// Return the tile coordinates in the left, same or right block (0, 1, 2) along an axis.
 #[inline(always)]
 pub(in crate::step) fn thirds<E: Stencil>(which: usize) -> Range<usize> {
     let before = (-E::BASE) as usize;
@@ -352,7 +351,7 @@ mod tests {
 
     fn check<E: Stencil, const D: usize>() {
         let (bins, side, layers) = (block_nodes(D), E::TILE, if D == 3 { E::TILE } else { 1 });
-        // Every bin by itself, then sets of bins.
+        // Every single bin, then sets of bins.
         let sets =
             (0..bins).map(|bin| 1 << bin).chain((1..200u64).map(|n| n.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
         for set in sets.map(|set: u64| if bins == 64 { set } else { set & ((1 << bins) - 1) }) {

@@ -1,4 +1,4 @@
-//! The deformation of a particle that is mapped in its reference configuration ([`crate::frame`]).
+//! Deformation of a particle that is mapped in its reference configuration ([`crate::frame`]).
 
 use std::ops::Deref;
 
@@ -7,8 +7,8 @@ use mpm_materials::{Lane, Mat3, Sym3};
 use super::rows::{Rows, RowsMut};
 use impactite_simd::{Float, Pack};
 
-/// Rows that a particle has for it in `d` dimensions: displacement, in units of h, then deformation gradient (its D x D part, and the
-/// hoop stretch about an axis).
+/// Number of rows of a particle in `d` dimensions: displacement, in units of h, then deformation gradient (its D x D part,
+/// and the hoop stretch about an axis).
 pub(in crate::step) const fn rows(total: bool, hoop: bool, d: usize) -> usize {
     match (total, hoop) {
         (false, _) => 0,
@@ -17,7 +17,7 @@ pub(in crate::step) const fn rows(total: bool, hoop: bool, d: usize) -> usize {
     }
 }
 
-/// Displacement zero, deformation gradient I: what a particle starts with.
+/// Return the initial rows of a particle: zero displacement, deformation gradient I.
 pub(in crate::step) fn undeformed<T: Float>(total: bool, hoop: bool, d: usize) -> Vec<T> {
     let mut numbers = vec![T::default(); rows(total, hoop, d)];
     for i in 0..if total { d } else { 0 } {
@@ -29,7 +29,7 @@ pub(in crate::step) fn undeformed<T: Float>(total: bool, hoop: bool, d: usize) -
     numbers
 }
 
-/// The deformation gradient in rows from `first` on.
+/// Load the deformation gradient from the rows from `first` on.
 #[inline(always)]
 pub(in crate::step) fn load<T: Float, P: Pack<T>, const D: usize, S: Deref<Target = [T::Row]>>(
     rows: &Rows<T, S>,
@@ -48,7 +48,7 @@ pub(in crate::step) fn load<T: Float, P: Pack<T>, const D: usize, S: Deref<Targe
     f
 }
 
-/// The deformation gradient among the numbers of a particle.
+/// Read the deformation gradient from the numbers of a particle.
 pub(in crate::step) fn gradient<T: Float, const D: usize>(numbers: &[T], hoop: bool) -> Mat3<T::Single> {
     let mut f = Mat3::identity();
     for i in 0..D {
@@ -62,7 +62,7 @@ pub(in crate::step) fn gradient<T: Float, const D: usize>(numbers: &[T], hoop: b
     f
 }
 
-/// Write it back.
+/// Store the deformation gradient in the rows from `first` on.
 #[inline(always)]
 pub(in crate::step) fn store<T: Float, P: Pack<T>, const D: usize>(
     f: &Mat3<P>,
@@ -80,7 +80,7 @@ pub(in crate::step) fn store<T: Float, P: Pack<T>, const D: usize>(
     }
 }
 
-/// F^-1. In two dimensions F has no shear with the third axis.
+/// Return F^-1. In two dimensions F has no shear with the third axis.
 #[inline(always)]
 pub(in crate::step) fn inverse<P: Lane, const D: usize>(f: &Mat3<P>) -> Mat3<P> {
     let m = &f.0;
@@ -95,7 +95,7 @@ pub(in crate::step) fn inverse<P: Lane, const D: usize>(f: &Mat3<P>) -> Mat3<P> 
     let per = f.determinant().recip();
     for i in 0..3 {
         for j in 0..3 {
-            // Rows and columns left when those of m[j][i] go, in cyclic order, which sees to the signs.
+            // Rows and columns other than those of m[j][i]; the cyclic order yields the signs.
             let (a, b, c, d) = ((j + 1) % 3, (j + 2) % 3, (i + 1) % 3, (i + 2) % 3);
             r.0[i][j] = (m[a][c] * m[b][d] - m[a][d] * m[b][c]) * per;
         }
@@ -103,7 +103,7 @@ pub(in crate::step) fn inverse<P: Lane, const D: usize>(f: &Mat3<P>) -> Mat3<P> 
     r
 }
 
-/// `a . b`, of which the third axis is apart in two dimensions.
+/// Return `a . b`; in two dimensions the third axis is decoupled.
 #[inline(always)]
 pub(in crate::step) fn product<P: Lane, const D: usize>(a: &Mat3<P>, b: &Mat3<P>) -> Mat3<P> {
     if D == 3 {
@@ -119,15 +119,15 @@ pub(in crate::step) fn product<P: Lane, const D: usize>(a: &Mat3<P>, b: &Mat3<P>
     r
 }
 
-/// sigma F^-T, which times the current volume is the first Piola-Kirchhoff stress times the reference volume.
+/// Return sigma F^-T; times the current volume, it is the first Piola-Kirchhoff stress times the reference volume.
 #[inline(always)]
 pub(in crate::step) fn nominal<P: Lane, const D: usize>(stress: &Sym3<P>, inverse: &Mat3<P>) -> Mat3<P> {
     product::<P, D>(&stress.to_mat(), &inverse.transpose())
 }
 
-/// What a wave speed is multiplied with for the speed of signals over the cells of the reference configuration, |F^-1|, with a bound
-/// for the largest stretch of F^-1: its square is at most the mean of the eigenvalues of F^-1 F^-T and sqrt(2/3) of the norm of
-/// their deviator. Exact where the two smaller stretches are equal.
+/// Return a bound of |F^-1|, the factor from wave speed to signal speed over the cells of the reference configuration. The
+/// square of the largest stretch of F^-1 is at most the mean of the eigenvalues of F^-1 F^-T plus sqrt(2/3) of the norm of
+/// their deviator. Exact if the two smaller stretches are equal.
 #[inline(always)]
 pub(in crate::step) fn stretch<P: Lane>(inverse: &Mat3<P>) -> P {
     let square = inverse.times_transpose();

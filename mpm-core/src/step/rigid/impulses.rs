@@ -1,4 +1,4 @@
-//! What the nodes of free rigid bodies get in a step, and how they move.
+//! Impulses on the nodes of free rigid bodies in a step, and their motion.
 
 use super::motion::RigidState;
 use super::nodes::rigid_of;
@@ -7,7 +7,7 @@ use crate::step::nodes::layout::numbers;
 use crate::step::nodes::stages::GridStages;
 use impactite_simd::Float;
 
-/// Impulse on a block of nodes of a free body, and its moment about the body's centre.
+/// Impulse on a block of nodes of a free body, N s, and its moment about the body's centre, N m s.
 #[derive(Clone, Copy, Debug, Default)]
 struct Push {
     impulse: [f64; 3],
@@ -15,7 +15,7 @@ struct Push {
 }
 
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
-    /// What the nodes of the free body `number` got in this step: impulse and moment about its centre.
+    /// Return the impulse on the nodes of the free body `number` in this step, N s, and its moment about the centre, N m s.
     pub fn push_on(&self, number: usize, state: &RigidState<D>) -> ([f64; 3], [f64; 3]) {
         let lattice = *self.grid.lattice();
         let (fields, takes, dt) = (self.fields, self.of.takes.to_double(), self.of.dt.to_double());
@@ -25,7 +25,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         for block in (0..fields.len()).filter(|block| fields.owner(*block) as usize == number) {
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
             let nodes = layout.of(self.grid.nodes(), block);
-            // Beside planes of symmetry nodes stand for the body's image, too: the body gets what its own particles there do.
+            // Next to symmetry planes nodes include the body's mirror image: count only the share of its own particles.
             let own = self.planes.own_masses(layout.start(block), nodes.len());
             for (i, (n, node)) in numbers(layout.kept(block)).zip(nodes).enumerate() {
                 let whole = if place.is_copy(n, mirrors) { 0.0 } else { 1.0 };
@@ -51,7 +51,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         (sum.impulse, sum.moment)
     }
 
-    /// Have the nodes of free bodies move as the bodies do in this step.
+    /// Set velocity and acceleration of the nodes of free bodies to those of the bodies in this step.
     pub fn move_rigid(&mut self) {
         let lattice = *self.grid.lattice();
         let (bodies, fields) = (self.bodies, self.fields);

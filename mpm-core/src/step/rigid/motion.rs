@@ -1,17 +1,17 @@
-//! Rigid bodies: of prescribed motion, or free, moved by the impulses that their nodes get.
+//! Rigid bodies with prescribed motion, or free and driven by the impulses on their nodes.
 //!
-//! A rigid body is seeded with particles as any other, and meets others at the nodes it shares with them. Its nodes
-//! start every step with its own velocities, V + omega x (x - c), and share its mass as the particles map it. What
-//! boundaries, body forces and contact give to them, J_i, moves the body as a whole:
+//! A rigid body is seeded with particles as any other, and is in contact with others at shared nodes. Its nodes start every
+//! step with the rigid velocity, V + omega x (x - c), and the mass that the particles map. Impulses J_i of boundaries, body
+//! forces and contact on the nodes move the body as a whole:
 //!
 //! M dV = sum_i J_i, dL = sum_i (x_i - c) x J_i, omega = I^-1 L,
 //!
-//! with mass and inertia of the particles as boxes, and the orientation turned by the spin in the middle of the step
-//! (second order; L is exact). Contact solves all nodes of free bodies together ([`crate::ContactAlgorithm::couple`]), so that
-//! a body meets others with all its mass, and exchanges momentum and angular momentum exactly. Walls, fixed planes and planes
-//! of symmetry are part of that solution: they act on the body's surface (`rigid_planes`). Other conditions act on
-//! its nodes, each with its share of the mass. A body of prescribed motion is a part of the surroundings, of infinite mass: what
-//! it gives to others is booked as a wall's is, and its own momentum and energy are not counted.
+//! with mass and inertia of the particles as boxes, and the orientation rotated by the mid-step spin (second order; L is
+//! exact). Contact solves all nodes of free bodies together ([`crate::ContactAlgorithm::couple`]), so that a body acts on
+//! others with its full mass, and exchanges momentum and angular momentum exactly. Walls, fixed planes and symmetry planes
+//! are part of that solution: they act on the body's surface (`planes`). Other conditions act on its nodes, each with its
+//! share of the mass. A body with prescribed motion is part of the surroundings, of infinite mass: its impulses on others
+//! are recorded like those of a wall, and its own momentum and energy are not counted.
 
 use std::sync::Arc;
 
@@ -22,17 +22,17 @@ use super::surface::Surface;
 use impactite_geometry::Seeds;
 use impactite_scene::error::SceneError;
 
-/// How a rigid body of prescribed motion moves.
+/// Velocity and angular velocity of a rigid body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Twist<const D: usize> {
-    /// Velocity of the point it turns about, m/s.
+    /// Velocity of the centre of rotation, m/s.
     pub velocity: [f64; D],
     /// Angular velocity, rad/s; along z in two dimensions.
     pub spin: [f64; 3],
 }
 
 impl<const D: usize> Twist<D> {
-    /// Without spin.
+    /// Create a motion without spin.
     #[must_use]
     pub fn along(velocity: [f64; D]) -> Self {
         Twist { velocity, spin: [0.0; 3] }
@@ -41,7 +41,7 @@ impl<const D: usize> Twist<D> {
 
 type Prescribed<const D: usize> = Arc<dyn Fn(f64) -> Twist<D> + Send + Sync>;
 
-/// What a rigid body is like: density and motion. Added to a scene by [`crate::Mpm::add_rigid`].
+/// Definition of a rigid body: density and motion. Added to a scene by [`crate::Mpm::add_rigid`].
 ///
 /// ```
 /// use mpm_core::{Rigid, Twist};
@@ -68,7 +68,7 @@ impl<const D: usize> std::fmt::Debug for Rigid<D> {
 }
 
 impl<const D: usize> Rigid<D> {
-    /// A body of this density, kg/m^3, that what acts on it moves; at rest.
+    /// Create a free body of this density, kg/m^3, at rest.
     ///
     /// # Errors
     /// A density that is not positive.
@@ -77,8 +77,8 @@ impl<const D: usize> Rigid<D> {
         let start = Twist { velocity: [0.0; D], spin: [0.0; 3] };
         Ok(Rigid { density, start, prescribed: None, held: [false; 6], about: None })
     }
-    /// A body that moves as `motion` says over time, s, whatever meets it. It turns about its centre of mass, or
-    /// [`Rigid::about`] a point. The density, kg/m^3, is that its nodes show to contact normals.
+    /// Create a body with prescribed `motion` over time, s, independent of contact. It rotates about its centre of mass, or
+    /// [`Rigid::about`] a point. The density, kg/m^3, sets the nodal masses for contact normals.
     ///
     /// # Errors
     /// A density that is not positive.
@@ -88,31 +88,31 @@ impl<const D: usize> Rigid<D> {
     ) -> Result<Self, ParameterError> {
         Ok(Rigid { prescribed: Some(Arc::new(motion)), ..Rigid::free(density)? })
     }
-    /// Start a free body with this velocity, m/s.
+    /// Set the initial velocity of a free body, m/s.
     #[must_use]
     pub fn with_velocity(mut self, velocity: [f64; D]) -> Self {
         self.start.velocity = velocity;
         self
     }
-    /// Start a free body with this angular velocity, rad/s; along z in two dimensions.
+    /// Set the initial angular velocity of a free body, rad/s; along z in two dimensions.
     #[must_use]
     pub fn with_spin(mut self, spin: [f64; 3]) -> Self {
         self.start.spin = spin;
         self
     }
-    /// Hold a free body along these axes: its velocity there stays as it starts, whatever acts.
+    /// Constrain a free body along these axes: it keeps its initial velocity there.
     #[must_use]
     pub fn holding(mut self, axes: [bool; D]) -> Self {
         self.held[..D].copy_from_slice(&axes);
         self
     }
-    /// Keep a free body from turning.
+    /// Suppress the rotation of a free body.
     #[must_use]
     pub fn without_turning(mut self) -> Self {
         self.held[3..].fill(true);
         self
     }
-    /// Turn a body of prescribed motion about this point of it, m, where it is at the start.
+    /// Set the centre of rotation of a body with prescribed motion, m, by its initial position.
     #[must_use]
     pub fn about(mut self, point: [f64; D]) -> Self {
         self.about = Some(point);
@@ -126,25 +126,25 @@ impl<const D: usize> Rigid<D> {
     }
 }
 
-/// The step that a rigid body is making.
+/// Motion of a rigid body in the current step.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Step {
-    /// Way of the centre, m.
+    /// Displacement of the centre, m.
     pub(in crate::step) way: Vector3<f64>,
-    /// Turn less identity.
+    /// Rotation matrix minus identity.
     pub(in crate::step) turn: Matrix3<f64>,
     pub(in crate::step) velocity: Vector3<f64>,
     pub(in crate::step) spin: Vector3<f64>,
     pub(in crate::step) per_dt: f64,
 }
 
-/// A rigid body's place and motion.
+/// Position and motion of a rigid body.
 #[derive(Clone)]
 pub struct RigidState<const D: usize> {
     pub(in crate::step) prescribed: Option<Prescribed<D>>,
     pub(in crate::step) held: [bool; 6],
     pub(in crate::step) mass: f64,
-    /// In the frame of the start.
+    /// Inertia in the initial frame, kg m^2.
     pub(in crate::step) inertia: Matrix3<f64>,
     pub(in crate::step) centre: Vector3<f64>,
     pub(in crate::step) rotation: Rotation3<f64>,
@@ -153,9 +153,9 @@ pub struct RigidState<const D: usize> {
     pub(in crate::step) spin: Vector3<f64>,
     pub(in crate::step) force: Vector3<f64>,
     pub(in crate::step) step: Step,
-    /// Spin of an angular momentum.
+    /// Inverse inertia: from angular momentum to spin.
     pub(in crate::step) inverse: Matrix3<f64>,
-    /// Of a free body.
+    /// Surface of a free body.
     pub(in crate::step) surface: Option<Arc<Surface>>,
 }
 
@@ -166,7 +166,7 @@ fn wide<const D: usize>(x: &[f64; D]) -> Vector3<f64> {
 }
 
 impl<const D: usize> RigidState<D> {
-    /// The body of these seeds.
+    /// Create the state of a body from its seeds.
     pub(in crate::step) fn new(
         name: &str,
         rigid: &Rigid<D>,
@@ -249,7 +249,7 @@ impl<const D: usize> RigidState<D> {
         Ok(state)
     }
 
-    /// Does it move as prescribed, whatever meets it?
+    /// Return true if the motion is prescribed.
     pub fn is_prescribed(&self) -> bool {
         self.prescribed.is_some()
     }
@@ -257,11 +257,11 @@ impl<const D: usize> RigidState<D> {
     pub fn mass(&self) -> f64 {
         self.mass
     }
-    /// Where its centre of mass is, or the point that its prescribed motion turns about, m.
+    /// Position of the centre of mass, or of the centre of rotation of a prescribed motion, m.
     pub fn centre(&self) -> [f64; 3] {
         self.centre.into()
     }
-    /// Velocity of that point, m/s.
+    /// Velocity of the centre, m/s.
     pub fn velocity(&self) -> [f64; 3] {
         self.velocity.into()
     }
@@ -273,20 +273,21 @@ impl<const D: usize> RigidState<D> {
     pub fn angular_momentum(&self) -> [f64; 3] {
         self.angular_momentum.into()
     }
-    /// How it is turned against its start, by rows.
+    /// Rotation matrix relative to the initial orientation, by rows.
     pub fn rotation(&self) -> [[f64; 3]; 3] {
         let r = self.rotation.matrix();
         std::array::from_fn(|i| std::array::from_fn(|j| r[(i, j)]))
     }
-    /// The force on a free body in the last step, N: of boundaries, body forces and contact.
+    /// Force of boundaries, body forces and contact on a free body in the last step, N.
     pub fn force(&self) -> [f64; 3] {
         self.force.into()
     }
-    /// Moment about the centre of an impulse at a point, N m s.
+    /// Return the moment about the centre of an impulse at a point, N m s.
     pub fn moment(&self, at: &[f64; D], impulse: &[f64; 3]) -> [f64; 3] {
         (wide(at) - self.centre).cross(&Vector3::from(*impulse)).into()
     }
-    /// What an impulse, N s, and a moment about the centre, N m s, change of the body's velocity at a point, m/s.
+    /// Return the velocity change, m/s, of the body at the point `seen` by an impulse, N s, and a moment about the centre,
+    /// N m s.
     pub fn response(&self, impulse: &[f64; 3], moment: &[f64; 3], seen: &[f64; D]) -> [f64; 3] {
         let impulse = Vector3::from(*impulse);
         let spin = self.inverse * Vector3::from(*moment);
@@ -294,12 +295,12 @@ impl<const D: usize> RigidState<D> {
         (0..3).filter(|&d| self.held[d]).for_each(|d| velocity[d] = 0.0);
         (velocity + spin.cross(&(wide(seen) - self.centre))).into()
     }
-    /// The least mass that the body shows to an impulse at a point, kg.
+    /// Return the least effective mass of the body for an impulse at a point, kg.
     pub fn least_mass(&self, at: &[f64; D]) -> f64 {
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let response = |e: [f64; 3]| Vector3::from(self.response(&e, &self.moment(at, &e), at));
         let per_mass = Matrix3::from_columns(&columns.map(response));
-        // The trace is a bound, for matrices that have no eigenvalues in this precision.
+        // The trace is a bound, if the eigenvalue solver does not converge.
         let largest = SymmetricEigen::try_new(per_mass, f64::EPSILON, 100);
         1.0 / largest.map_or(per_mass.trace(), |all| all.eigenvalues.max())
     }
@@ -312,18 +313,18 @@ impl<const D: usize> RigidState<D> {
         (self.velocity + self.spin.cross(&(wide(x) - self.centre))).into()
     }
 
-    /// The way that the body's matter at a point makes in this step, over dt: m/s.
+    /// Return the mean velocity of the body's material at a point in this step, m/s: displacement over dt.
     pub(in crate::step) fn mean_velocity(&self, x: &[f64; D]) -> [f64; 3] {
         ((self.step.way + self.step.turn * (wide(x) - self.centre)) * self.step.per_dt).into()
     }
-    /// The acceleration of that matter, m/s^2.
+    /// Return the acceleration of the body's material at a point, m/s^2.
     pub(in crate::step) fn acceleration(&self, x: &[f64; D]) -> [f64; 3] {
         let (step, r) = (&self.step, wide(x) - self.centre);
         let then = step.velocity + step.spin.cross(&(r + step.turn * r));
         ((then - self.velocity - self.spin.cross(&r)) * step.per_dt).into()
     }
 
-    /// Plan the step of a body of prescribed motion.
+    /// Compute the step of a body with prescribed motion.
     pub(in crate::step) fn plan(
         &mut self,
         name: &str,
@@ -355,11 +356,11 @@ impl<const D: usize> RigidState<D> {
         Ok(())
     }
 
-    /// Plan the step of a free body from the impulse on it, N s, and its moment about the centre, N m s. Returns the
-    /// impulse of what holds it.
+    /// Compute the step of a free body from the impulse on it, N s, and its moment about the centre, N m s. Returns the
+    /// impulse of the constraints, N s.
     ///
     /// # Errors
-    /// What does not move a body to a place.
+    /// A quantity that is not finite, or a rotation by pi or more.
     pub(in crate::step) fn push(
         &mut self,
         impulse: [f64; 3],
@@ -394,12 +395,12 @@ impl<const D: usize> RigidState<D> {
         Ok(holding.into())
     }
 
-    /// Go where the step leads.
+    /// Apply the step to position, orientation and velocities.
     pub(in crate::step) fn advance(&mut self) {
         self.centre += self.step.way;
         self.rotation =
             Rotation3::from_matrix_unchecked((Matrix3::identity() + self.step.turn) * self.rotation.matrix());
-        // One step of Newton's method for the nearest rotation: what is left of an error is its square.
+        // One step of Newton's method for the nearest rotation: the remaining error is the square of the initial one.
         let r = *self.rotation.matrix();
         let nearest = r * (Matrix3::identity() * 3.0 - r.transpose() * r) * 0.5;
         self.rotation = Rotation3::from_matrix_unchecked(nearest);
@@ -407,7 +408,7 @@ impl<const D: usize> RigidState<D> {
         self.spin = self.step.spin;
         self.inverse = self.inverse_of(&self.rotation);
         if self.prescribed.is_none() && self.held[3..] != [false; 3] {
-            // What holds the body from turning takes its share of the angular momentum.
+            // Rotation constraints absorb their share of the angular momentum.
             self.angular_momentum = self.inertia_of(&self.rotation) * self.spin;
         }
     }
@@ -417,7 +418,7 @@ impl<const D: usize> RigidState<D> {
         r * self.inertia * r.transpose()
     }
 
-    /// The matrix that makes the spin from the angular momentum, at this orientation: none about held axes.
+    /// Return the inverse inertia at this orientation: zero about constrained axes.
     pub(in crate::step) fn inverse_of(&self, rotation: &Rotation3<f64>) -> Matrix3<f64> {
         let mut inertia = self.inertia_of(rotation);
         let held: Vec<usize> = (0..3).filter(|d| self.held[d + 3]).collect();
@@ -426,7 +427,7 @@ impl<const D: usize> RigidState<D> {
             inertia.fill_column(d, 0.0);
             inertia[(d, d)] = 1.0;
         }
-        // The particles have extent, so that there is an inverse.
+        // Particles have extent, so that the inertia is invertible.
         let mut inverse = inertia.cholesky().map_or_else(Matrix3::zeros, |c| c.inverse());
         held.iter().for_each(|&d| inverse[(d, d)] = 0.0);
         inverse
@@ -437,7 +438,7 @@ fn turn(by: &Vector3<f64>) -> Rotation3<f64> {
     Rotation3::from_scaled_axis(*by)
 }
 
-/// A number of a rigid body's motion that is none.
+/// Invalid value in the motion of a rigid body.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Wrong {
     pub(in crate::step) field: &'static str,
@@ -450,14 +451,14 @@ fn finite(field: &'static str, values: &[f64]) -> Result<(), Wrong> {
     wrong.map_or(Ok(()), |&value| Err(Wrong { field, value, allowed: "finite" }))
 }
 
-/// Refuse to turn by half a turn or more at once, which could be the other way round.
+/// Reject rotations by half a turn or more in a step, whose direction is ambiguous.
 fn turns(by: &Vector3<f64>) -> Result<(), Wrong> {
     let value = by.norm();
     let allowed = "below pi in a step: take smaller steps or a slower spin";
     if value < std::f64::consts::PI { Ok(()) } else { Err(Wrong { field: "turn", value, allowed }) }
 }
 
-/// Refuse motions that are none, or that the coordinates do not have.
+/// Reject motions that are not finite, or not available in the coordinates.
 fn check<const D: usize>(name: &str, twist: &Twist<D>, hoop: bool) -> Result<(), SceneError> {
     let refuse = |field, value, allowed| Err(SceneError::Rigid { body: name.into(), field, value, allowed });
     let numbers = [("velocity", &twist.velocity[..]), ("spin", &twist.spin[..])];

@@ -1,4 +1,4 @@
-//! The nodes of rigid bodies.
+//! Nodes of rigid bodies.
 
 use super::motion::RigidState;
 use crate::grid::Node;
@@ -9,7 +9,7 @@ use crate::step::nodes::layout::{NodeSums, Piece};
 use impactite_scene::Exchange;
 use impactite_simd::Float;
 
-/// The rigid body whose block this is.
+/// Return the rigid body that owns a block.
 pub(in crate::step) fn rigid_of<'a, T: Float, const D: usize>(
     bodies: &'a [Box<dyn GridBody<T, D>>],
     fields: &Fields<D>,
@@ -18,8 +18,8 @@ pub(in crate::step) fn rigid_of<'a, T: Float, const D: usize>(
     bodies.get(fields.owner(block) as usize)?.rigid()
 }
 
-/// Give the nodes of a rigid body, as they are mapped, the body's own velocities. Says whether they are complete: a
-/// body of prescribed motion obeys no forces.
+/// Set the nodes of a rigid body, as they are mapped, to the rigid velocity. Returns true if the nodes are final: forces do
+/// not act on a body with prescribed motion.
 pub(in crate::step) fn carry<T: Float, const D: usize>(
     body: &RigidState<D>,
     sums: NodeSums,
@@ -49,7 +49,7 @@ pub(in crate::step) fn carry<T: Float, const D: usize>(
     !free
 }
 
-/// Book what a body of prescribed motion gives to others at a node: the opposite of `impulse` on itself, N s.
+/// Record the impulse of a body with prescribed motion on others at a node: the opposite of `impulse` on itself, N s.
 pub(in crate::step) fn book<const D: usize>(
     body: &RigidState<D>,
     x: &[f64; D],

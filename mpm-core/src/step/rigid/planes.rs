@@ -1,16 +1,17 @@
-//! Free rigid bodies against the planes of a scene: walls, fixed planes, planes of symmetry.
+//! Contact of free rigid bodies with the planes of a scene: walls, fixed planes, symmetry planes.
 //!
-//! A plane acts on the body as a whole, not on the grid nodes that the body maps to. Of a plane and a body it is known exactly where they
-//! touch: the surface of a body is that of its particles. Each place of contact is a unilateral constraint on the body's velocity at
-//! the end of the step,
+//! A plane acts on the body as a whole, not on the grid nodes that the body maps to. Contact points of a plane and a body
+//! are known exactly: the surface of a body is that of its particles. Each contact point is a unilateral constraint on the
+//! body's velocity at the end of the step,
 //!
 //! (v - w) . n >= -gap / dt,
 //!
 //! with the velocity w of the plane, and Coulomb friction of the impulse; all are solved together with the contacts between
-//! bodies ([`crate::ContactAlgorithm::couple`]). So a body lands on a plane without overlap, stays there, and loses what velocity it has into the
-//! plane: the impact is inelastic. A fixed plane is a wall without slip. A plane of symmetry that cuts a body is a bilateral
-//! constraint: the body is half of one, and keeps neither velocity across the plane nor spin along it ([`RigidState::halve`]); one that
-//! does not is a frictionless wall, since the body meets its own image there.
+//! bodies ([`crate::ContactAlgorithm::couple`]). A body thus lands on a plane without penetration, stays there, and loses
+//! its velocity into the plane: the impact is inelastic. A fixed plane is a wall without slip. A symmetry plane that cuts a
+//! body is a bilateral constraint: the body is half of one, and has neither velocity across the plane nor spin along it
+//! ([`RigidState::halve`]). Any other symmetry plane is a frictionless wall, since the body is in contact with its own
+//! image there.
 
 use impactite_scene::boundary::Boundary;
 use nalgebra::{Matrix3, Vector3};
@@ -21,18 +22,19 @@ use crate::step::nodes::stages::GridStages;
 use impactite_scene::Exchange;
 use impactite_simd::Float;
 
-/// Coefficient of friction of planes without slip.
+/// Friction coefficient of planes without slip.
 const NO_SLIP: f64 = 1e9;
-/// A body that starts this close to a plane of symmetry is cut by it, over the half size of a particle.
+/// Largest initial distance from a symmetry plane that cuts the body, over the half size of a particle.
 const CUT: f64 = 0.1;
-/// Largest shift of a body out of a plane in a step, and largest overlap that is shifted, over the half size of a particle.
+/// Largest shift of a body out of a plane in a step, and largest penetration that is corrected, over the half size of a
+/// particle.
 const SHIFT: [f64; 2] = [0.1, 2.0];
 
-/// A plane that stops rigid bodies.
+/// Plane that stops rigid bodies.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Barrier {
     pub(in crate::step) axis: usize,
-    /// +1 if bodies are above it, else -1.
+    /// Side of the bodies: +1 above the plane, else -1.
     pub(in crate::step) sign: f64,
     /// Position at the start of the step, m.
     pub(in crate::step) at: f64,
@@ -42,7 +44,7 @@ pub(in crate::step) struct Barrier {
 }
 
 impl Barrier {
-    /// The boundary as one at `time`, s.
+    /// Return the boundary as a barrier at `time`, s, if it is one.
     pub(in crate::step) fn of<const D: usize>(boundary: &Boundary<D>, time: f64) -> Option<Self> {
         let mut of = [0.0; 3];
         let (axis, at, side, friction) = match *boundary {
@@ -65,30 +67,30 @@ impl Barrier {
         n[self.axis] = self.sign;
         n
     }
-    /// Distance of a point in front of it after `dt`, s: m.
+    /// Return the distance, m, of a point in front of the plane after `dt`, s.
     fn distance(&self, x: &Vector3<f64>, dt: f64) -> f64 {
         self.sign * (x[self.axis] - self.at - self.velocity[self.axis] * dt)
     }
 }
 
-/// A place where a free rigid body touches a plane, or may within the step.
+/// Contact point of a free rigid body with a plane, active or possible within the step.
 #[derive(Clone)]
 pub struct PlaneTouch<'a, const D: usize> {
     pub(crate) body: usize,
     pub(crate) rigid: &'a RigidState<D>,
-    /// Where it is on the body's surface, m.
+    /// Position on the body's surface, m.
     pub(crate) point: [f64; D],
     /// Unit normal of the plane towards the body.
     pub(crate) normal: [f64; 3],
     /// Velocity of the plane, m/s.
     wall: [f64; 3],
-    /// Distance, m.
+    /// Gap, m.
     gap: f64,
     dt: f64,
     pub(crate) friction: f64,
-    /// Velocity of the body there at the end of the step before contacts act, m/s.
+    /// Trial velocity of the body at the point: at the end of the step without contact, m/s.
     pub(crate) trial: [f64; 3],
-    /// The part of the body's mass that it is reckoned with among the body's contacts, kg.
+    /// Share of the body's mass for this contact among the body's contacts, kg.
     pub(crate) mass: f64,
     /// Impulse on the body, N s.
     pub(crate) impulse: [f64; 3],
@@ -102,7 +104,7 @@ impl<const D: usize> std::fmt::Debug for PlaneTouch<'_, D> {
 }
 
 impl<const D: usize> PlaneTouch<'_, D> {
-    /// Number of the body.
+    /// Index of the body.
     #[must_use]
     pub fn body(&self) -> usize {
         self.body
@@ -112,18 +114,18 @@ impl<const D: usize> PlaneTouch<'_, D> {
     pub fn impulse(&self) -> [f64; 3] {
         self.impulse
     }
-    /// The velocity that the body may not fall short of along the normal, and that friction sees along the plane, m/s.
+    /// Return the lower bound of the body's normal velocity, and the reference velocity of friction along the plane, m/s.
     pub(crate) fn least_velocity(&self) -> [f64; 3] {
         std::array::from_fn(|d| self.wall[d] - self.normal[d] * self.gap.max(0.0) / self.dt)
     }
-    /// What is kept of it until the body moves.
+    /// Return the data that is needed until the body moves.
     fn push(&self) -> PlanePush<D> {
         let PlaneTouch { body, point, normal, wall, impulse, .. } = *self;
         PlanePush { body, point, normal, wall, impulse }
     }
 }
 
-/// An impulse of a plane on a free rigid body.
+/// Impulse of a plane on a free rigid body.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct PlanePush<const D: usize> {
     pub(in crate::step) body: usize,
@@ -133,13 +135,13 @@ pub(in crate::step) struct PlanePush<const D: usize> {
     pub(in crate::step) impulse: [f64; 3],
 }
 
-/// Those of a step that push.
+/// Select the contacts with an impulse.
 pub(in crate::step) fn pushes<const D: usize>(touches: &[PlaneTouch<'_, D>]) -> Vec<PlanePush<D>> {
     touches.iter().filter(|t| t.impulse != [0.0; 3]).map(PlaneTouch::push).collect()
 }
 
 impl<const D: usize> PlanePush<D> {
-    /// Book it, once the body's step is known: `gravity`, m/s^2, did its work before.
+    /// Record the impulse after the body's step; the work of `gravity`, m/s^2, has been recorded before.
     pub(in crate::step) fn book(
         &self,
         state: &RigidState<D>,
@@ -156,7 +158,7 @@ impl<const D: usize> PlanePush<D> {
             ledger.friction -= (self.impulse[d] - across) * slip;
             ledger.impacts -= across * slip;
         }
-        // The work of a body force was booked with the velocities before contact.
+        // Body force work was recorded with the velocities before contact: add the difference.
         for d in 0..D {
             ledger.work += 0.5 * dt * gravity[d] * self.impulse[d];
         }
@@ -164,8 +166,8 @@ impl<const D: usize> PlanePush<D> {
 }
 
 impl<const D: usize> RigidState<D> {
-    /// If a plane of symmetry cuts the free body, keep it to motions that are their own mirror image: the plane is then the
-    /// cut face of half a body. A body whose velocity or spin is not its own image is another one than its image.
+    /// Constrain a free body that a symmetry plane cuts to mirror-symmetric motions: the plane is then the cut face of half
+    /// a body. A body whose velocity or spin is not mirror-symmetric is distinct from its image and is not constrained.
     pub(in crate::step) fn halve(&mut self, axis: usize, at: f64, sign: f64) {
         let Some(surface) = &self.surface else { return };
         let plane = Barrier { axis, sign, at, velocity: [0.0; 3], friction: 0.0 };
@@ -185,22 +187,22 @@ impl<const D: usize> RigidState<D> {
         self.surface = Some(surface.into());
     }
 
-    /// Velocity of the body's matter at a point at the end of the step, m/s.
+    /// Return the velocity of the body's material at a point at the end of the step, m/s.
     fn velocity_after(&self, x: &[f64; D]) -> [f64; 3] {
         let mut r = -self.centre;
         (0..D).for_each(|d| r[d] += x[d]);
         (self.step.velocity + self.step.spin.cross(&r)).into()
     }
 
-    /// Is the body as near to a plane as may matter in a step of `dt`, s? No closer look is needed else.
+    /// Return true if the body may come into contact with a plane in a step of `dt`, s: a quick check.
     fn is_near(&self, plane: &Barrier, dt: f64) -> bool {
         let Some(surface) = &self.surface else { return false };
         let speed = self.velocity.norm() + plane.velocity[plane.axis].abs();
         plane.distance(&self.centre, 0.0) - surface.reach <= 2.0 * speed * dt + surface.half.norm()
     }
 
-    /// The places that touch a plane, or may in a step of `dt`, s, in which the centre would move and the body spin as told, m/s and
-    /// 1/s: points of the surface, m, and their distances, m. Of many the lowest and the outermost.
+    /// Return the surface points, m, that are or may be in contact with a plane in a step of `dt`, s, with trial velocity,
+    /// m/s, and spin, 1/s, and their gaps, m. Of many points only the lowest and the outermost are returned.
     fn places(
         &self,
         plane: &Barrier,
@@ -231,7 +233,7 @@ impl<const D: usize> RigidState<D> {
         for x in surface.corners.iter().map(|&p| &surface.points[p]) {
             let gap = height + within.dot(x) - corner;
             if gap <= reach {
-                // The lowest point of the box; where an edge of it is, the outer end.
+                // Lowest point of the box; if an edge is lowest, its outer end.
                 let towards = |d: usize| {
                     if within[d].abs() > 1e-9 {
                         -within[d].signum()
@@ -265,7 +267,8 @@ impl<const D: usize> RigidState<D> {
         chosen
     }
 
-    /// Shift the body's step out of a plane that it would overlap at its end: turning bodies do, by the square of the angle.
+    /// Shift the step of a body out of a plane that it would penetrate at its end: rotating bodies do, by the square of the
+    /// angle.
     fn keep_out(&mut self, plane: &Barrier, dt: f64) {
         let Some(surface) = self.surface.clone().filter(|_| !self.held[plane.axis]) else { return };
         let turned: Matrix3<f64> = (Matrix3::identity() + self.step.turn) * self.rotation.matrix();
@@ -286,7 +289,7 @@ impl<const D: usize> RigidState<D> {
         }
     }
 
-    /// Shift the body's step out of those of the boundaries that are planes; `time` is at the start of the step, s.
+    /// Shift the body's step out of all planes among the boundaries; `time` is at the start of the step, s.
     pub(in crate::step) fn keep_out_of(&mut self, boundaries: &[Boundary<D>], time: f64, dt: f64) {
         for plane in boundaries.iter().filter_map(|b| Barrier::of(b, time)) {
             if self.is_near(&plane, dt) {
@@ -295,7 +298,7 @@ impl<const D: usize> RigidState<D> {
         }
     }
 
-    /// The impulse and moment about the centre, N s and N m s, with those of planes.
+    /// Add the impulses, N s, and moments about the centre, N m s, of planes.
     pub(in crate::step) fn pushed_by<'p>(
         &self,
         mut push: [[f64; 3]; 2],
@@ -312,13 +315,14 @@ impl<const D: usize> RigidState<D> {
     }
 }
 
-/// Its coordinates in the dimensions of the scene.
+/// Return the coordinates in the dimensions of the scene.
 fn point_of<const D: usize>(x: &Vector3<f64>) -> [f64; D] {
     std::array::from_fn(|d| x[d])
 }
 
 impl<'a, T: Float, const D: usize> GridStages<'a, T, D> {
-    /// Where free rigid bodies, of these numbers among all, touch planes in this step. None of bodies that are far away.
+    /// Find the contact points of free rigid bodies, given by index, with planes in this step; bodies far from planes are
+    /// skipped.
     pub(in crate::step) fn plane_touches(&self, rigid: &[usize]) -> Vec<PlaneTouch<'a, D>> {
         let (dt, time) = (self.of.dt.to_double(), self.of.time);
         let mut touches: Vec<PlaneTouch<'a, D>> = Vec::new();
@@ -343,7 +347,7 @@ impl<'a, T: Float, const D: usize> GridStages<'a, T, D> {
                     let point = point_of(&point);
                     let mobility =
                         state.response(&normal, &state.moment(&point, &normal), &point)[plane.axis];
-                    // What is held along the normal cannot be pushed.
+                    // Constrained directions accept no impulse along the normal.
                     if mobility * plane.sign * state.mass > 1e-9 {
                         let wall = plane.velocity;
                         touches.push(PlaneTouch {

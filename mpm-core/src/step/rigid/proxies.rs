@@ -1,4 +1,4 @@
-//! Rigid bodies on the grid: particles that hold a place there, and what their nodes get.
+//! Rigid bodies on the grid: proxy particles and the impulses on their nodes.
 
 use std::sync::Arc;
 
@@ -19,7 +19,7 @@ use impactite_scene::error::SceneError;
 use impactite_scene::{Body, Parts, PointView, Totals};
 use impactite_simd::{Float, Team};
 
-/// Matter that never deforms: no stress, no waves.
+/// Undeformable material: no stress, no waves.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::step) struct Undeformed<T> {
     pub(in crate::step) density: T,
@@ -78,21 +78,21 @@ impl<T: Float> Material<T> for Undeformed<T> {
     }
 }
 
-/// What is said of a group without strain.
+/// Return the response of a group without strain.
 fn undeformed<T: Float>() -> PairOutput<T::Row> {
     let mut said = PairOutput::<T::Row>::default();
     said.volume_ratio.0.iter_mut().for_each(|row| row.as_mut().fill(T::of(1.0)));
     said
 }
 
-/// A rigid body.
+/// Rigid body on the grid.
 pub(in crate::step) struct RigidBody<T: Float, const D: usize> {
     particles: ParticleBody<T, D>,
     state: RigidState<D>,
 }
 
 impl<T: Float, const D: usize> RigidBody<T, D> {
-    /// A body of these seeds.
+    /// Create a body from its seeds.
     pub(in crate::step) fn new(
         name: &str,
         rigid: &Rigid<D>,
@@ -122,7 +122,7 @@ impl<T: Float, const D: usize> Body for RigidBody<T, D> {
     fn state_names(&self) -> Vec<String> {
         Vec::new()
     }
-    /// Of the body, not of its particles; nothing but their number if its motion is prescribed.
+    /// Return the totals of the body, not of its particles; only their number if its motion is prescribed.
     fn totals(&self) -> Totals {
         let particles = self.len();
         if self.state.is_prescribed() {
@@ -189,7 +189,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for RigidBody<T, D> {
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
-        // Prescribed motion has no lead.
+        // Bodies with prescribed motion have no centre lead.
         let force = if self.state.is_prescribed() { [0.0; 3] } else { dt.force };
         self.particles.pass(which, nodes, Steps { force, ..dt }, team)
     }

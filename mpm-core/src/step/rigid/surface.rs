@@ -4,26 +4,27 @@ use nalgebra::Vector3;
 
 /// Largest deviation from a ball of the centres of the outermost particles, over the half size of a particle.
 const ROUND: f64 = 0.3;
-/// The surface of a body as its particles tell, in the frame of its start about its centre of mass.
+/// Surface of a body, from its particles, in the initial frame about its centre of mass.
 #[derive(Clone, Debug)]
 pub(in crate::step) struct Surface {
     /// Centres of particles, m.
     pub(in crate::step) points: Vec<Vector3<f64>>,
-    /// Those that fill a corner of the body: particles are boxes there, and else round.
+    /// Indices of particles in corners of the body: those are boxes, all others are round.
     pub(in crate::step) corners: Vec<usize>,
-    /// Centre of the box around them, m.
+    /// Centre of the bounding box of the points, m.
     pub(in crate::step) middle: Vector3<f64>,
     pub(in crate::step) half: Vector3<f64>,
     /// Largest distance of a point of the surface from the centre of mass, m.
     pub(in crate::step) reach: f64,
-    /// Planes of symmetry that cut the body, by axis, m.
+    /// Symmetry planes that cut the body, by axis, m.
     pub(in crate::step) cuts: [Option<f64>; 3],
     /// Centre and radius, m, of a body that is a ball, or half of one.
     pub(in crate::step) ball: Option<(Vector3<f64>, f64)>,
 }
 
 impl Surface {
-    /// Of particles with these centres, m, and half sizes, m, in `dimension` dimensions; around an axis with `hoop`.
+    /// Create the surface of particles with these centres, m, and half sizes, m, in `dimension` dimensions; around an axis
+    /// with `hoop`.
     pub(in crate::step) fn new(
         points: Vec<Vector3<f64>>,
         half: Vector3<f64>,
@@ -44,7 +45,8 @@ impl Surface {
         surface
     }
 
-    /// Centre and radius if the body, with its images, is a ball: the outermost points are as far away in all directions.
+    /// Return centre and radius if the body, with its images, is a ball: the outermost points are equally far in all
+    /// directions.
     pub(in crate::step) fn as_ball(&self, dimension: usize) -> Option<(Vector3<f64>, f64)> {
         let centre = Vector3::from(self.cuts.map(Option::unwrap_or_default));
         let (mut least, mut most, mut mean) = (f64::INFINITY, 0.0f64, 0.0);
@@ -77,7 +79,7 @@ impl Surface {
         (most - least <= ROUND * half).then_some((centre, mean + half))
     }
 
-    /// How far particles reach from their centres along a direction in their frame, m: those in corners, and the others.
+    /// Return the extents of particles from their centres along a direction in their frame, m: in corners, and elsewhere.
     pub(in crate::step) fn reaches(&self, n: &Vector3<f64>) -> [f64; 2] {
         let along = self.half.component_mul(n);
         [along.iter().map(|x| x.abs()).sum(), along.norm()]

@@ -1,4 +1,5 @@
-//! Elements that become particles: too late, at a contact, in a zone that is too small, and with bars across its border.
+//! Conversion of elements to particles: too late, at a contact, in a zone that is too small, and with bars across its
+//! border.
 
 use std::f64::consts::PI;
 
@@ -15,13 +16,13 @@ use verification::problems::rubber;
 use crate::stage::text;
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// Half width and length of the bar, m, and cells of the half width.
+/// Half width and length of the bar, m, and number of cells of the half width.
 const BAR: [f64; 2] = [5e-3, 35e-3];
 const ACROSS: usize = 6;
 const SPEED: f64 = 400.0;
 const END: f64 = 80e-6;
 
-/// Half a copper bar, of elements.
+/// Build half a copper bar of elements.
 fn bar() -> Result<Fem<2>, String> {
     let counts = [ACROSS, (ACROSS as f64 * BAR[1] / BAR[0]).round() as usize];
     let mesh = box_mesh(&Cuboid::new([0.0; 2], BAR).map_err(text)?, counts).map_err(text)?;
@@ -38,7 +39,7 @@ fn planes() -> [Boundary<2>; 2] {
     ]
 }
 
-/// The shortest step over the first one.
+/// Measure the smallest step over the first one.
 fn shortest(solver: &mut dyn Solver) -> Measured {
     let (mut first, mut shortest, mut steps) = (0.0, f64::INFINITY, 0);
     while !solver.reached(END) {
@@ -71,7 +72,7 @@ fn converted(conversion: fn() -> Result<Conversion<2>, String>) -> impl Fn(Size)
     }
 }
 
-/// T22.
+/// T22: conversion of elements to particles, too late.
 pub fn too_late() -> Scene {
     fn alone(_: Size) -> Result<Measured, String> {
         let mut fem = bar()?;
@@ -95,7 +96,7 @@ pub fn too_late() -> Scene {
     .holds("Conversion::adaptive", "own", converted(|| Ok(Conversion::adaptive())))
 }
 
-/// Two elastic blocks that run into each other: the speed of the left one after it over that before.
+/// Run the collision of two elastic blocks; measure the velocity ratio of the left one, after over before.
 fn after(touching: bool) -> Result<Measured, String> {
     const SPEED: f64 = 1.0;
     let block = |left: f64, speed: f64| -> Result<MeshBody<2>, String> {
@@ -135,7 +136,7 @@ fn after(touching: bool) -> Result<Measured, String> {
     Ok(Measured::new(speed(&mpm), Solver::clock(&mpm).steps))
 }
 
-/// C1.
+/// C1: conversion of elements to particles at a contact.
 pub fn at_a_contact() -> Scene {
     Scene {
         id: "C1",
@@ -150,7 +151,7 @@ pub fn at_a_contact() -> Scene {
     .holds("Conversion::adaptive", "own", |_| after(true))
 }
 
-/// C2.
+/// C2: conversion in a zone that is too small for the flow.
 pub fn at_the_border() -> Scene {
     fn foot() -> Result<Conversion<2>, String> {
         let region = Cuboid::new([-1.0, -1.0], [0.5 * BAR[0] + 1e-6, 0.5 * BAR[0] + 1e-6]).map_err(text)?;
@@ -169,8 +170,8 @@ pub fn at_the_border() -> Scene {
     .holds("and where elements are distorted", "own", converted(|| Ok(foot()?.when_distorted(0.4, 0.25).when_step_falls_to(0.5))))
 }
 
-/// A strip of concrete, one half particles and one half elements, with a tenth of steel over a part of its length, that sways in its first mode: its
-/// period over that with steel all along.
+/// Run a concrete strip, one half particles and one half elements, with steel bars (a tenth of the height) over a part of its length, in
+/// its first longitudinal mode; measure the error of the period against that with full-length bars.
 fn reinforced(bars_from: f64) -> Result<Measured, String> {
     const H: f64 = 0.025;
     const CELLS: [usize; 2] = [40, 4];
@@ -225,7 +226,7 @@ fn reinforced(bars_from: f64) -> Result<Measured, String> {
     Ok(Measured::new(((third - first) / expected - 1.0).abs(), Solver::clock(&mpm).steps))
 }
 
-/// C3.
+/// C3: bars across the border of particles and elements.
 pub fn bars_across() -> Scene {
     Scene {
         id: "C3",

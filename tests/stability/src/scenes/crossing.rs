@@ -1,4 +1,4 @@
-//! Particles that cross cells.
+//! Cell crossing of particles.
 
 use std::f64::consts::PI;
 
@@ -12,12 +12,12 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Row, Scene, Size, Stop};
 
-/// Ten per cent, which the list allows FMPM(4).
+/// Limit of ten per cent, which the list of scenes permits for FMPM(4).
 fn filtered(row: Row) -> Row {
     row.limit(Limit::AtMost(0.10))
 }
 
-/// T1.
+/// T1: energy of a drifting, vibrating bar.
 pub fn drift() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -57,7 +57,7 @@ pub fn drift() -> Scene {
     row(scene, ul(Cubic, Fmpm4Usl)).but(filtered)
 }
 
-/// T2.
+/// T2: order of convergence at large strain.
 pub fn order() -> Scene {
     fn trial(scheme: Scheme, per_axis: usize) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
@@ -73,7 +73,7 @@ pub fn order() -> Scene {
                 }
                 errors.push((cells as f64, outcome.get("u")));
             }
-            // Between the two finest: that is where an error that stalls or rises shows.
+            // Order between the two finest grids, where a stalling or growing error is visible.
             let (coarse, fine) = (errors[1], errors[2]);
             let order = (coarse.1 / fine.1).ln() / (fine.0 / coarse.0).ln();
             Ok(Measured::new(order, steps))
@@ -100,19 +100,19 @@ pub fn order() -> Scene {
         .holds("TL quadratic APIC, 2", "list T2 [C]", trial(tl(Quadratic, ApicUsl), 2))
 }
 
-/// How a bar of 20 cells flies and swings.
+/// Motion of a bar of 20 cells: drift and vibration.
 #[derive(Clone, Copy)]
 struct Flight {
     scheme: Scheme,
     drift: f64,
     swing: f64,
-    /// Largest shift of a particle along each axis, in parts of the spacing.
+    /// Largest random shift of a particle along each axis, in particle spacings.
     jitter: f64,
     periods: u64,
 }
 
 impl Flight {
-    /// Change of energy between the first and the last period.
+    /// Measure the energy change between the first and the last period.
     fn fly(self) -> Result<Measured, String> {
         let length = 20.0;
         let mut seeds = row_of_cells(20, 2, 0.0)?;
@@ -134,7 +134,7 @@ impl Flight {
     }
 }
 
-/// H1: heating at hypervelocity.
+/// H1: numerical heating at hypervelocity.
 pub fn hypervelocity() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
@@ -160,11 +160,11 @@ pub fn hypervelocity() -> Scene {
     .holds("TL linear FLIP-MUSL", "as T1 [I]", trial(tl(Linear, FlipMusl)))
 }
 
-/// Measured with the quadratic spline; FMPM(4) loses 30 % in the same bar, FLIP gains 3 %.
+/// Cause of the energy loss of APIC with the quadratic spline; FMPM(4) loses 30 % in the same bar, FLIP gains 3 %.
 const FILTER: &str = "APIC averages over uneven neighbours: lost are 3, 6, 14, 38 % at shifts of 0, 0.1, 0.2, 0.4, at any amplitude and step, \
                       and in the reference configuration, too";
 
-/// J1: random packings.
+/// J1: random particle packing.
 pub fn jitter() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| Flight { scheme, drift: 0.05, swing: 0.05, jitter: 0.4, periods: 10 }.fly()
@@ -191,13 +191,13 @@ pub fn jitter() -> Scene {
     .holds("TL linear FLIP-MUSL", "as T1 [I]", trial(tl(Linear, FlipMusl)))
 }
 
-/// B1: a body thinner than a cell.
+/// B1: body thinner than a cell.
 pub fn thin() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let length = 20.0;
             let mut seeds = row_of_cells(20, 2, 0.0)?;
-            // One of the two layers: half a cell thick.
+            // Keep one of the two particle layers: half a cell thick.
             let kept = |x: &[f64; 2]| x[1] < 0.5;
             seeds.volumes.truncate(seeds.positions.iter().filter(|x| kept(x)).count());
             seeds.positions.retain(kept);

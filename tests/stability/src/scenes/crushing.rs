@@ -1,4 +1,4 @@
-//! Bodies crushed to a twentieth.
+//! Compression of bodies to a twentieth.
 
 use mpm_core::Mpm;
 use mpm_core::geometry::{Lattice, Seeds};
@@ -15,9 +15,9 @@ use crate::stage::{
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
 const LENGTH: usize = 200;
-/// Speed of the far end is ten times the speed of sound; the exact motion is x = X (1 - rate t).
+/// Strain rate: the speed of the far end is ten times the sound speed; the exact motion is x = X (1 - rate t).
 const RATE: f64 = 0.05;
-/// Volume ratio at the end.
+/// Volume ratio at the end of the compression.
 const LEAST: f64 = 0.05;
 
 fn bar() -> Result<(Lattice<2>, Seeds<2>), String> {
@@ -30,7 +30,7 @@ fn surround(mpm: &mut Mpm<2>, control: TimeControl) -> Result<(), String> {
     mpm.set_time_control(control).map_err(text)
 }
 
-/// Mean error of the stress of the inner half, which no wave from the free end reaches.
+/// Measure the mean stress error of the inner half, which no wave from the free end reaches.
 fn crush(mpm: &mut Mpm<2>, starts: &[[f64; 2]], exact: impl Fn(f64) -> f64) -> Measured {
     let end = (1.0 - LEAST) / RATE;
     let mut made = 0;
@@ -53,7 +53,7 @@ fn crush(mpm: &mut Mpm<2>, starts: &[[f64; 2]], exact: impl Fn(f64) -> f64) -> M
 
 const ADAPTED: TimeControl = TimeControl::Courant { factor: 0.4, growth: 1.1 };
 
-/// T13, solid.
+/// T13: compression of a solid.
 pub fn rubber_crush() -> Scene {
     fn trial(scheme: Scheme, control: TimeControl) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -61,7 +61,7 @@ pub fn rubber_crush() -> Scene {
             let mut mpm = empty_scene(scheme, lattice).ok_or("no such composition")?;
             surround(&mut mpm, control)?;
             mpm.add("bar", rubber(1.0, 1.0, 0.0)?, &seeds, |x| [-RATE * x[0], 0.0]).map_err(text)?;
-            // sigma = G (F^2 - 1) / F with G = 1/2.
+            // Exact stress: sigma = G (F^2 - 1) / F with G = 1/2.
             Ok(crush(&mut mpm, &seeds.positions, |f| 0.5 * (f * f - 1.0) / f))
         }
     }
@@ -83,14 +83,14 @@ pub fn rubber_crush() -> Scene {
     .holds("linear FLIP-MUSL, adapted", "list T13", trial(ul(Linear, FlipMusl), ADAPTED))
 }
 
-/// T13, gas.
+/// T13: compression of a gas.
 pub fn gas_crush() -> Scene {
     fn trial(scheme: Scheme, control: TimeControl) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (lattice, seeds) = bar()?;
             let mut mpm = empty_gas_scene(scheme, lattice).ok_or("no such composition")?;
             surround(&mut mpm, control)?;
-            // Speed of sound 1 at the start.
+            // Initial sound speed of 1.
             let (gamma, pressure) = (1.4, 1.0 / 1.4);
             let gas = IdealGas::new(1.0, gamma, pressure).map_err(text)?;
             let law = Fluid::new(gas).with_bulk_viscosity(0.0, 0.0).map_err(text)?;

@@ -1,4 +1,4 @@
-//! Finite elements: what one point does not see, what locks, what turns inside out.
+//! Finite elements: hourglass modes of one-point integration, locking, and inverted elements.
 
 use fem::{Fem, Hourglass, MeshBody, Technology};
 use impactite_geometry::structured::box_mesh;
@@ -10,7 +10,7 @@ use super::locking::{LENGTH, THICK, frequency, shape};
 use crate::stage::text;
 use crate::verdict::{Limit, Measured, Scene, Size};
 
-/// A kind of elements and how they are integrated.
+/// Element kind and integration technology.
 #[derive(Clone, Copy)]
 struct How(ElementKind, Technology);
 
@@ -28,7 +28,7 @@ const fn one_point(control: Hourglass) -> How {
 }
 
 impl How {
-    /// A box from the origin, of so many squares an axis, or twice as many triangles.
+    /// Mesh a box from the origin with this number of squares per axis, or twice as many triangles.
     fn mesh(self, high: [f64; 2], counts: [usize; 2]) -> Result<ElementMesh<2>, String> {
         let squares = box_mesh(&Cuboid::new([0.0; 2], high).map_err(text)?, counts).map_err(text)?;
         match self.0 {
@@ -37,7 +37,7 @@ impl How {
         }
     }
 
-    /// A scene of one body with E = rho = 1.
+    /// Build a scene of one body with E = rho = 1.
     fn scene(
         self,
         name: &str,
@@ -52,7 +52,8 @@ impl How {
     }
 }
 
-/// How far a load on the node in the middle of the upper side pushes that down in so many seconds, m; and what is said of it.
+/// Largest displacement of the loaded node in the middle of the upper side, m, within a time, s; number of steps, and a
+/// remark on hourglass energy.
 fn pressed(how: How, time: f64) -> Result<(f64, u64, String), String> {
     let mut mesh = how.mesh([10.0, 5.0], [20, 10])?;
     let loaded = mesh.nodes_where(|x| (x[0] - 5.0).abs() < 1e-9 && x[1] > 4.99)[0] as usize;
@@ -79,7 +80,7 @@ fn pressed(how: How, time: f64) -> Result<(f64, u64, String), String> {
     Ok((most, fem.clock().steps, said))
 }
 
-/// E1.
+/// E1: point load on one node.
 pub fn point_load() -> Scene {
     fn trial(how: How) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -106,7 +107,7 @@ pub fn point_load() -> Scene {
     .holds("triangles, averaged volumes", "own", trial(AVERAGED))
 }
 
-/// The beam of T11 of elements: (frequency / theory)^2, by the time of a quarter of its first swing.
+/// Run the beam of T11 with elements; measure (frequency / theory)^2 by the time of a quarter of its first period.
 fn swing(how: How, counts: [usize; 2], nu: f64) -> Result<(f64, u64), String> {
     let mesh = how.mesh([LENGTH as f64, THICK as f64], counts)?;
     let rest = mesh.nodes.clone();
@@ -129,7 +130,7 @@ fn swing(how: How, counts: [usize; 2], nu: f64) -> Result<(f64, u64), String> {
     Ok((0.0, fem.clock().steps))
 }
 
-/// T11, of elements.
+/// T11 with elements: near-incompressible bending.
 pub fn beam() -> Scene {
     fn trial(how: How, nu: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -156,11 +157,11 @@ pub fn beam() -> Scene {
     .holds("triangles, averaged volumes", "list T11", trial(AVERAGED, NU))
 }
 
-/// T14, of elements.
+/// T14 with elements: inverted elements.
 pub fn inverted() -> Scene {
     fn trial(how: How, speed: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
-            // Two halves of a row of squares run into each other; those in the middle are inside out in the first step.
+            // Collision of two halves of a row of squares; the middle elements invert in the first step.
             let middle = 5.5;
             let halves = move |x: [f64; 2]| [if x[0] < middle { speed } else { -speed }, 0.0];
             let mut fem = how.scene("row", how.mesh([11.0, 1.0], [11, 1])?, 0.3, halves)?;
@@ -172,9 +173,9 @@ pub fn inverted() -> Scene {
             let what = error.to_string();
             let named = match &error.what {
                 Stopped::Point { kind: PointKind::Element, body, number, position, .. } => {
-                    // Numbers run along the row; each square has two triangles.
+                    // Element numbers increase along the row; each square has two triangles.
                     let squares = if how.0 == ElementKind::Triangle3 { number / 2 } else { *number };
-                    // Averages over nodes tell neighbours, too.
+                    // Nodal averages also affect neighbour elements.
                     let beside = usize::from(matches!(how.1, Technology::AveragedVolumes));
                     body == "row" && squares.abs_diff(5) <= beside && (position[0] - middle).abs() < 0.5
                 }

@@ -1,4 +1,4 @@
-//! Coarse facets against fine particles.
+//! Contact of coarse facets with fine particles.
 
 use coupling::Elements;
 use fem::{Fem, MeshBody};
@@ -20,10 +20,10 @@ enum Way {
     Surface,
 }
 
-/// Edges of the block of elements, in cells of the grid.
+/// Edge lengths of the block of elements, in cells of the grid.
 const BLOCK: [usize; 2] = [16, 8];
 
-/// A stiff block of elements of `size` cells falls into a pool of particles between walls.
+/// Build a stiff block of elements of `size` cells that falls into a pool of particles between walls.
 fn pool(way: Way, size: usize) -> Result<Mpm<2>, String> {
     let lattice = cells()?;
     let low = [16.0, 12.05];
@@ -40,7 +40,7 @@ fn pool(way: Way, size: usize) -> Result<Mpm<2>, String> {
     let contact = GridContact::new(surfaces, Pairs::new(Frictionless));
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
-    // Waves of 10 m/s.
+    // Sound speed of 10 m/s.
     let water = Fluid::new(MieGruneisen::new(1.0, 10.0, 1.5, 2.0).map_err(text)?);
     let water = water.with_bulk_viscosity(0.06, 1.5).map_err(text)?;
     let filled = Cuboid::new([0.0; 2], [48.0, 12.0]).map_err(text)?;
@@ -54,7 +54,8 @@ fn pool(way: Way, size: usize) -> Result<Mpm<2>, String> {
     Ok(mpm)
 }
 
-/// How deep a point is in a quadrilateral with these corners, counter-clockwise: the distance to its nearest side, m; negative outside.
+/// Penetration depth of a point in a quadrilateral with these corners, counter-clockwise: distance to its nearest side, m; negative
+/// outside.
 fn depth(x: [f64; 3], corners: &[[f64; 3]]) -> f64 {
     let mut least = f64::INFINITY;
     for (k, a) in corners.iter().enumerate() {
@@ -66,7 +67,7 @@ fn depth(x: [f64; 3], corners: &[[f64; 3]]) -> f64 {
     least
 }
 
-/// The particles in the elements, and how deep the deepest is in its element.
+/// Number of particles inside elements, and their largest penetration depth.
 fn inside(mpm: &Mpm<2>) -> (usize, f64) {
     let elements: Vec<_> = mpm.bodies()[1].points();
     let (mut count, mut deepest) = (0, 0.0f64);
@@ -78,7 +79,7 @@ fn inside(mpm: &Mpm<2>) -> (usize, f64) {
     (count, deepest)
 }
 
-/// T23.
+/// T23: leaks of particles through coarse facets.
 pub fn leaks() -> Scene {
     fn trial(way: Way, size: usize) -> impl Fn(Size) -> Result<Measured, String> {
         move |run| {

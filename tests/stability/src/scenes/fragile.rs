@@ -1,4 +1,4 @@
-//! Fragile points where they are known to fail: unit cells, E = rho = 1 unless a scene says otherwise.
+//! Fragile points with known failures: unit cells, E = rho = 1 unless stated otherwise.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -16,18 +16,18 @@ use super::locking::{LENGTH, THICK, frequency, shape};
 use crate::stage::text;
 use crate::verdict::{Limit, Measured, Row, Scene, Size, Stop};
 
-/// Modulus 1, density 1.
+/// Linear elastic law with modulus 1 and density 1.
 fn unit(poisson: f64) -> Result<LinearElastic<f64>, String> {
     LinearElastic::new(1.0, Moduli::young_poisson(1.0, poisson).map_err(text)?).map_err(text)
 }
 
-/// Unit squares from the origin.
+/// Unit square cells from the origin.
 fn squares(counts: [usize; 2]) -> Result<Cells<2>, String> {
     let body = Cuboid::new([0.0; 2], counts.map(|n| n as f64)).map_err(text)?;
     Cells::of_mesh(&box_mesh(&body, counts).map_err(text)?).map_err(text)
 }
 
-/// Points at random, one apart, in a box from the origin.
+/// Random points with spacing 1 in a box from the origin.
 fn scatter(size: [f64; 2], seed: u64) -> Result<(Vec<[f64; 2]>, Domain<2>), String> {
     let domain = Domain::cuboid([0.0; 2], size).map_err(text)?;
     let points = scattered(&domain, seed, |_| 1.0).map_err(text)?;
@@ -38,20 +38,20 @@ fn notch(from: [f64; 2], to: [f64; 2]) -> Result<Notch<2>, String> {
     Notch::segment(from, to).map_err(text)
 }
 
-/// A method of this flux with this penalty and criterion.
+/// Create a method of this flux with this penalty and criterion.
 fn with<X: Flux, C: Criterion>(flux: X, eta: f64, cracks: C) -> Result<Method<PlaneStrain, X, C>, String> {
     Ok(Method::new(PlaneStrain, flux, Penalty::new(eta).map_err(text)?, cracks))
 }
 
-/// The usual penalty.
+/// Default penalty.
 fn usual() -> f64 {
     Penalty::default().eta()
 }
 
-/// What came of a run, or after how many steps what stopped it; or why there is none.
+/// Result of a run, or the number of steps and the error that stopped it; an error message if the setup failed.
 type Ran<T> = Result<Result<T, (u64, StepError)>, String>;
 
-/// What a run measures, or what stopped it.
+/// Convert the result of a run to a measure.
 fn measured(steps: u64, ran: Result<f64, StepError>) -> Measured {
     match ran {
         Ok(value) => Measured::new(value, steps),
@@ -61,11 +61,11 @@ fn measured(steps: u64, ran: Result<f64, StepError>) -> Measured {
     }
 }
 
-/// P1.
+/// P1: checkerboard velocities.
 pub fn checkerboard() -> Scene {
     fn trial(flux: impl Flux, eta: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
-            // Short waves from the surface come to the middle later.
+            // End time before short waves from the surface reach the middle.
             let (amplitude, end) = (1e-4, 5.0);
             let sign = |[x, y]: [f64; 2]| {
                 if (x.floor() + y.floor()) as i64 % 2 == 0 { amplitude } else { -amplitude }
@@ -97,7 +97,7 @@ pub fn checkerboard() -> Scene {
     .fails("incomplete flux, no penalty", "gates 4.7", trial(Incomplete, 0.0))
 }
 
-/// P2.
+/// P2: penalty that is too stiff.
 pub fn stiff_penalty() -> Scene {
     fn trial(flux: impl Flux, eta: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -110,7 +110,7 @@ pub fn stiff_penalty() -> Scene {
             let mut bar = Fpm::new(method, unit(0.0)?, &cells, |x| [hump(x[0]), 0.0]).map_err(text)?;
             let ran = bar.run_until(2.0 * LONG as f64).map(|()| {
                 let (mut wrong, mut all) = (0.0, 0.0);
-                // Velocities belong to the middle of the last step.
+                // Leapfrog velocities are at the middle of the last step.
                 let half = 0.5 * bar.clock().last.unwrap_or(0.0);
                 for (i, x) in bar.reference().iter().enumerate() {
                     let now = bar.velocities()[i][0] + half * bar.accelerations()[i][0];
@@ -138,9 +138,9 @@ pub fn stiff_penalty() -> Scene {
     .fails("incomplete flux, penalty 100 E", "cases 3", trial(Incomplete, 100.0))
 }
 
-/// P3.
+/// P3: cells without neighbours.
 pub fn alone() -> Scene {
-    /// A block whose cells in the middle are cut off on all four sides, which turns.
+    /// Run a rotating block whose middle cells are disconnected on all four sides.
     fn trial(flux: impl Flux, of_limit: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let cuts = [
@@ -148,7 +148,7 @@ pub fn alone() -> Scene {
                 ([4.0, 5.0], [5.0, 5.0]),
                 ([4.0, 4.0], [4.0, 5.0]),
                 ([5.0, 4.0], [5.0, 5.0]),
-                // And a chain: a column that is cut off on both sides.
+                // Chain of cells: a column that is disconnected on both sides.
                 ([7.0, -1.0], [7.0, 8.0]),
                 ([8.0, -1.0], [8.0, 8.0]),
             ];
@@ -168,7 +168,7 @@ pub fn alone() -> Scene {
                 let (after, account) = (Solver::totals(&block), block.account());
                 let moved =
                     (0..2).map(|d| (after.momentum[d] - before.momentum[d]).abs() / account.momentum_scale);
-                // Momentum to 1e-12 counts as energy to 1e-3.
+                // Weighting: momentum to 1e-12 counts as energy to 1e-3.
                 moved.map(|p| 1e9 * p).fold(account.energy_error().abs(), f64::max)
             });
             let energies = format!("{rigid} cells move as rigid ones");
@@ -193,7 +193,7 @@ fn rubber() -> Result<NeoHookean<f64>, String> {
     NeoHookean::new(1.0, Moduli::young_poisson(1.0, 0.3).map_err(text)?).map_err(text)
 }
 
-/// P3, a bar of one row.
+/// P3 for a bar of one row.
 pub fn chain() -> Scene {
     fn trial(flux: impl Flux, rows: usize) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -216,7 +216,7 @@ pub fn chain() -> Scene {
                 }
                 before = now;
             }
-            // Half a wave along the bar: the period is 2 L / c.
+            // Half a wavelength along the bar: the period is 2 L / c.
             let period = turns[2] - turns[0];
             let said = format!("{} of {} cells move as rigid ones", bar.rigid_cells(), cells.len());
             Ok(Measured::new((2.0 * LONG / period - 1.0).abs(), bar.steps()).since(Some(said)))
@@ -237,10 +237,10 @@ pub fn chain() -> Scene {
     .fails("incomplete flux, one row", "gates 4.7", trial(Incomplete, 1))
 }
 
-/// T11, of fragile points.
+/// T11 with fragile points: near-incompressible bending.
 pub fn beam() -> Scene {
     const NU: f64 = 0.4999;
-    /// The beam of T11 with cells of 1/finer.
+    /// Run the beam of T11 with cells of 1/finer.
     fn trial(
         flux: impl Flux,
         nu: f64,
@@ -248,7 +248,7 @@ pub fn beam() -> Scene {
         random: bool,
     ) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
-            // Lengths in cells: the beam is as large as it has cells, and swings as much slower.
+            // Unit cells: the beam size grows with the number of cells, and the frequency decreases accordingly.
             let [long, thick] = [LENGTH, THICK].map(|n| n * finer);
             let cells = if random {
                 let (points, domain) = scatter([long as f64, thick as f64], 5)?;
@@ -299,7 +299,7 @@ pub fn beam() -> Scene {
     .fails("incomplete flux, as many as 32 x 4 random cells", "own", trial(Incomplete, NU, 1, true))
 }
 
-/// T11, flutter.
+/// T11 with fragile points: flutter at near-incompressibility.
 pub fn flutter() -> Scene {
     fn trial(nu: f64, flux: impl Flux) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -331,15 +331,15 @@ pub fn flutter() -> Scene {
     .fails("incomplete flux, nu 0.3", "control", trial(0.3, Incomplete))
 }
 
-/// P5.
+/// P5: wave through a closed crack.
 pub fn closed() -> Scene {
-    /// How squares or random cells are cut in the middle.
+    /// Orientation of the cut in the middle of squares or random cells.
     #[derive(Clone, Copy)]
     enum Cut {
         Straight,
         Oblique,
     }
-    /// Compression (-1) or tension (1) through a cut bar, over that through a whole one.
+    /// Run a compression (-1) or tension (1) pulse through a cut bar; measure its ratio to that of a whole bar.
     fn trial(flux: impl Flux, sign: f64, cut: Cut) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (long, high, width) = (60.0, 6.0, 25.0);
@@ -363,7 +363,7 @@ pub fn closed() -> Scene {
                 let pulse =
                     move |t: f64| [sign * 1e-4 * (PI * (t / width).clamp(0.0, 1.0)).sin().powi(2), 0.0];
                 bar.load_faces(|f| f.normal[0] > 0.5, Arc::new(pulse)).map_err(text)?;
-                // The crest is at 15.
+                // Pulse crest at 15.
                 if let Err(error) = bar.run_until(45.0 + 0.5 * width) {
                     return Ok(Err((bar.steps(), error)));
                 }
@@ -400,17 +400,17 @@ pub fn closed() -> Scene {
     .fails("symmetric flux, squares, tension", "gates 4.7", trial(Symmetric, 1.0, Cut::Straight))
 }
 
-/// P5, friction.
+/// P5 with friction: sliding of a closed crack.
 pub fn slides() -> Scene {
     const FRICTION: f64 = 0.3;
     const PRESSURE: f64 = 1e-3;
-    /// By which part the push is more than friction bears.
+    /// Fraction by which the push exceeds the friction limit.
     const OVER: f64 = 0.2;
-    /// How the cut lies.
+    /// Position of the cut.
     #[derive(Clone, Copy)]
     enum Cut {
         Squares,
-        /// Random cells with rows of points along the cut, or without.
+        /// Random cells with rows of points along the cut if true, without otherwise.
         Random(bool),
     }
     fn trial(flux: impl Flux, cut: Cut, push: f64) -> impl Fn(Size) -> Result<Measured, String> {
@@ -432,7 +432,7 @@ pub fn slides() -> Scene {
                 Fpm::new(with(flux, usual(), NoCracks)?, unit(0.3)?, &cells, |_| [0.0; 2]).map_err(text)?;
             blocks.set_friction(FRICTION).map_err(text)?;
             blocks.hold_faces(|f| f.normal[1] < -0.5, Arc::new(|_| [Some(0.0); 2])).map_err(text)?;
-            // Pressed at leisure, then pushed along a fifth harder than friction bears.
+            // Load history: slow normal pressure, then a tangential push 20 % above the friction limit.
             let (pressed, pushed, end) = (160.0, 100.0, 460.0);
             let load = move |t: f64| {
                 let (down, along) = ((t / pressed).min(1.0), ((t - pressed) / pushed).clamp(0.0, 1.0));
@@ -445,7 +445,7 @@ pub fn slides() -> Scene {
                     slip += crack.area * crack.gap[1];
                     area += crack.area;
                 }
-                // What is left of the push moves the upper block, 4 high, from when it is more than friction bears.
+                // Net force: the push beyond the friction limit accelerates the upper block, 4 high.
                 let most = OVER * FRICTION * PRESSURE / 4.0;
                 let (rise, held) = (pushed * OVER / (1.0 + OVER), end - pressed - pushed);
                 let wanted = most * (0.5 * held * held + 0.5 * rise * held + rise * rise / 6.0);
@@ -472,9 +472,9 @@ pub fn slides() -> Scene {
     .fails("symmetric flux, squares, pushed less than friction bears", "control", trial(Symmetric, Cut::Squares, 1.0 - OVER))
 }
 
-/// P6.
+/// P6: cracks in cells of half the size.
 pub fn halved() -> Scene {
-    /// Of a strip that is drawn apart: work of the crack over the way it went, J/m^2, and steps.
+    /// Run a strip under tension; return the crack work per crack area, J/m^2, and the number of steps.
     fn strip(cracks: impl Criterion, flux: impl Flux, finer: usize) -> Ran<(f64, u64)> {
         let (h, counts) = (1e-3 / finer as f64, [20, 10].map(|n| n * finer));
         let (length, width, depth) = (20e-3, 10e-3, 4e-3);

@@ -12,22 +12,22 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size};
 
-/// Gas that runs at a plane with speed 1, and what is behind the shock.
+/// Gas that hits a plane at speed 1, and the state behind the reflected shock.
 #[derive(Clone, Copy)]
 struct Shock {
     gamma: f64,
     pressure: f64,
-    /// Behind it: density, pressure, and the speed of the shock off the plane.
+    /// State behind the shock: density, pressure, and shock speed away from the plane.
     density: f64,
     behind: f64,
     speed: f64,
 }
 
-/// Noh's problem in the plane: cold gas, gamma 5/3.
+/// Noh's planar problem: cold gas, gamma 5/3.
 const NOH: Shock =
     Shock { gamma: 5.0 / 3.0, pressure: 1e-6, density: 4.0, behind: 4.0 / 3.0, speed: 1.0 / 3.0 };
 
-/// A shock of Mach 10, gamma 1.4 (Rankine-Hugoniot: rho = 2.4 M^2 / (0.4 M^2 + 2), p = p0 (1 + 2.8/2.4 (M^2 - 1)), and the
+/// Shock of Mach 10, gamma 1.4 (Rankine-Hugoniot: rho = 2.4 M^2 / (0.4 M^2 + 2), p = p0 (1 + 2.8/2.4 (M^2 - 1)), and the
 /// speed behind it, 1, is c0 (M - 1/M) / 1.2).
 fn mach_ten() -> Shock {
     let m: f64 = 10.0;
@@ -42,12 +42,12 @@ fn mach_ten() -> Shock {
     }
 }
 
-/// What is asked of a shock.
+/// Measure of a shock.
 #[derive(Clone, Copy)]
 enum Asked {
-    /// The worse of: error of the plateau of density over 3 %, overshoot of the pressure over 5 %.
+    /// Profile error, the worse of: density error of the plateau over 3 %, pressure overshoot over 5 %.
     Profile,
-    /// Error of the energy per mass in the first cell.
+    /// Wall heating: error of the specific internal energy in the first cell.
     Heating,
 }
 
@@ -55,7 +55,7 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
     let cells = 200;
     let h = 1.0 / cells as f64;
     let lattice = lattice([0.0; 2], h)?;
-    // The linear part of q has the speed of sound of the reference state: that behind the shock, for there is next to none ahead.
+    // The linear term of q uses the sound speed of the reference state: that behind the shock, since it is almost zero ahead.
     let gas = IdealGas::new(1.0, shock.gamma, shock.behind / shock.density).map_err(text)?;
     let law = Fluid::new(gas).with_bulk_viscosity(q.0, q.1).map_err(text)?;
     let seeds = block(&lattice, [0; 2], [cells, 1], 2);
@@ -91,12 +91,12 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
             density += p.mass / p.volume;
             n += 1.0;
         }
-        // The first cell is judged by its heat.
+        // First cell excluded: its measure is wall heating.
         if x > 2.0 * h && x < 0.9 * front {
             most = most.max(pressure);
         }
         if x < h {
-            // Energy per mass by the equation of state, p / (gamma - 1) rho.
+            // Specific internal energy by the equation of state, p / (gamma - 1) rho.
             heat += pressure / ((shock.gamma - 1.0) * p.mass / p.volume);
             first += 1.0;
         }
@@ -122,7 +122,7 @@ fn trial(shock: Shock, scheme: Scheme, q: (f64, f64)) -> impl Fn(Size) -> Result
     move |_| run(Asked::Profile, shock, scheme, q)
 }
 
-/// T26, heating at the plane.
+/// T26: wall heating.
 pub fn heating() -> Scene {
     fn trial(shock: Shock, scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| run(Asked::Heating, shock, scheme, (0.5, 2.0))
@@ -146,7 +146,7 @@ pub fn heating() -> Scene {
 const RINGS: &str = "rings at q within the range of the list; the density is right to 3 %";
 const APIC: &str = "APIC takes 2 to 6 % of the kinetic energy and makes no heat of it, so that the gas is too dense; and rings by 5 to 14 %";
 
-/// T26, Noh.
+/// T26: Noh's shock.
 pub fn noh() -> Scene {
     Scene {
         id: "T26n",
@@ -170,7 +170,7 @@ pub fn noh() -> Scene {
     .but(|row| row.noted(RINGS))
 }
 
-/// T26, Mach 10.
+/// T26: shock of Mach 10.
 pub fn piston() -> Scene {
     Scene {
         id: "T26",

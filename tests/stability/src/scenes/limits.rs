@@ -1,4 +1,4 @@
-//! Limits of the time step.
+//! Time step limits.
 
 use std::f64::consts::PI;
 
@@ -11,18 +11,18 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size};
 
-/// T3.
+/// T3: cut cell.
 pub fn cut_cell() -> Scene {
     fn worst(scheme: Scheme, offsets: &[f64]) -> Result<Measured, String> {
         let (mut worst, mut made) = (0.0, 0);
         for xi in offsets {
             let length = 10.0;
-            // The outermost particle of two a cell stands xi behind a node.
+            // Particle spacing of half a cell: the outermost particle is xi behind a node.
             let seeds = row_of_cells(10, 2, 0.25 + xi)?;
             let (dt, count) = (0.5, 10_000);
             let mut mpm = bar(scheme, dt, &seeds, &|x| 1e-6 * (PI * x / length).cos())?;
-            // Means over five periods: kinetic and internal energy are half a step apart, and the period found is not quite a
-            // whole number of steps.
+            // Energy means over five periods: kinetic and internal energy are half a step apart, and the actual period is not
+            // an integer number of steps.
             let period = 5 * (2.0 * length / dt) as u64;
             let start = energy(&mpm.totals());
             let (mut sum, mut most) = (0.0, 0.0f64);
@@ -65,8 +65,8 @@ pub fn cut_cell() -> Scene {
     .holds("cubic FMPM(4), xi 1e-1..1e-6", "list T3 [C]", trial(ul(Cubic, Fmpm4Usl), &ALL))
 }
 
-/// Weight and slope of the node at distance `d` (particle less node, in cells), particle boxes of half size `l`.
-/// Written from the formulas (book, "GIMP"; B-splines by their pieces), not with those of the library.
+/// Shape function value and gradient at distance `d` (particle minus node, in cells), for particle domains of half
+/// size `l`. Implemented from the formulas (book, "GIMP"; B-splines piecewise), independent of the library.
 pub(crate) fn weight(kernel: Kernel, d: f64, l: f64) -> (f64, f64) {
     let (a, sign) = (d.abs(), if d < 0.0 { -1.0 } else { 1.0 });
     let (value, slope) = match kernel {
@@ -96,8 +96,9 @@ pub(crate) fn weight(kernel: Kernel, d: f64, l: f64) -> (f64, f64) {
     (value, sign * slope)
 }
 
-/// Largest stable step of FLIP with MUSL for a free bar at frozen positions `x` (density, modulus and cell 1, particles of
-/// one size): 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1 (book, "Properties of stress updates and transfers", finding 1).
+/// Stable time step limit of FLIP with MUSL for a free bar at frozen positions `x` (density, modulus and cell size 1, equal
+/// particle sizes): 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1 (book, "Properties of stress updates and transfers",
+/// finding 1).
 fn symplectic_limit(kernel: Kernel, x: &[f64], volume: f64) -> f64 {
     let low = x.iter().fold(f64::MAX, |a, &b| a.min(b)).floor() as i64 - 2;
     let high = x.iter().fold(f64::MIN, |a, &b| a.max(b)).ceil() as i64 + 2;
@@ -120,7 +121,7 @@ fn symplectic_limit(kernel: Kernel, x: &[f64], volume: f64) -> f64 {
     2.0 / largest.sqrt()
 }
 
-/// T4.
+/// T4: predicted time step limit.
 pub fn predicted() -> Scene {
     fn trial(kernel: Kernel, share: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -129,7 +130,7 @@ pub fn predicted() -> Scene {
             x.sort_by(f64::total_cmp);
             x.dedup();
             let dt = share * symplectic_limit(kernel, &x, 0.5);
-            // The same for both layers of particles.
+            // Equal noise for both particle layers.
             let mut random = Random::new(7);
             let kicks: Vec<f64> = x.iter().map(|_| 1e-8 * random.number()).collect();
             let velocity = |at: f64| x.iter().position(|&x| x == at).map_or(f64::NAN, |k| kicks[k]);
@@ -162,13 +163,13 @@ pub fn predicted() -> Scene {
                 "list T4, finding 1 [C]",
                 trial(kernel, 1.01),
             )
-            // Growth by a thousand, not by just above ten.
+            // Limit of growth by a thousand instead of just above ten.
             .but(|row| row.limit(Limit::AtMost(1e3)));
     }
     scene
 }
 
-/// F1: factors of the step from a hundredth to beyond the limit.
+/// F1: time step factors from a hundredth to beyond the limit.
 pub fn factors() -> Scene {
     fn trial(scheme: Scheme, courant: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {

@@ -1,4 +1,4 @@
-//! Locking of what hardly changes its volume.
+//! Volumetric locking of nearly incompressible material.
 
 use mpm_core::{
     BlockGrid, Flip, IntoKernels, MeanDilatation, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline,
@@ -12,9 +12,9 @@ use verification::scene::block;
 use crate::stage::{ApicUsl, Cubic, FlipMusl, Gimp, Linear, Quadratic, cells, particles, text, tl, ul};
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// Length of the beam, cells.
+/// Beam length, cells.
 pub(super) const LENGTH: usize = 32;
-/// Its thickness, cells.
+/// Beam thickness, cells.
 pub(super) const THICK: usize = 4;
 /// First root of cos b cosh b = 1.
 const ROOT: f64 = 4.730_041;
@@ -26,15 +26,16 @@ pub(super) fn shape(x: f64) -> f64 {
     (b * x).cosh() + (b * x).cos() - sigma * ((b * x).sinh() + (b * x).sin())
 }
 
-/// Circular frequency of that mode, 1/s, of a beam in plane strain, E = rho = 1: Euler's with what shear and turning
-/// take from it (Timoshenko, first order in (thickness / length)^2).
+/// Angular frequency of the first mode, 1/s, of a beam in plane strain, E = rho = 1: Euler-Bernoulli with the
+/// reduction by shear and rotary inertia (Timoshenko, first order in (thickness / length)^2).
 pub(super) fn frequency(nu: f64) -> f64 {
     let (l, t) = (LENGTH as f64, THICK as f64);
     let modulus = 1.0 / (1.0 - nu * nu);
     let shear = 0.5 / (1.0 + nu);
     let radius = t / 12f64.sqrt() / l;
     let euler = ROOT * ROOT * radius * l / (l * l) * modulus.sqrt();
-    // Free ends: int w''^2 = b^4; turning adds int w'^2 = 49.5, shear int w'''^2 / b^4 = the same of the dual mode.
+    // Free ends: int w''^2 = b^4; rotary inertia adds int w'^2 = 49.5, shear int w'''^2 / b^4, equal to that of the
+    // dual mode.
     let (mut turning, mut bending) = (0.0, 0.0);
     let (n, d) = (2000, 1e-4);
     for k in 0..n {
@@ -43,7 +44,7 @@ pub(super) fn frequency(nu: f64) -> f64 {
         turning += slope * slope / n as f64;
         bending += shape(x) * shape(x) / n as f64;
     }
-    // w''' = b^3 times a function whose mean square is that of w' / b.
+    // Third derivative: w''' = b^3 times a function whose mean square equals that of w' / b.
     let third = |x: f64| {
         let b = ROOT;
         let sigma = (b.cosh() - b.cos()) / (b.sinh() - b.sin());
@@ -60,7 +61,7 @@ pub(super) fn frequency(nu: f64) -> f64 {
     euler / (1.0 + share).sqrt()
 }
 
-/// Momentum of the first mode.
+/// Modal momentum of the first mode.
 fn projection(mpm: &Mpm<2>, starts: &[[f64; 2]]) -> f64 {
     let mut sum = 0.0;
     for p in particles(mpm) {
@@ -69,17 +70,17 @@ fn projection(mpm: &Mpm<2>, starts: &[[f64; 2]]) -> f64 {
     sum
 }
 
-/// What a swing of the beam showed.
+/// Result of a beam oscillation.
 struct Swing {
     /// (Measured frequency / theory)^2.
     stiffness: f64,
-    /// Part of the pressure that no bending has, when it is bent most.
+    /// Pressure noise at the largest deflection: fraction not due to bending.
     noise: f64,
     steps: u64,
     stop: Option<Stop>,
 }
 
-/// Root mean square of what is left of the pressure, in the inner half, when a y w''(x) is fitted to it by a, over that of the pressure.
+/// Pressure noise: root mean square residual of the fit a y w''(x) to the pressure in the inner half, over that of the pressure.
 fn noise(mpm: &Mpm<2>, starts: &[[f64; 2]]) -> f64 {
     let d = 1e-3;
     let bend = |x: f64| (shape(x + d) - 2.0 * shape(x) + shape(x - d)) / (d * d);
@@ -96,28 +97,28 @@ fn noise(mpm: &Mpm<2>, starts: &[[f64; 2]]) -> f64 {
     (dot(&|p| (p.1 - a * p.0).powi(2)) / dot(&|p| p.1 * p.1)).sqrt()
 }
 
-/// A solver, or why there is none.
+/// Solver, or an error message.
 type Made = Result<Mpm<2>, String>;
 
-/// A solver of a scheme in which every particle has its own dilatation.
+/// Create a solver of a scheme with the dilatation of each particle.
 fn own(scheme: Scheme) -> impl Fn() -> Made {
     move || empty_scene(scheme, cells()?).ok_or("no such composition".into())
 }
 
-/// A solver in which laws see the mean of a cell.
+/// Create a solver with the mean dilatation of a cell.
 fn mean<M: IntoKernels<f64, 2> + Copy>(method: M) -> impl Fn() -> Made {
     move || Ok(Mpm::new(method, BlockGrid::new(cells()?)))
 }
 
-/// FLIP and MUSL with the mean of a cell.
+/// FLIP and MUSL with the mean dilatation of a cell.
 fn flip_musl<S>(shape: S) -> Method<S, Flip, Musl, PlaneStrain, UpdatedLagrangian, MeanDilatation> {
     Method::new(shape, Flip, Musl, PlaneStrain).mean_dilatation()
 }
 
-/// Bend the beam, from its greatest speed to its greatest deflection.
+/// Run the beam from its largest velocity to its largest deflection.
 fn swing(mut mpm: Mpm<2>, nu: f64) -> Result<Swing, String> {
     let seeds = block(&cells()?, [0; 2], [LENGTH, THICK], 2);
-    // Fastest wave at E = rho = 1.
+    // P-wave speed at E = rho = 1.
     let fastest = ((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))).sqrt();
     let dt = 0.4 / fastest;
     mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
@@ -126,7 +127,7 @@ fn swing(mut mpm: Mpm<2>, nu: f64) -> Result<Swing, String> {
     let quarter = 0.5 * std::f64::consts::PI / frequency(nu);
     let mut swing = Swing { stiffness: 0.0, noise: f64::NAN, steps: 0, stop: None };
     let mut last = 1.0;
-    // What is six times too soft changes its sign by then.
+    // A six times too soft beam changes sign within this time.
     while mpm.time() < 2.5 * quarter {
         if let Err(e) = mpm.step() {
             swing.stop = Some(Stop { step: e.step, what: e.to_string() });
@@ -148,7 +149,7 @@ fn swing(mut mpm: Mpm<2>, nu: f64) -> Result<Swing, String> {
 const SPLINES: &str =
     "splines do not lock in bending with 4 cells across; it is the pressure that fails (T11p)";
 
-/// T11.
+/// T11: near-incompressible bending, stiffness.
 pub fn beam() -> Scene {
     fn trial(by: impl Fn() -> Made, nu: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -190,7 +191,7 @@ pub fn beam() -> Scene {
 
 const STEPS: &str = "no checkerboard: a cell has one pressure, and four steps of bending's are off by 0.25 / sqrt 1.3125 = 0.218";
 
-/// T11, pressure.
+/// T11: near-incompressible bending, pressure.
 pub fn pressure() -> Scene {
     fn trial(by: impl Fn() -> Made, nu: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {

@@ -1,4 +1,4 @@
-//! Long runs.
+//! Long runs: energy drift.
 
 use std::f64::consts::PI;
 
@@ -15,23 +15,23 @@ const GAINS: &str = "gains steadily: 2 % after 1e5 steps, 7 after 4e5, 12 after 
 const MIXED: &str = "list has 6e4 steps. The first mode has gone over into short waves by then (cubic: 46 % of its amplitude left after 2e5 steps, 1 % after \
                      8e5), the energy is kept to 1.1 % up to 9e5 and falls after that";
 
-/// Cells of the bar of T17, and its length, m.
+/// Length of the T17 bar, m, and its number of cells.
 pub const LENGTH: f64 = 10.0;
-/// Step of T17, s: h = c = 1.
+/// Time step of T17, s: h = c = 1.
 pub const STEP: f64 = 0.3;
-/// Largest speed of T17, m/s.
+/// Velocity amplitude of T17, m/s.
 pub const SPEED: f64 = 1e-3;
 
-/// The bar of T17, free at both ends, in its first mode; two particles a cell and axis.
+/// Build the T17 bar, free at both ends, in its first mode, with two particles per cell and axis.
 ///
 /// # Errors
-/// A scheme that does not exist.
+/// The scheme does not exist.
 pub fn swinging_bar(scheme: Scheme) -> Result<Mpm<2>, String> {
     let seeds = row_of_cells(LENGTH as usize, 2, 0.0)?;
     bar(scheme, STEP, &seeds, &|x| SPEED * (PI * x / LENGTH).cos())
 }
 
-/// T17.
+/// T17: energy drift over a million steps.
 pub fn vibration() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {

@@ -1,4 +1,4 @@
-//! Nodes of almost no mass, and bodies of very different stiffness and density joined to one.
+//! Nodes of negligible mass, and joints of very different stiffness and density.
 
 use mpm_core::Mpm;
 use mpm_core::geometry::Seeds;
@@ -14,12 +14,12 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// T15.
+/// T15: nodes of negligible mass.
 pub fn tiny() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (mut worst, mut made) = (0.0f64, 0);
-            // Weights down to the smallest that an offset in a cell can have: 1e-17 of linear shape functions, its square and cube of splines.
+            // Offsets down to the smallest weight in a cell: 1e-17 for linear shape functions, its square and cube for splines.
             for k in 1..=17 {
                 let seeds = row_of_cells(4, 2, 0.25 + 10f64.powi(-k))?;
                 let mut mpm = bar(scheme, 0.3, &seeds, &|x| 0.01 * (2.0 + x.sin()))?;
@@ -56,7 +56,7 @@ pub fn tiny() -> Scene {
     .holds("cubic FMPM(4)", "list T15", trial(ul(Cubic, Fmpm4Usl)))
 }
 
-/// Two parts of a bar from a plane at 0 on, each with cells, density and modulus.
+/// Two parts of a bar from a plane at 0, each with number of cells, density and modulus.
 struct Pair {
     cells: [usize; 2],
     density: [f64; 2],
@@ -70,13 +70,13 @@ impl Pair {
         Ok([inner, block(&lattice, [self.cells[0] as i64, 0], [self.cells[1], 1], 2)])
     }
 
-    /// Smallest circular frequency: E0 k0 cot(k0 L0) = E1 k1 tan(k1 L1), by bisection.
+    /// Lowest angular frequency: E0 k0 cot(k0 L0) = E1 k1 tan(k1 L1), by bisection.
     fn frequency(&self) -> f64 {
         let [l0, l1] = self.cells.map(|l| l as f64);
         let slow = [0, 1].map(|i| (self.density[i] / self.young[i]).sqrt());
         let left = |w: f64| self.young[0] * slow[0] * w / (slow[0] * w * l0).tan();
         let right = |w: f64| self.young[1] * slow[1] * w * (slow[1] * w * l1).tan();
-        // Left falls and right rises up to where either is a quarter wave.
+        // Monotonicity: the left side decreases and the right side increases until one of them is a quarter wave.
         let quarter = std::f64::consts::FRAC_PI_2;
         let (mut low, mut high) = (0.0, (quarter / (slow[0] * l0)).min(quarter / (slow[1] * l1)));
         for _ in 0..200 {
@@ -86,7 +86,7 @@ impl Pair {
         0.5 * (low + high)
     }
 
-    /// First mode at small amplitude: shape by place.
+    /// First mode at small amplitude: function of position.
     fn mode(&self, w: f64) -> impl Fn(f64) -> f64 + use<> {
         let [l0, l1] = self.cells.map(|l| l as f64);
         let k = [0, 1].map(|i| w * (self.density[i] / self.young[i]).sqrt());
@@ -94,7 +94,8 @@ impl Pair {
         move |x| if x < l0 { (k[0] * x).sin() } else { joint * (k[1] * (l0 + l1 - x)).cos() }
     }
 
-    /// The worse of the error of a quarter of the period over 2 % and of the change of energy over 1 %.
+    /// Run an oscillation; measure the worse of the error of a quarter period over 2 % and the energy change over 1
+    /// %.
     fn swing(&self, mpm: &mut Mpm<2>, wanted: f64) -> Result<Measured, String> {
         let [inner, outer] = self.seeds()?;
         bound(mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;
@@ -138,7 +139,7 @@ const ADAPTED: TimeControl = TimeControl::Courant { factor: 0.4, growth: 1.1 };
 
 const SMEARED: &str = "a smooth function smears the joint: quadratic -7.2, -4.0, -2.0 %, cubic -4.4, -2.5, -1.8 % with 10, 20, 40 soft cells, linear shape functions 0.2 %";
 
-/// T20.
+/// T20: stiff material joined to soft material.
 pub fn stiff_and_soft() -> Scene {
     fn trial(scheme: Scheme, mean: bool) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
@@ -171,7 +172,7 @@ pub fn stiff_and_soft() -> Scene {
 
 const KINK: &str = "what filters loses energy where the velocity has a kink, at the joint, in every step (book, The step, finding 3)";
 
-/// M1: heavy on light.
+/// M1: heavy material on light material.
 pub fn light_and_heavy() -> Scene {
     fn trial(scheme: Scheme, ratio: f64, claimed: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {

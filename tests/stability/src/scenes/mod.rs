@@ -1,4 +1,4 @@
-//! The scenes. Numbers as T5 are those of the list in book, "Stability", others are of this crate.
+//! Stability scenes. Numbers such as T5 refer to the list of the book, "Stability"; others are of this crate.
 
 pub mod conversion;
 pub mod crossing;
@@ -21,7 +21,7 @@ pub mod ties;
 
 use crate::verdict::Scene;
 
-/// All of them, in order.
+/// List all scenes in order.
 pub fn all() -> Vec<Scene> {
     vec![
         crossing::drift(),
@@ -88,7 +88,7 @@ pub fn all() -> Vec<Scene> {
     ]
 }
 
-/// Scenes of the list that are run elsewhere: number, what, where.
+/// Scenes of the list that run elsewhere: number, title, location.
 pub const ELSEWHERE: [(&str, &str, &str); 6] = [
     (
         "T6",
@@ -106,7 +106,7 @@ pub const ELSEWHERE: [(&str, &str, &str); 6] = [
     ),
 ];
 
-/// Scenes of the list for methods that are not there: number, what, what is missing.
+/// Scenes of the list for methods that are not available: number, title, missing feature.
 pub const MISSING: [(&str, &str, &str); 2] = [
     ("T24", "tank at rest, dam break", "incompressible flow, cure of pressure noise"),
     ("T27", "fragmentation on finer and on turned grids", "nonlocal damage, phase field"),

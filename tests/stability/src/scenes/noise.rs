@@ -1,4 +1,4 @@
-//! Velocities that the grid does not see.
+//! Null-space noise: particle velocities invisible to the grid.
 
 use nalgebra::{DMatrix, DVector};
 use verification::problems::box_of_planes;
@@ -11,8 +11,7 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size};
 
-/// Random velocities of points at `x` that give no momentum to any node: what is left of them when their projection on the
-/// weights is taken away.
+/// Random velocities of points at `x` with zero nodal momentum: their projection on the weights is removed.
 fn unseen(kernel: Kernel, x: &[f64]) -> Result<Vec<f64>, String> {
     let nodes = x.iter().fold(0.0f64, |a, &b| a.max(b)).ceil() as usize + 5;
     let n = DMatrix::from_fn(nodes, x.len(), |i, p| weight(kernel, x[p] - (i as f64 - 2.0), 0.25).0);
@@ -24,7 +23,7 @@ fn unseen(kernel: Kernel, x: &[f64]) -> Result<Vec<f64>, String> {
     Ok(left.iter().copied().collect())
 }
 
-/// Energy of the noise after `count` steps over that of the start.
+/// Measure the noise energy after `count` steps over the initial one.
 fn noise_left(scheme: Scheme, drift: f64, count: u64) -> Result<Measured, String> {
     let seeds = row_of_cells(20, 3, 0.05)?;
     let mut x: Vec<f64> = seeds.positions.iter().map(|x| x[0]).collect();
@@ -36,7 +35,7 @@ fn noise_left(scheme: Scheme, drift: f64, count: u64) -> Result<Measured, String
     let start = energy(&mpm.totals());
     let (mut sum, mut counted) = (0.0, 0.0);
     let stop = steps(&mut mpm, count, |now, step| {
-        // Mean of the last tenth, so that no phase of a swing decides.
+        // Mean of the last tenth, independent of the phase of an oscillation.
         if step > count - count / 10 {
             sum += energy(&now.totals());
             counted += 1.0;
@@ -49,7 +48,7 @@ fn trial(scheme: Scheme, drift: f64) -> impl Fn(Size) -> Result<Measured, String
     move |size| noise_left(scheme, drift, if size == Size::Fast { 2_000 } else { 10_000 })
 }
 
-/// T9, what is left.
+/// T9: remaining null-space noise.
 pub fn null_space() -> Scene {
     Scene {
         id: "T9",
@@ -72,7 +71,7 @@ pub fn null_space() -> Scene {
 const HEATS: &str = "numerical heating: as particles drift over nodes the grid begins to see the noise, and feeds it: linear 3e7 and quadratic 3e3 times \
      after 1e4 steps; none at rest, none of the cubic spline, none with USL";
 
-/// T9, what grows.
+/// T9: growing null-space noise.
 pub fn growth() -> Scene {
     Scene {
         id: "T9g",
@@ -92,7 +91,7 @@ pub fn growth() -> Scene {
     .holds("quadratic FLIP-MUSL, at rest", "list T9", trial(ul(Quadratic, FlipMusl), 0.0))
 }
 
-/// Part of a checkerboard of velocities that is left after the first period of the square.
+/// Measure the remaining fraction of a checkerboard velocity after the first period of the square.
 fn checkerboard(scheme: Scheme, per_axis: usize) -> Result<Measured, String> {
     let side = 8;
     let lattice = crate::stage::cells()?;
@@ -114,7 +113,7 @@ fn checkerboard(scheme: Scheme, per_axis: usize) -> Result<Measured, String> {
     Ok(Measured::new((left / all).powi(2), count).stopped(stop))
 }
 
-/// T10.
+/// T10: hourglass modes.
 pub fn hourglass() -> Scene {
     fn trial(scheme: Scheme, per_axis: usize) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| checkerboard(scheme, per_axis)

@@ -1,4 +1,4 @@
-//! Finite elements that touch, for long.
+//! Long-time contact of finite elements.
 
 use fem::{Fem, Hourglass, MeshBody, Technology};
 use impactite_geometry::structured::{Butterfly, ball_mesh};
@@ -10,21 +10,21 @@ use verification::problems::rubber;
 use crate::stage::text;
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// Balls of elements in a box that is shaken.
+/// Finite element balls in a shaken box.
 struct Shaken {
     fem: Fem<2>,
     edge: f64,
 }
 
-/// What is tried.
+/// Contact and integration settings of a run.
 #[derive(Clone, Copy)]
 struct How {
-    /// Of the balls with each other; none, and they do not touch.
+    /// Friction coefficient of the balls; no contact between balls if none.
     friction: Option<f64>,
-    /// Have walls friction, too?
+    /// True if walls have friction, too.
     rough: bool,
     technology: Technology,
-    /// Of the stable step.
+    /// Fraction of the stable time step.
     factor: f64,
 }
 
@@ -32,12 +32,12 @@ const SPRINGS: Technology = Technology::OnePoint(Hourglass::Stiffness(0.05));
 const SMOOTH: How =
     How { friction: Some(0.0), rough: false, technology: Technology::MeanDilatation, factor: 0.5 };
 
-/// Radius of the balls, m, and the largest speed of the box, m/s.
+/// Radius of the balls, m, and velocity amplitude of the box, m/s.
 const RADIUS: f64 = 1.0;
 const SHAKE: f64 = 0.05;
 
 impl Shaken {
-    /// Sixteen discs in a box that is shaken: in its frame, by a body force.
+    /// Build sixteen discs in a shaken box, in the frame of the box with a body force.
     fn new(how: &How) -> Result<Self, String> {
         let mut fem = Fem::new(PlaneStrain);
         let edge = 10.0;
@@ -77,7 +77,7 @@ impl Shaken {
         self.fem.element_bodies().iter().map(centre).collect()
     }
 
-    /// Is a ball out of the box, or are two in each other by half?
+    /// Return true if a ball is outside the box, or two balls overlap by half.
     fn is_lost(&self) -> bool {
         let centres = self.centres();
         let out = |x: &[f64; 2]| x.iter().any(|x| !(0.3 * RADIUS..=self.edge - 0.3 * RADIUS).contains(x));
@@ -93,7 +93,7 @@ impl Shaken {
 const FOLDS: &str = "a disc of twelve elements folds in hourglass modes, whose springs hold several times the rest of its energy, and gains from step 7e4 on; the \
                      watch stops it in step 74496. So does a disc alone between the walls, in steps of 0.9: it is not contact";
 
-/// E2.
+/// E2: shaken box of balls.
 pub fn balls() -> Scene {
     fn trial(how: How) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
@@ -106,7 +106,7 @@ pub fn balls() -> Scene {
                     return Ok(Measured::new(f64::NAN, step).stopped(Some(stop)));
                 }
                 if step % 50 == 0 {
-                    // Of all that was ever given, as work that was taken again too.
+                    // Scale: largest energy supplied so far, including work returned later.
                     let account = scene.fem.account();
                     most = most.max(account.work.abs()).max(account.energy_scale);
                     let scale = most.max(account.friction + account.impacts);

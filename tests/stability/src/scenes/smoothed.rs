@@ -1,4 +1,4 @@
-//! Smoothed particles where they are known to fail.
+//! Smoothed particles in scenes with known failures.
 
 use std::collections::HashMap;
 use std::fmt::Debug;
@@ -25,13 +25,13 @@ use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
 type Rubber = Solid<Elastic<f64>, LogarithmicBulk<f64>, NoFailure>;
 
-/// K 121.7, G 26.1 MPa, 1010 kg/m^3.
+/// Rubber law with K 121.7, G 26.1 MPa, 1010 kg/m^3.
 fn rubber() -> Result<Rubber, String> {
     let bulk = LogarithmicBulk::new(1010.0, 121.7e6).map_err(text)?;
     Ok(Solid::new(Elastic::new(26.1e6).map_err(text)?, bulk))
 }
 
-/// Modulus 1, density 1.
+/// Linear elastic law with modulus 1 and density 1.
 fn unit(poisson: f64) -> Result<LinearElastic<f64>, String> {
     LinearElastic::new(1.0, Moduli::young_poisson(1.0, poisson).map_err(text)?).map_err(text)
 }
@@ -46,7 +46,7 @@ fn block(size: [f64; 2]) -> Result<Layout<2>, String> {
     layout(&Cuboid::new([0.0; 2], size).map_err(text)?, 1.0, false)
 }
 
-/// 1 and -1 in turn, from particle to particle.
+/// Checkerboard sign of a particle: 1 or -1.
 fn sign([x, y]: [f64; 2]) -> f64 {
     if (x.floor() + y.floor()) as i64 % 2 == 0 { 1.0 } else { -1.0 }
 }
@@ -55,14 +55,14 @@ fn stop(error: &StepError) -> Option<Stop> {
     Some(Stop { step: error.step, what: error.to_string() })
 }
 
-/// Without stabilisation: total Lagrangian, and updated.
+/// Methods without stabilisation: total Lagrangian and updated Lagrangian.
 fn bare_total<const D: usize, E: Embedding<D> + Debug>(space: E) -> impl Composition<D> {
     Method::new(space, WendlandC2::NARROW, TotalLagrangian::default(), GradientCorrection, Unstabilised)
 }
 fn bare_updated<const D: usize, E: Embedding<D> + Debug>(space: E) -> impl Composition<D> {
     Method::new(space, WendlandC2::default(), Updated, GradientCorrection, Unstabilised)
 }
-/// Artificial stress that is a part of every tensile stress.
+/// Original artificial stress: a fraction of every tensile stress.
 fn printed_stress() -> impl Composition<2> {
     let stress = PrintedArtificialStress::default();
     Method::new(PlaneStrain, WendlandC2::default(), Updated, GradientCorrection, stress)
@@ -71,7 +71,7 @@ fn plain() -> impl Composition<2> {
     Method::new(PlaneStrain, CubicSpline::default(), Updated, NoCorrection, Unstabilised)
 }
 
-/// S1.
+/// S1: checkerboard velocities.
 pub fn checkerboard() -> Scene {
     fn trial<M: Composition<2>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -84,7 +84,7 @@ pub fn checkerboard() -> Scene {
             if let Err(error) = body.run_until(end) {
                 return Ok(Measured::new(f64::NAN, body.steps()).stopped(stop(&error)));
             }
-            // In the middle, where no surface sees the alternation.
+            // Particles in the middle only, before waves from the surface.
             let middle = |x: &[f64; 2]| x.iter().all(|x| (8.0..12.0).contains(x));
             let moved = |(x, y): (&[f64; 2], &[f64; 2])| (x[0] - y[0]).abs() / (amplitude * end);
             let inside = body.positions().iter().zip(&start).filter(|(_, y)| middle(y));
@@ -105,11 +105,11 @@ pub fn checkerboard() -> Scene {
     .fails("updated, no stabilisation", "gates 3.6", trial(bare_updated(PlaneStrain)))
 }
 
-/// S2.
+/// S2: spinning block.
 pub fn rotation() -> Scene {
-    /// What angular momentum and energy may change by.
+    /// Allowed relative changes of angular momentum and energy.
     const ALLOWED: [f64; 2] = [1e-6, 5e-3];
-    /// The same with or without particles' neighbours of the present: O1, O2.
+    /// Known cause for laws in rate form, total or updated Lagrangian: O1, O2.
     const RATES: &str = "a law in rate form makes energy as it turns and trembles (O1): more than there was in 20 turns, and the block comes apart in turn 27";
     fn trial<M: Composition<2>>(
         method: M,
@@ -127,7 +127,7 @@ pub fn rotation() -> Scene {
             }
             let after = Body::totals(&body);
             let spin = |t: &impactite_scene::Totals| {
-                // About the middle, which stays.
+                // Angular momentum about the fixed centre.
                 t.angular_momentum[2] - 4.0 * t.momentum[1] + 4.0 * t.momentum[0]
             };
             let spin = spin(&after) / spin(&before) - 1.0;
@@ -161,7 +161,7 @@ pub fn rotation() -> Scene {
     .fails("updated, artificial stress as printed", "own", trial(printed_stress(), whole()))
 }
 
-/// S3.
+/// S3: uniform stress at the axis.
 pub fn axis() -> Scene {
     fn trial<M: Composition<2>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -174,7 +174,7 @@ pub fn axis() -> Scene {
             let stress = body.points()[0].stress[0];
             let mut worst = 0.0f64;
             for (i, x) in body.positions().iter().enumerate() {
-                // Free surfaces accelerate.
+                // Exclude free surfaces, which accelerate.
                 if x[0] < 6.0 && (5.0..7.0).contains(&x[1]) {
                     worst = worst.max((body.acceleration(i)[0] * x[0] / stress).abs());
                 }
@@ -199,7 +199,7 @@ pub fn axis() -> Scene {
     )
 }
 
-/// S4.
+/// S4: rebound of a bar from a wall.
 pub fn rebound() -> Scene {
     fn trial<M: Composition<2>>(method: M, mirror: bool) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -238,7 +238,7 @@ pub fn rebound() -> Scene {
     .fails("gradients as they are, wall of mirror images", "gates 3.6", trial(plain(), true))
 }
 
-/// S5.
+/// S5: colliding rubber rings.
 pub fn rings() -> Scene {
     fn trial<M: Composition<2>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -252,7 +252,7 @@ pub fn rings() -> Scene {
             if let Err(error) = scene.run_until(6e-3) {
                 return Ok(Measured::new(f64::NAN, scene.steps()).stopped(stop(&error)));
             }
-            // The farthest that a particle is from its nearest one: a ring that broke has gaps.
+            // Largest nearest-neighbour distance: a broken ring has gaps.
             let mut gap = 0.0f64;
             for body in scene.bodies() {
                 let points = body.points();
@@ -285,9 +285,9 @@ pub fn rings() -> Scene {
     .fails("updated, no stabilisation", "gates 3.4", trial(bare_updated(PlaneStrain)))
 }
 
-/// S6.
+/// S6: twisting column.
 pub fn column() -> Scene {
-    /// Particles across.
+    /// Number of particles across.
     const ACROSS: usize = 6;
     fn trial<M: Composition<3>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
@@ -306,7 +306,7 @@ pub fn column() -> Scene {
             column.set_watch(Watch::off());
             column.bound(Boundary::Fixed { axis: 2, at: 0.0, side: Side::Above }).map_err(text)?;
             let start = column.positions().to_vec();
-            // There and back: it is wound up after about 0.1 s.
+            // End time: a full oscillation; the largest twist is at about 0.1 s.
             let end = if size == Size::Fast { 0.1 } else { 0.4 };
             if let Err(error) = column.run_until(end) {
                 return Ok(Measured::new(f64::NAN, column.steps()).stopped(stop(&error)));
@@ -315,7 +315,7 @@ pub fn column() -> Scene {
             Ok(Measured::new(kink(&start, column.positions(), h) / h, column.steps()).since(Some(said)))
         }
     }
-    /// How far the corner at the top is turned about the axis, degrees, within half a turn.
+    /// Rotation angle of the top corner about the axis, degrees, modulo 360.
     fn top(start: &[[f64; 3]], now: &[[f64; 3]]) -> f64 {
         let corner = |x: &[f64; 3]| x[0] + x[1] + x[2];
         let at =
@@ -323,7 +323,7 @@ pub fn column() -> Scene {
         let angle = |x: &[f64; 3]| x[1].atan2(x[0]).to_degrees();
         (angle(&now[at]) - angle(&start[at])).rem_euclid(360.0)
     }
-    /// The largest second difference of places along the column, m: 4 amplitudes of what alternates from particle to particle.
+    /// Largest second difference of positions along the column, m: 4 times the amplitude of an alternating mode.
     fn kink(start: &[[f64; 3]], now: &[[f64; 3]], h: f64) -> f64 {
         let key = |x: &[f64; 3], up: i64| {
             let cell = |d: usize| (x[d] / h * 2.0).round() as i64;
@@ -353,14 +353,15 @@ pub fn column() -> Scene {
     .fails("updated, no stabilisation", "gates 3.6", trial(bare_updated(FullSpace)))
 }
 
-/// S7.
+/// S7: collision and separation of bars.
 pub fn blocks() -> Scene {
     const SPEED: f64 = 0.002;
-    /// Lengths of both, and the gap between their surfaces. Rows that meet stop each other at once: one of eighty loses 1.3 % of the energy.
+    /// Lengths of both bars, and the gap between their surfaces. Contacting rows stop each other at once: one row of eighty dissipates 1.3
+    /// % of the energy.
     const LENGTHS: [f64; 2] = [80.0, 80.0];
     const GAP: f64 = 0.5;
     fn end() -> f64 {
-        // A wave needs 160 for there and back.
+        // Return travel time of a wave: 160.
         GAP / (2.0 * SPEED) + 240.0
     }
     fn bar(at: f64, length: f64) -> Result<Layout<2>, String> {
@@ -370,7 +371,7 @@ pub fn blocks() -> Scene {
         layout.positions.iter_mut().for_each(|x| x[0] += at);
         Ok(layout)
     }
-    /// By how much they part at another speed than they came: 1 where they stick.
+    /// Deviation of the coefficient of restitution from 1; 1 for sticking bars.
     fn measured(speeds: [f64; 2], energy: f64, steps: u64) -> Measured {
         let restitution = (speeds[1] - speeds[0]) / (2.0 * SPEED);
         let said = format!("energy {energy:+.1e} of that at the start");
@@ -396,7 +397,7 @@ pub fn blocks() -> Scene {
             Ok(measured([speed(0), speed(1)], energy, scene.steps()))
         }
     }
-    /// Both as one body, whose particles are neighbours as soon as they are near.
+    /// Run both bars as one body, whose particles become neighbours within kernel range.
     fn together<M: Composition<2>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let left = bar(-LENGTHS[0] - 0.5 * GAP, LENGTHS[0])?;
@@ -435,7 +436,7 @@ pub fn blocks() -> Scene {
     .fails("updated, no stabilisation, one body", "gates 3.6", together(bare_updated(PlaneStrain)))
 }
 
-/// S8.
+/// S8: checkerboard pressure.
 pub fn alternating_pressure() -> Scene {
     type Water = Fluid<Tait<f64>>;
     const AMPLITUDE: f64 = 1e-3;
@@ -450,7 +451,7 @@ pub fn alternating_pressure() -> Scene {
             };
             body.set_states::<Water>(compressed).map_err(text)?;
             let start = body.positions().to_vec();
-            // A wave from the surface is in the middle after 8.
+            // End time before the wave from the surface reaches the middle, at 8.
             if let Err(error) = body.run_until(6.0) {
                 return Ok(Measured::new(f64::NAN, body.steps()).stopped(stop(&error)));
             }
@@ -482,11 +483,11 @@ pub fn alternating_pressure() -> Scene {
     .fails("updated, viscosity of pairs", "own", trial(with(PairViscosity::default())))
 }
 
-/// S9.
+/// S9: oscillation of a free beam.
 pub fn swing() -> Scene {
     fn trial<M: Composition<2>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
-            // Euler's and Bernoulli's lowest mode of a free beam, and its frequency by Timoshenko's correction (Kaneko 1975).
+            // Lowest Euler-Bernoulli mode of a free beam, and its frequency with Timoshenko's correction (Kaneko 1975).
             const LENGTH: f64 = 120.0;
             const HEIGHT: f64 = 12.0;
             let (root, s) = (4.730_040_745, 0.982_502_215);
@@ -511,7 +512,7 @@ pub fn swing() -> Scene {
                 };
                 rest.iter().enumerate().map(one).sum()
             };
-            // From a quarter of a period on its velocity turns each half of one.
+            // Velocity sign changes every half period, first after a quarter.
             let (mut before, mut turns) = (part(&beam), Vec::new());
             while turns.len() < 3 && beam.time() * frequency < 4.0 * std::f64::consts::PI {
                 let dt = match beam.step_at_most(f64::INFINITY) {

@@ -1,4 +1,4 @@
-//! Bodies that turn.
+//! Rotating bodies.
 
 use std::f64::consts::PI;
 
@@ -19,7 +19,7 @@ use crate::stage::{
 use crate::verdict::{Limit, Measured, Row, Scene, Size, Stop};
 
 const RADIUS: f64 = 8.0;
-/// The rim turns at 0.3 of the speed of a wave along a bar.
+/// Angular velocity: rim speed of 0.3 bar wave speeds.
 const OMEGA: f64 = 0.3 / RADIUS;
 const DT: f64 = 0.3;
 
@@ -36,8 +36,8 @@ fn count(turns: f64) -> u64 {
     (2.0 * PI * turns / (OMEGA * DT)).round() as u64
 }
 
-/// Change of the particles' angular momentum from the mean of the first half turn to that of the last: means, because the disc breathes, and
-/// with it the share (h/R)^2 that the affine matrices of APIC hold.
+/// Measure the change of the particles' angular momentum between the means of the first and of the last half turn. Means are used since the
+/// disc breathes, and with it the fraction (h/R)^2 in the affine matrices of APIC.
 fn spin(mpm: &mut Mpm<2>, turns: f64) -> Result<Measured, String> {
     mpm.add("disc", rubber(1.0, 1.0, 0.3)?, &round()?, turning).map_err(text)?;
     let all = count(turns);
@@ -47,11 +47,11 @@ fn spin(mpm: &mut Mpm<2>, turns: f64) -> Result<Measured, String> {
     Ok(Measured::new(means.change().abs(), made).stopped(stop))
 }
 
-/// Mean over twenty turns.
+/// Cause of the angular momentum change in the reference configuration, mean over twenty turns.
 const REFERENCE: &str =
     "in the reference configuration the affine matrix turns about places that do not turn: 1.3e-4 a turn";
 
-/// T19.
+/// T19: spinning disc.
 pub fn disc() -> Scene {
     fn all(size: Size) -> f64 {
         if size == Size::Fast { 2.0 } else { 20.0 }
@@ -93,11 +93,11 @@ pub fn disc() -> Scene {
     .but(|row| row.noted(WHY))
 }
 
-/// What a disc of a law is like after some turns.
+/// State of a disc after some turns.
 struct Turned {
-    /// Root mean square radius over that of the start, less 1.
+    /// Growth: root mean square radius over the initial one, minus 1.
     growth: f64,
-    /// Largest equivalent stress, Pa.
+    /// Largest von Mises stress, Pa.
     equivalent: f64,
     steps: u64,
     stop: Option<Stop>,
@@ -151,7 +151,7 @@ fn metal() -> Result<Solid<J2<f64>, LogarithmicBulk<f64>>, String> {
     Ok(Solid::new(strength, LogarithmicBulk::new(1.0, moduli()?.bulk).map_err(text)?))
 }
 
-/// O1: laws in rate form under large rotation, by the size of a disc.
+/// O1: laws in rate form under large rotation, measured by the size of a disc.
 pub fn size() -> Scene {
     fn trial<C: IntoMaterial<f64> + 'static>(
         law: fn() -> Result<C, String>,
@@ -175,7 +175,7 @@ pub fn size() -> Scene {
     .holds("neo-Hookean", "by the deformation gradient", trial(|| rubber(1.0, 1.0, 0.3)))
 }
 
-/// O2: the same by the stress.
+/// O2: laws in rate form under large rotation, measured by the stress.
 pub fn stress() -> Scene {
     fn trial<C: IntoMaterial<f64> + 'static>(
         law: fn() -> Result<C, String>,

@@ -1,4 +1,4 @@
-//! What cannot go on must stop, and say where.
+//! Breakdowns that must stop the run and report their location.
 
 use std::sync::Arc;
 
@@ -17,17 +17,17 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// 1 if a run stopped as it should, else 0, with what it said.
+/// Measure 1 if the run stopped as required, else 0, with its message.
 fn said(good: bool, step: u64, what: Option<String>) -> Measured {
     let said = what.or_else(|| Some("it did not stop".into()));
     Measured::new(f64::from(good), step).since(said)
 }
 
-/// T14.
+/// T14: inverted volumes.
 pub fn inverted() -> Scene {
     fn trial(scheme: Scheme, speed: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
-            // Two halves run into each other within a cell: dt grad v is below -1 there.
+            // Collision of two halves within a cell: dt grad v is below -1 there.
             let seeds = row_of_cells(10, 2, 0.0)?;
             let middle = 4.5;
             let v = move |x: f64| if x < middle { speed } else { -speed };
@@ -54,7 +54,7 @@ pub fn inverted() -> Scene {
     .holds("TL linear FLIP-MUSL", "list T14", trial(tl(Linear, FlipMusl), 3.0))
 }
 
-/// T21.
+/// T21: NaN force.
 pub fn not_a_number() -> Scene {
     fn trial(scheme: Scheme, seeded: bool) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -63,7 +63,7 @@ pub fn not_a_number() -> Scene {
             let dt = 0.2;
             let mut mpm = solver(scheme, dt)?;
             let bad = seeds.positions[301];
-            // The force on one particle is not a number from the start of step 101 on.
+            // Force on one particle: NaN from the start of step 101 on.
             let drive =
                 Arc::new(
                     move |start: &[f64; 2], t: f64| {
@@ -78,7 +78,8 @@ pub fn not_a_number() -> Scene {
             )
             .map_err(text)?;
             let Some(error) = until_stopped(&mut mpm, 110) else { return Ok(said(false, 110, None)) };
-            // Over the nodes of the one to the nodes of the other, and half a cell where the centre of a bin is named.
+            // Tolerance: from the nodes of one particle to those of another, plus half a cell for a reported bin
+            // centre.
             let reach = 0.5 + scheme.kernel.nodes(1) as f64;
             let near = named(&error).is_some_and(|(body, _, x)| {
                 body == "block" && (0..2).all(|d| (x[d] - bad[d]).abs() <= reach)
@@ -102,7 +103,7 @@ pub fn not_a_number() -> Scene {
     .holds("TL quadratic APIC", "list T21", trial(tl(Quadratic, ApicUsl), true))
 }
 
-/// A stone that flies along x, another that rests.
+/// Run a stone that moves along x, beside one at rest.
 fn throw(grid: impl GridStorage<f64, 2> + 'static) -> Result<Measured, String> {
     let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
     let mut mpm = Mpm::new(method, grid);
@@ -115,7 +116,7 @@ fn throw(grid: impl GridStorage<f64, 2> + 'static) -> Result<Measured, String> {
     for step in 0..60 {
         let Err(error) = mpm.step() else { continue };
         let what = error.to_string();
-        // One of those in front must be named, with body and place.
+        // The error must name one of the foremost particles, with body and position.
         let mut front = f64::MIN;
         mpm.bodies()[1].for_each(&mut |p| front = front.max(p.position[0]));
         let named = match &error.what {
@@ -127,7 +128,7 @@ fn throw(grid: impl GridStorage<f64, 2> + 'static) -> Result<Measured, String> {
     Ok(said(false, 60, None))
 }
 
-/// T16, what leaves.
+/// T16: particle leaving the grid.
 pub fn leaving() -> Scene {
     Scene {
         id: "T16",
@@ -141,7 +142,7 @@ pub fn leaving() -> Scene {
     .holds("dense grid", "list T16", |_| throw(DenseGrid::new(cells()?, [-4; 2], [15; 2]).map_err(text)?))
 }
 
-/// The same on a grid of fixed size: it must stop, not lose what leaves.
+/// Run the debris on a grid of fixed size: it must stop, not lose particles.
 fn walled() -> Result<Measured, String> {
     let grid = DenseGrid::new(cells()?, [-16; 2], [15; 2]).map_err(text)?;
     let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
@@ -160,7 +161,7 @@ fn walled() -> Result<Measured, String> {
     Ok(Measured::new((mpm.totals().mass / start.mass - 1.0).abs(), 2000))
 }
 
-/// T16, debris.
+/// T16: debris on a sparse grid.
 pub fn debris() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {

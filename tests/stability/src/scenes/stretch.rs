@@ -1,4 +1,4 @@
-//! Bodies pulled apart.
+//! Bodies under large tension.
 
 use std::collections::BTreeSet;
 
@@ -19,8 +19,8 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// Root of the mean square of the relative error of the stress, of particles that start in the inner 80 % of a bar about 0. (The
-/// coefficient of variation alone would not do: beads that no longer stretch are all alike.)
+/// Root mean square relative stress error of particles initially in the inner 80 % of a bar about 0. (The coefficient of
+/// variation does not suffice: separated beads that no longer stretch are all alike.)
 fn error(mpm: &Mpm<2>, starts: &[[f64; 2]], half: f64, exact: f64) -> f64 {
     let (mut n, mut squares) = (0.0, 0.0);
     for p in particles(mpm) {
@@ -32,7 +32,7 @@ fn error(mpm: &Mpm<2>, starts: &[[f64; 2]], half: f64, exact: f64) -> f64 {
     f64::sqrt(squares / n)
 }
 
-/// T5.
+/// T5: numerical fracture.
 pub fn beads() -> Scene {
     fn trial(scheme: Scheme, per_axis: usize, most: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -43,13 +43,13 @@ pub fn beads() -> Scene {
             }
             let mut mpm = solver(scheme, dt)?;
             crate::stage::bound(&mut mpm, box_of_planes(1..2, 0.0, 1.0))?;
-            // So soft that its stress changes no velocity: the exact motion is x = X (1 + rate t).
+            // Law so soft that its stress does not affect velocities: the exact motion is x = X (1 + rate t).
             mpm.add("strip", rubber(1.0, 1e-8, 0.0)?, &seeds, |x| [rate * x[0], 0.0]).map_err(text)?;
             let count = ((most - 1.0) / (rate * dt)).round() as u64;
             let (mut last, mut since) = (0.0, None);
             let stop = steps(&mut mpm, count, |now, step| {
                 let stretch = 1.0 + rate * dt * step as f64;
-                // sigma = G (F^2 - 1) / F.
+                // Exact stress: sigma = G (F^2 - 1) / F.
                 let exact = 0.5e-8 * (stretch * stretch - 1.0) / stretch;
                 last = error(now, &seeds.positions, half, exact);
                 if !Limit::AtMost(0.05).holds(last) && since.is_none() {
@@ -102,7 +102,7 @@ pub fn beads() -> Scene {
         .holds("TL quadratic APIC, 2, to 10", "list T5", trial(tl(Quadratic, ApicUsl), 2, 10.0))
 }
 
-/// T28.
+/// T28: gaps between particles in biaxial stretch.
 pub fn drop_out() -> Scene {
     fn trial(per_axis: usize) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
@@ -117,7 +117,7 @@ pub fn drop_out() -> Scene {
             for p in particles(&mpm) {
                 held.insert([0, 1].map(|d| p.position[d].floor() as i64));
             }
-            // Cells well inside what the patch should cover by now.
+            // Cells well inside the current extent of the patch.
             let reach = (0.8 * most * half as f64) as i64;
             let (mut empty, mut all) = (0.0, 0.0);
             for i in -reach..reach {
@@ -142,11 +142,11 @@ pub fn drop_out() -> Scene {
     .holds("quadratic APIC, 4", "spacing 0.75 cells [I]", trial(4))
 }
 
-/// A bar that starts with 10 % of tension, its particles 1e-6 of a cell off their places.
+/// Run a bar with 10 % of initial tension and particle displacements of 1e-6 cells.
 fn tense(method: impl IntoKernels<f64, 2>, per_axis: usize, count: u64) -> Result<Measured, String> {
     let mut seeds = block(&cells()?, [0; 2], [16, 1], per_axis);
     let mut random = Random::new(3);
-    // The same for the layers of particles of a place, so that all is along x.
+    // Equal shifts in both particle layers keep the motion one-dimensional.
     let shifts: Vec<f64> = (0..16 * per_axis).map(|_| 1e-6 * random.number()).collect();
     for x in &mut seeds.positions {
         x[0] += shifts[(x[0] * per_axis as f64) as usize];
@@ -160,7 +160,7 @@ fn tense(method: impl IntoKernels<f64, 2>, per_axis: usize, count: u64) -> Resul
     planes.extend(box_of_planes(1..2, 0.0, 1.0));
     planes.into_iter().try_for_each(|b| mpm.bound(b)).map_err(text)?;
     mpm.set_time_control(TimeControl::Fixed(0.3)).map_err(text)?;
-    // How far the spacing is from even, over what it was at the start.
+    // Amplification of the deviation from even spacing.
     let mut worst = 0.0f64;
     for step in 0..count {
         if let Err(e) = mpm.step() {
@@ -176,11 +176,11 @@ fn tense(method: impl IntoKernels<f64, 2>, per_axis: usize, count: u64) -> Resul
     Ok(Measured::new(worst / 1e-6, count))
 }
 
-/// Growth from 1e-6 to 1e-4 cells, one to three particles a cell.
+/// Measured growth from 1e-6 to 1e-4 cells with one to three particles per cell.
 const CLUMPS: &str = "grows by e in 44 h/c at steps of 0.3 h/c, in 150 at 0.1; not when compressed or without stress, not with APIC, not in the \
                       reference configuration";
 
-/// T12.
+/// T12: tension instability.
 pub fn tension() -> Scene {
     fn trial<M: IntoKernels<f64, 2> + Copy>(
         method: M,

@@ -1,4 +1,4 @@
-//! Particles exactly on nodes and faces; equal bits.
+//! Particles exactly on nodes and cell faces; bitwise reproducibility.
 
 use mpm_core::geometry::Seeds;
 use mpm_core::{
@@ -16,16 +16,16 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-/// Where the bar of T29 ends: its first particles lie on nodes, or in the middle between two, where a quadratic spline
-/// begins. The last ones lie on nodes.
+/// Ends of the T29 bar: its first particles are on nodes, or midway between two nodes, at the edge of a quadratic
+/// spline. The last ones are on nodes.
 #[derive(Debug, Clone, Copy)]
 enum Ends {
     OnNodes,
     BetweenNodes,
 }
 
-/// Largest difference of places and velocities when all is shifted by 1e-12 cells, to either side: unshifted, a
-/// particle on a node is taken for the one side or the other as sums are rounded, which differs between processors.
+/// Measure the largest difference of positions and velocities between shifts by 1e-12 cells to either side. Without
+/// a shift, round-off decides to which cell a particle on a node belongs, which differs between processors.
 fn shifted<M: IntoKernels<f64, 2> + Copy>(method: M, ends: Ends) -> Result<Measured, String> {
     let begin = match ends {
         Ends::OnNodes => 0.75,
@@ -35,7 +35,7 @@ fn shifted<M: IntoKernels<f64, 2> + Copy>(method: M, ends: Ends) -> Result<Measu
     let mut deformation = Mat3::identity();
     deformation.0[0][0] = 1.1;
     for shift in [0.0, 1e-12, -1e-12] {
-        // Two particles a cell, one of them on a node, the other in the middle.
+        // Two particles per cell, one on a node, the other midway.
         let seeds = row_of_cells(12, 2, 0.25 + shift)?;
         let volume = seeds.volumes[0];
         let positions: Vec<_> = seeds.positions.into_iter().filter(|x| x[0] > begin).collect();
@@ -68,7 +68,7 @@ fn shifted<M: IntoKernels<f64, 2> + Copy>(method: M, ends: Ends) -> Result<Measu
 
 const STEPS: u64 = 20;
 
-/// T29.
+/// T29: particles exactly on nodes.
 pub fn lattice() -> Scene {
     fn trial<M: IntoKernels<f64, 2> + Copy>(
         method: M,
@@ -109,7 +109,8 @@ pub fn lattice() -> Scene {
     )
 }
 
-/// Numbers whose bits differ between one thread and others, after 100 steps of a block that turns and crosses blocks.
+/// Count the values that differ bitwise between one thread and more, after 100 steps of a rotating block that crosses
+/// blocks.
 fn bits(scheme: Scheme, kick: f64) -> Result<Measured, String> {
     let mut ends: Vec<Vec<u64>> = Vec::new();
     for threads in [1, 2, 3] {
@@ -136,7 +137,7 @@ fn bits(scheme: Scheme, kick: f64) -> Result<Measured, String> {
     Ok(Measured::new((differ(&ends[1]) + differ(&ends[2])) as f64, 300))
 }
 
-/// T30.
+/// T30: bitwise equality for any number of threads.
 pub fn threads() -> Scene {
     fn trial(scheme: Scheme, kick: f64) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| bits(scheme, kick)

@@ -1,12 +1,10 @@
 //! V3: large axis-aligned stretch of a unit square or cube (\[WallstedtGuilkey2008\]).
 //!
-//! u_i = A sin(k X_i) sin(w t + phi_i), so that F is diagonal with F_ii = 1 + A k cos(k X_i) sin(w t + phi_i),
-//! and for
-//! the neo-Hookean law of the library the body force is
-//! `b_i = -w^2 u_i + (k^2 u_i / rho0) [G + (lambda (1 - ln J) + G) / F_ii^2]`. Here k = 2 pi, w = pi c, c the root of
-//! E / rho0, A = 0.05 (31 % strain), nu = 0.3, phases 0 and pi (and 0): nothing moves at the start and normal
-//! displacements vanish on the faces, which are planes of symmetry. Run to t = 1 / c; what is measured is the largest
-//! error of 20 moments, relative to A and to A k E.
+//! u_i = A sin(k X_i) sin(w t + phi_i), so that F is diagonal with F_ii = 1 + A k cos(k X_i) sin(w t + phi_i). For
+//! the neo-Hookean law of the library the body force is `b_i = -w^2 u_i + (k^2 u_i / rho0) [G + (lambda (1 - ln J) +
+//! G) / F_ii^2]`. Here k = 2 pi, w = pi c, c the root of E / rho0, A = 0.05 (31 % strain), nu = 0.3, phases 0 and pi
+//! (and 0): initial displacements are zero, and normal displacements vanish on the faces, which are symmetry planes.
+//! The run ends at t = 1 / c; measured are the largest errors of 20 samples, relative to A and to A k E.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -37,7 +35,7 @@ fn moduli() -> (f64, f64) {
     (YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON)), YOUNG / (2.0 * (1.0 + POISSON)))
 }
 
-/// Cauchy stress along the axes.
+/// Principal Cauchy stresses along the axes.
 fn stress(stretches: &[f64; 3]) -> [f64; 3] {
     let (lambda, g) = moduli();
     let j: f64 = stretches.iter().product();
@@ -83,7 +81,7 @@ fn scene<S, const D: usize>(case: &Case<S>) -> Result<Scene<mpm_materials::NeoHo
     })
 }
 
-/// Largest errors so far.
+/// Largest errors of the samples so far.
 #[derive(Default)]
 struct Errors {
     displacement: f64,
@@ -127,7 +125,7 @@ impl Errors {
     }
 }
 
-/// The square.
+/// Run the square.
 pub(crate) fn plane<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let scene = scene::<_, 2>(case)?;
     let mut errors = Errors::default();
@@ -135,7 +133,7 @@ pub(crate) fn plane<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     Ok(errors.into(outcome))
 }
 
-/// The cube.
+/// Run the cube.
 pub(crate) fn solid<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let scene = scene::<_, 3>(case)?;
     let mut errors = Errors::default();

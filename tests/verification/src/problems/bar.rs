@@ -1,4 +1,4 @@
-//! Bars with E = rho = length = 1 and nu = 0, so that c = 1: V1, V2, V7. Rows of cells between planes of symmetry.
+//! Bars with E = rho = length = 1 and nu = 0, so that c = 1: V1, V2, V7. Rows of cells between symmetry planes.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -32,10 +32,9 @@ fn scene<S: Formulation>(
     })
 }
 
-/// V1: a bar held at one end swings in its first mode, v = V cos(w t) sin(b x), b = pi/2, w = b c, V = 1e-5 c.
-/// `cells` are those
-/// of the bar, half of them in a half wave. Measured is the period, from five of them, by the changes of sign of the
-/// momentum; "period" is its relative error.
+/// Run V1: a bar held at one end vibrates in its first mode, v = V cos(w t) sin(b x), b = pi/2, w = b c, V = 1e-5 c.
+/// `cells` is the number of cells of the bar, half of those per half wave. "period" is the relative error of the
+/// period, measured over five periods by sign changes of the momentum.
 pub(crate) fn period<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let mut scene = scene(case, |x| 1e-5 * (FRAC_PI_2 * x).sin(), 5.2 * 4.0)?;
     scene.boundaries.push(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above });
@@ -55,11 +54,9 @@ pub(crate) fn period<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> 
     Ok(outcome.with("period", period / 4.0 - 1.0))
 }
 
-/// V2: a free bar flies at 0.05 c and swings in its first mode with 0.05 c, ten periods, so that particles cross
-/// cells
-/// at large strain. Measured is the change of the energy, as seen by the centre of mass, between the means over
-/// the first and the last
-/// period.
+/// Run V2: a free bar drifts at 0.05 c and vibrates in its first mode with 0.05 c for ten periods, so that
+/// particles cross cells at large strain. Measured is the change of the energy in the centre-of-mass frame between
+/// the means over the first and the last period.
 pub(crate) fn drift<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let speed = 0.05;
     let scene = scene(case, move |x| speed * (1.0 + (PI * x).cos()), 20.0)?;
@@ -80,12 +77,12 @@ pub(crate) fn drift<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     Ok(outcome.with("energy", last / first - 1.0))
 }
 
-/// V7: a bump of velocity, V exp(-((x - 1/2) / s)^2) with s = 0.08, splits into two that run apart (d'Alembert):
-/// v = [V(x - t) + V(x + t)] / 2. V = 1e-5 c. Measured is the root mean square of the error at t = 0.25, over V.
+/// Run V7: a velocity bump, V exp(-((x - 1/2) / s)^2) with s = 0.08, splits into two opposite waves (d'Alembert): v
+/// = [V(x - t) + V(x + t)] / 2. V = 1e-5 c. Measured is the root mean square error at t = 0.25, over V.
 pub(crate) fn pulse<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let size = 1e-5;
     let bump = |x: f64| (-((x - 0.5) / 0.08).powi(2)).exp();
-    // Half a step before the start the bump is at its middle, and there is no acceleration: v(-dt/2) = V + O(dt^2).
+    // Initial velocity at half a step before the start: the acceleration is zero there, v(-dt/2) = V + O(dt^2).
     let mut scene = scene(case, move |x| size * bump(x), 0.25)?;
     scene.boundaries.extend(box_of_planes::<2>(0..1, 0.0, 1.0));
     scene.every = scene.steps;

@@ -1,12 +1,10 @@
-//! V14: a confined column under its own weight, whose nominal stress is -rho0 g (L - X) for any law.
+//! V14: confined column under its own weight, with nominal stress -rho0 g (L - X) for any law.
 //!
-//! Without lateral strain that is the Cauchy stress along the column, too. E 1e4 Pa, nu 0, rho0 80 kg/m^3, L 50 m
-//! as in
-//! AMPLE, but for the neo-Hookean law, which at g = 10 m/s^2 would be squeezed to 0.12 at the foot, g = 2.5
-//! m/s^2: 0.41. The weight is
-//! laid on smoothly over ten periods 4 L / c, and the stress is that of the mean of the last of two more periods,
-//! so that
-//! what swings drops out. Error: sum |s - s_a| V0 / (rho0 g L sum V0).
+//! Without lateral strain the Cauchy stress along the column equals the nominal stress. E 1e4 Pa, nu 0, rho0 80
+//! kg/m^3, L 50 m as in AMPLE, but g = 2.5 m/s^2: at g = 10 m/s^2 the neo-Hookean law would be compressed to 0.12
+//! at the foot, with 2.5 m/s^2 to 0.41. The weight is ramped up smoothly over ten periods 4 L / c. The stress is
+//! averaged over the last of two more periods, so that oscillations cancel. Error: sum |s - s_a| V0 / (rho0 g L sum
+//! V0).
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -23,7 +21,7 @@ const DENSITY: f64 = 80.0;
 const WEIGHT: f64 = 2.5;
 const YOUNG: f64 = 1e4;
 
-/// `cells` are those of the column.
+/// Run V14; `cells` is the number of cells of the column.
 pub(crate) fn run<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = LENGTH / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;

@@ -1,9 +1,9 @@
-//! Finite elements: the square of V3, whose body force acts as impulses on nodes, and standing waves of a square.
+//! Finite element problems: the square of V3 with the body force as nodal impulses, and standing waves of a square.
 //!
-//! Waves of small amplitude in the unit square with planes of symmetry all around, wave numbers k = pi and l = 2 pi: pressure
-//! u = grad(cos k x cos l y) swings with w = c_p sqrt(k^2 + l^2), shear u = (d/dy, -d/dx) (sin k x sin l y) with c_s in place of c_p;
-//! neither has a velocity across the planes or a shear stress on them. Meshes are distorted: nodes within lie off the lattice by up to
-//! 15 % of its spacing, anywhere.
+//! Small-amplitude waves in the unit square between symmetry planes on all sides, with wave numbers k = pi and l = 2 pi: the pressure
+//! wave u = grad(cos k x cos l y) oscillates with w = c_p sqrt(k^2 + l^2), the shear wave u = (d/dy, -d/dx) (sin k x sin l y) with c_s
+//! instead of c_p. Both have zero normal velocity and zero shear stress on the planes. Meshes are distorted: inner nodes are randomly
+//! displaced by up to 15 % of the spacing.
 
 use std::f64::consts::PI;
 
@@ -14,18 +14,18 @@ use mpm_core::{PlaneStrain, Solver};
 
 use crate::problems::{axis_aligned, box_of_planes, rubber};
 
-/// What the square is made of.
+/// Element type of the square.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Elements {
-    /// Quadrilaterals.
+    /// Quadrilateral elements.
     Quadrilaterals(Technology),
-    /// Each cut to two triangles.
+    /// Triangular elements, two per quadrilateral.
     Triangles(Technology),
 }
 
 impl Elements {
-    /// Those that are judged: quadrilaterals with one point, in full and with the mean dilatation, triangles with averaged volumes and
-    /// without.
+    /// Element types under test: quadrilaterals with one point, with full integration and with mean dilatation, triangles with
+    /// averaged volumes and without.
     pub const ALL: [Elements; 5] = [
         Elements::Quadrilaterals(Technology::OnePoint(Hourglass::Stiffness(0.05))),
         Elements::Quadrilaterals(Technology::Full),
@@ -34,10 +34,10 @@ impl Elements {
         Elements::Triangles(Technology::Full),
     ];
 
-    /// Cut quadrilaterals, if that is asked for.
+    /// Split quadrilaterals into triangles for triangular elements.
     ///
     /// # Errors
-    /// What a mesh refuses.
+    /// Errors of the mesh.
     pub fn cut(self, mesh: ElementMesh<2>) -> Result<ElementMesh<2>, String> {
         match self {
             Elements::Quadrilaterals(_) => Ok(mesh),
@@ -45,7 +45,7 @@ impl Elements {
         }
     }
 
-    /// How elements are integrated.
+    /// Element kind and integration technology.
     pub fn technology(self) -> (ElementKind, Technology) {
         match self {
             Elements::Quadrilaterals(technology) => (ElementKind::Quad4, technology),
@@ -54,29 +54,29 @@ impl Elements {
     }
 }
 
-/// A standing wave.
+/// Standing wave type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wave {
-    /// Of pressure.
+    /// Pressure wave.
     Pressure,
-    /// Of shear.
+    /// Shear wave.
     Shear,
 }
 
 const K: [f64; 2] = [PI, 2.0 * PI];
 const POISSON: f64 = 0.3;
-/// Of waves, m: stresses are linear in strains to nine digits.
+/// Wave amplitude, m: stresses are linear in strains to nine digits.
 const SMALL: f64 = 1e-9;
-/// Looks at a run.
+/// Number of samples in a run.
 const LOOKS: u64 = 20;
-/// Of V3: time step times wave speed over the size of an element, of which the shortest has 0.69 and four times the stiffness.
+/// Courant number of V3 by the element size; the shortest deformed element has 0.69 of it and four times the stiffness.
 const COURANT: f64 = 0.15;
 
 impl Wave {
-    /// Both.
+    /// Both wave types.
     pub const ALL: [Wave; 2] = [Wave::Pressure, Wave::Shear];
 
-    /// Angular frequency, rad/s: of E = 1 Pa and 1 kg/m^3.
+    /// Angular frequency, rad/s, for E = 1 Pa and 1 kg/m^3.
     fn frequency(self) -> f64 {
         let shear = 0.5 / (1.0 + POISSON);
         let square = match self {
@@ -86,7 +86,7 @@ impl Wave {
         (square * (K[0] * K[0] + K[1] * K[1])).sqrt()
     }
 
-    /// Displacement at its largest, m, scaled to that of the amplitude.
+    /// Displacement amplitude at a position, m, scaled by the wave amplitude.
     fn shape(self, x: [f64; 2]) -> [f64; 2] {
         let [k, l] = K;
         let [(sx, cx), (sy, cy)] = [(k * x[0]).sin_cos(), (l * x[1]).sin_cos()];
@@ -102,7 +102,7 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// A place in (-1, 1) that follows from a number alone.
+/// Return a pseudo-random number in (-1, 1) by seed.
 pub(crate) fn anywhere(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     for shift in [30, 27, 31] {
@@ -111,7 +111,8 @@ pub(crate) fn anywhere(seed: u64) -> f64 {
     (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
-/// The unit square of `cells` x `cells` quadrilaterals, or cut, with nodes within off by up to `part` of a spacing.
+/// Mesh the unit square with `cells` x `cells` quadrilaterals, split for triangles; inner nodes are displaced by up
+/// to `part` of a spacing.
 fn square(elements: Elements, cells: usize, part: f64) -> Result<ElementMesh<2>, String> {
     let mut mesh = box_mesh(&Cuboid::new([0.0; 2], [1.0; 2]).map_err(text)?, [cells; 2]).map_err(text)?;
     let h = 1.0 / cells as f64;
@@ -138,7 +139,7 @@ fn scene(
     Ok(fem)
 }
 
-/// The root of the mean square of the error of displacement, by mass, m.
+/// Root mean square error of the displacement, mass-weighted, m.
 fn error(fem: &Fem<2>, rest: &[[f64; 2]], exact: impl Fn([f64; 2]) -> [f64; 2]) -> f64 {
     let (mut sum, mut mass) = (0.0, 0.0);
     for (node, &x) in fem.body(0).nodes().iter().zip(rest) {
@@ -149,10 +150,11 @@ fn error(fem: &Fem<2>, rest: &[[f64; 2]], exact: impl Fn([f64; 2]) -> [f64; 2]) 
     (sum / mass).sqrt()
 }
 
-/// A standing wave for two periods, by default settings: the largest error of displacement of 20 moments, over the amplitude.
+/// Run a standing wave for two periods with default settings; return the largest displacement error of 20 samples over the
+/// amplitude.
 ///
 /// # Errors
-/// What a scene refuses, and what stops a run.
+/// Errors of the scene and of the run.
 pub fn standing(elements: Elements, wave: Wave, cells: usize) -> Result<f64, String> {
     let frequency = wave.frequency();
     let mesh = square(elements, cells, 0.15)?;
@@ -168,10 +170,10 @@ pub fn standing(elements: Elements, wave: Wave, cells: usize) -> Result<f64, Str
     Ok(worst)
 }
 
-/// V3 of elements: the largest error of displacement of 20 moments, over the amplitude.
+/// Run V3 with finite elements; return the largest displacement error of 20 samples over the amplitude.
 ///
 /// # Errors
-/// What a scene refuses, and what stops a run.
+/// Errors of the scene and of the run.
 pub fn pulsating(elements: Elements, cells: usize) -> Result<f64, String> {
     let mesh = square(elements, cells, 0.0)?;
     let rest = mesh.nodes.clone();
@@ -182,7 +184,7 @@ pub fn pulsating(elements: Elements, cells: usize) -> Result<f64, String> {
     let mut worst = 0.0f64;
     for step in 0..each * LOOKS {
         let time = step as f64 * dt;
-        // Velocities belong to the middle of steps: the first force acts for half a step.
+        // Leapfrog velocities are at mid-step: the first force acts for half a step.
         let kick = if step == 0 { 0.5 * dt } else { dt };
         let mut trial = fem.trial(dt).map_err(text)?;
         for (n, x) in rest.iter().enumerate() {

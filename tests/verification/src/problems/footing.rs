@@ -1,13 +1,12 @@
-//! V18: a strip footing on weightless soil without drainage, whose limit load is known: q = (2 + pi) c (Prandtl 1920).
-//! Plastic flow keeps the volume, and what locks never gets to a limit load.
+//! V18: strip footing on weightless, undrained soil, with limit load q = (2 + pi) c (Prandtl 1920). Plastic flow is
+//! isochoric; a method that locks does not reach the limit load.
 //!
-//! Half a footing of half width b, rough, is pushed slowly into 5 b x 4 b of elastic, ideally plastic soil (von Mises,
-//! whose yield stress in plane strain is sqrt 3 c), E 4000 c, nu 0.45, by 0.01 b (at 0.08 b the hole it makes carries 5 %
-//! more); local damping. The load is that across a row
-//! of cells below. Linear shape functions hold the velocity of the footing up to half a cell beside its edge, more or less: the width that
-//! carries is b + h/2.
+//! Half a rough footing of half width b is pushed slowly into 5 b x 4 b of elastic, perfectly plastic soil (von Mises with yield stress
+//! sqrt 3 c in plane strain), E 4000 c, nu 0.45, by 0.01 b (at 0.08 b the indentation carries 5 % more), with local damping. The load is
+//! that across a row of cells below. Linear shape functions extend the footing velocity by about half a cell beyond its edge: the loaded
+//! width is b + h/2.
 //!
-//! Generic over the method, so that each program compiles the compositions it runs.
+//! The function is generic over the method, so that each program compiles only the compositions it runs.
 
 use std::sync::Arc;
 
@@ -22,26 +21,26 @@ const COHESION: f64 = 1.0;
 const YOUNG: f64 = 4000.0;
 const SETTLEMENT: f64 = 0.01;
 
-/// The limit load over width and cohesion.
+/// Limit load over width and cohesion.
 pub const EXACT: f64 = 2.0 + std::f64::consts::PI;
-/// Time step times the wave speed over the cell.
+/// Courant number: time step times wave speed over cell size.
 pub const COURANT: f64 = 0.3;
 
-/// What came of it.
+/// Result of a footing run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Pressed {
-    /// Load over width and cohesion, at equal settlements up to the last.
+    /// Load over width and cohesion, at equal settlement intervals up to the last.
     pub loads: Vec<f64>,
-    /// Work; nodes a particle are left to the caller.
+    /// Work; the caller sets the number of nodes per particle.
     pub work: Work,
-    /// What stopped it, if something did.
+    /// Failure message of a stopped run.
     pub failure: Option<String>,
 }
 
-/// Press a footing `cells` half wide, and look at the load `looks` times.
+/// Press a footing of half width `cells` cells and sample the load `looks` times.
 ///
 /// # Errors
-/// What a scene refuses.
+/// Errors of the scene.
 pub fn press(method: impl IntoKernels<f64, 2>, cells: u32, looks: u32) -> Result<Pressed, String> {
     let h = 1.0 / f64::from(cells);
     let lattice = Lattice::new([0.0; 2], h).map_err(text)?;
@@ -58,7 +57,7 @@ pub fn press(method: impl IntoKernels<f64, 2>, cells: u32, looks: u32) -> Result
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).map_err(text)?;
     mpm.bound(Boundary::Symmetry { axis: 0, at: 5.0, side: Side::Below }).map_err(text)?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: -4.0, side: Side::Above }).map_err(text)?;
-    // Shear waves cross the soil some ten times.
+    // Duration: shear waves cross the soil some ten times.
     let time = 10.0 * 5.0 / moduli.shear.sqrt();
     let push = -SETTLEMENT / time;
     let footing = Cuboid::new([-h, -0.1 * h], [1.0 + 0.1 * h, h]).map_err(text)?;

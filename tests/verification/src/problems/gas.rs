@@ -13,17 +13,17 @@ use crate::scene::{Moment, Norm, Scene, block};
 use crate::scheme::{Kernel, Scheme, Velocity};
 
 const GAMMA: f64 = 1.4;
-/// Of the contact and the shock.
+/// Pressure and speed of the plateau between contact discontinuity and shock.
 const PLATEAU_PRESSURE: f64 = 0.303130;
 const PLATEAU_SPEED: f64 = 0.927453;
 const LEFT_DENSITY: f64 = 0.426319;
 const RIGHT_DENSITY: f64 = 0.265574;
 const SHOCK: f64 = 1.752156;
-/// Tail of the rarefaction.
+/// Speed of the rarefaction tail.
 const TAIL: f64 = -0.070273;
 const END: f64 = 0.2;
 
-/// Density at x / t.
+/// Exact density at x / t.
 fn density(s: f64) -> f64 {
     let c = GAMMA.sqrt();
     if s < -c {
@@ -40,17 +40,18 @@ fn density(s: f64) -> f64 {
     }
 }
 
-/// One gas: on the right at an eighth of the density and a tenth of the pressure, p = 0.4 e / J.
+/// Initial state of the gas: the right half has an eighth of the density and a tenth of the pressure, p = 0.4 e /
+/// J.
 fn halves(x: [f64; 2]) -> GasState {
     let (volume_ratio, energy) = if x[0] < 0.5 { (1.0, 2.5) } else { (8.0, 2.0) };
     FluidState { volume_ratio, energy, viscous_stress: Nothing, viscous_pressure: 0.0, viscous_heat: Nothing }
 }
 
-/// What is measured of the tube: the error of the density a metre of it and of its `width`, the mean error of the pressure on the plateau,
-/// and by how much the fastest particle is too fast.
+/// Errors of the shock tube: L1 density error per metre of the tube and of its `width`, mean relative pressure error on the plateau, and
+/// overshoot of the largest particle speed.
 fn profile(moment: &Moment<'_, 2>, width: f64) -> [f64; 3] {
     let (mut error, mut pressure, mut inside, mut fastest) = (0.0, 0.0, 0.0, 0.0f64);
-    // A fifth of the plateau at either end is left out.
+    // Margin: excludes a fifth of the plateau at either end.
     let margin = 0.2 * (SHOCK - TAIL);
     moment.for_each(&mut |p| {
         let s = (p.position[0] - 0.5) / END;
@@ -64,18 +65,16 @@ fn profile(moment: &Moment<'_, 2>, width: f64) -> [f64; 3] {
     [error, pressure / inside / PLATEAU_PRESSURE - 1.0, fastest / PLATEAU_SPEED - 1.0]
 }
 
-/// The schemes that Sod's tube is run by.
+/// List the schemes for Sod's tube.
 pub fn tube_schemes() -> Vec<Scheme> {
     gas_schemes()
 }
 
-/// V13, Sod: gamma 1.4, (rho, u, p) = (1, 0, 1) and (0.125, 0, 0.1), a tube of length 1 with its middle as
-/// diaphragm, to t
-/// = 0.2, with bulk viscosity of q1 = 0.5, q2 = 2 or without. `cells` are those of the tube; particles are of one
-/// size, so that
-/// those on the right weigh an eighth. "density" is the L1 norm of its error, "pressure" the relative error of
-/// the mean on the plateau,
-/// "overshoot" the largest speed over that of the plateau, less 1.
+/// Run V13, Sod: gamma 1.4, (rho, u, p) = (1, 0, 1) and (0.125, 0, 0.1), a tube of length 1 with the diaphragm in
+/// its middle, to t = 0.2, with bulk viscosity of q1 = 0.5, q2 = 2 or without. `cells` is the number of cells of
+/// the tube; particles are of equal size, so that those on the right have an eighth of the mass. "density" is the
+/// L1 norm of the density error, "pressure" the relative error of the mean plateau pressure, "overshoot" the
+/// largest speed over the plateau speed, minus 1.
 pub(crate) fn sod<S: Formulation>(case: &Case<S>, viscous: bool) -> Result<Outcome, String> {
     let h = 1.0 / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;
@@ -86,7 +85,7 @@ pub(crate) fn sod<S: Formulation>(case: &Case<S>, viscous: bool) -> Result<Outco
     let law = Fluid::new(gas).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
     let mut boundaries = box_of_planes(0..1, 0.0, 1.0);
     boundaries.extend(box_of_planes(1..2, 0.0, width));
-    // The fastest signal is that of the shock.
+    // Fastest signal: the shock.
     let steps = (END * 2.0 / (case.courant * h)).ceil() as u64;
     let scene = Scene {
         lattice,
@@ -105,7 +104,7 @@ pub(crate) fn sod<S: Formulation>(case: &Case<S>, viscous: bool) -> Result<Outco
     Ok(outcome.with("density", density).with("pressure", pressure).with("overshoot", overshoot))
 }
 
-/// The schemes that Taylor-Green vortices are run by.
+/// List the schemes for Taylor-Green vortices.
 pub fn vortices_schemes() -> Vec<Scheme> {
     vec![
         Scheme::moving(Kernel::Quadratic, Velocity::FlipUsl),
@@ -114,10 +113,10 @@ pub fn vortices_schemes() -> Vec<Scheme> {
     ]
 }
 
-/// V22: v = V (sin k x cos k y, -cos k x sin k y) in a unit square between planes of symmetry, k = pi, falls as
-/// exp(-2 nu k^2 t) where the fluid is incompressible. Here V = 0.05 c in Tait water, nu so that the fall is by e
-/// in 1 / V, Reynolds
-/// number 20. Measured is the part of the field that is left at that time (its projection), over exp(-1), less 1.
+/// Run V22: v = V (sin k x cos k y, -cos k x sin k y) in a unit square between symmetry planes, k = pi, decays as
+/// exp(-2 nu k^2 t) in an incompressible fluid. Here V = 0.05 c in Tait water, nu such that the decay is by e in 1
+/// / V, Reynolds number 20. Measured is the remaining amplitude of the field at that time (its projection), over
+/// exp(-1), minus 1.
 pub(crate) fn taylor_green<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = 1.0 / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;

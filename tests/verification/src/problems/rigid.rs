@@ -1,4 +1,4 @@
-//! V6: rigid motion makes no stress.
+//! V6: rigid motion causes no stress.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,8 @@ use crate::formulation::Formulation;
 use crate::problems::{lattice, rubber};
 use crate::scene::{Scene, block, worse};
 
-/// A block of 4 cells flies obliquely at 0.3 c through `cells` cells. Measured is the largest stress over E.
+/// Run V6, translation: a block of 4 cells moves obliquely at 0.3 c through `cells` cells. Measured is the largest
+/// stress over E.
 pub(crate) fn flight<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let lattice = lattice([0.0; 2], 1.0)?;
     let dt = case.courant;
@@ -35,11 +36,10 @@ pub(crate) fn flight<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> 
     Ok(outcome.with("stress", largest))
 }
 
-/// A disc of a radius of `cells` cells turns once, its rim at 0.02 c. Measured are the change of the angular
-/// momentum of the
-/// particles from a fiftieth of the turn on (before, that of APIC goes from particles to their affine matrices)
-/// and the largest
-/// stress over E; that of the centrifugal force is below (omega R / c)^2 = 4e-4.
+/// Run V6, rotation: a disc with a radius of `cells` cells rotates once, its rim at 0.02 c. Measured are the change
+/// of the angular momentum of the particles from a fiftieth of the turn on (before, that of APIC is transferred
+/// from particles to their affine matrices), and the largest stress over E; the centrifugal stress is below (omega
+/// R / c)^2 = 4e-4.
 pub(crate) fn turn<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let radius = case.cells as f64;
     let omega = 0.02 / radius;

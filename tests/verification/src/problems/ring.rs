@@ -1,13 +1,10 @@
-//! V5: an expanding ring with free surfaces, manufactured.
+//! V5: expanding ring with free surfaces, manufactured.
 //!
-//! r = R + u(R) T(t), u = c1 R + c2 R^2 + c3 R^3 with u' = 0 at both radii, where it is free of traction since nu
-//! = 0;
-//! T = A sin(pi c t / 2 r_b). With l_r = 1 + u' T, l_t = 1 + u T / R and P(s) = G (s - 1/s),
-//! `b_R = u T'' - (1/rho) [G u'' T (1 + 1/l_r^2) + (P(l_r) - P(l_t)) / R]`. Radii 0.4, 0.5 and 0.6 m, E 1e7 Pa,
-//! rho 1000
-//! kg/m^3, A 0.1 m. A quarter between planes of symmetry, particles on a lattice, those at the rim with the part
-//! of their volume
-//! that is inside. Run to t = 2 r_b / c, half a period; errors over A.
+//! r = R + u(R) T(t), u = c1 R + c2 R^2 + c3 R^3 with u' = 0 at both radii, which are free of traction since nu =
+//! 0; T = A sin(pi c t / 2 r_b). With l_r = 1 + u' T, l_t = 1 + u T / R and P(s) = G (s - 1/s), `b_R = u T'' -
+//! (1/rho) [G u'' T (1 + 1/l_r^2) + (P(l_r) - P(l_t)) / R]`. Radii 0.4, 0.5 and 0.6 m, E 1e7 Pa, rho 1000 kg/m^3, A
+//! 0.1 m. Quarter model between symmetry planes, particles on a lattice; those at the rim have their inner volume
+//! fraction. The run ends at t = 2 r_b / c, half a period; errors are relative to A.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -28,7 +25,7 @@ const DENSITY: f64 = 1000.0;
 const SPEED: f64 = 100.0;
 const AMPLITUDE: f64 = 0.1;
 
-/// u, u', u''.
+/// Radial profile and derivatives: u, u', u''.
 fn profile(r: f64) -> (f64, f64, f64) {
     let per = 1.0 / (OUTER - 3.0 * INNER);
     let c1 = -6.0 * INNER / OUTER * per;
@@ -37,7 +34,7 @@ fn profile(r: f64) -> (f64, f64, f64) {
     (((c3 * r + c2) * r + c1) * r, (3.0 * c3 * r + 2.0 * c2) * r + c1, 6.0 * c3 * r + 2.0 * c2)
 }
 
-/// T, T', T''.
+/// Time history and derivatives: T, T', T''.
 fn swing(t: f64) -> (f64, f64, f64) {
     let omega = PI * SPEED / (2.0 * MIDDLE);
     let (sin, cos) = (omega * t).sin_cos();
@@ -56,7 +53,7 @@ fn force(x: &[f64; 2], t: f64) -> [f64; 2] {
     [b * x[0] / r, b * x[1] / r]
 }
 
-/// `cells` are those in 0.2 m, across the ring.
+/// Run V5; `cells` is the number of cells across the ring, 0.2 m.
 pub(crate) fn run<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = (OUTER - INNER) / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;

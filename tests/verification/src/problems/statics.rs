@@ -1,4 +1,5 @@
-//! States at rest of elastic bodies in the reference configuration, found by kinetic damping: V15 and V17.
+//! Static solutions of elastic bodies in the reference configuration by kinetic damping (dynamic relaxation): V15
+//! and V17.
 
 use std::sync::Arc;
 
@@ -11,29 +12,29 @@ use mpm_materials::{IntoMaterial, LinearElastic, Moduli};
 
 use crate::problems::rubber;
 
-/// A state at rest.
+/// Static solution.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
-    /// Displacement of the point asked for, m.
+    /// Displacement of the requested point, m.
     pub displacement: [f64; 2],
-    /// How it was reached.
+    /// Convergence to rest.
     pub rested: Rested,
-    /// Times that kinetic damping stopped everything.
+    /// Number of stops of kinetic damping.
     pub stops: u64,
-    /// Steps.
+    /// Number of steps.
     pub steps: u64,
-    /// Particles.
+    /// Number of particles.
     pub particles: usize,
 }
 
-/// What is loaded and held, and where to look.
+/// Static problem: body, load, boundary conditions and convergence criterion.
 struct Statics<C> {
     lattice: Lattice<2>,
     seeds: Seeds<2>,
     law: C,
-    /// Particles there carry the traction.
+    /// Region of particles that carry the traction.
     loaded: Cuboid<2>,
-    /// Pa, normal to x.
+    /// Traction, Pa, on a face normal to x.
     traction: [f64; 2],
     held: Vec<Boundary<2>>,
     dt: f64,
@@ -46,7 +47,7 @@ fn said(error: impl std::fmt::Display) -> String {
 }
 
 impl<C: IntoMaterial<f64>> Statics<C> {
-    /// Let go under the load, wait for rest; displacement by particle.
+    /// Apply the load suddenly and relax to rest; return displacements by particle.
     fn rest(self, method: impl IntoKernels<f64, 2>) -> Result<(State, Vec<[f64; 2]>), String> {
         let Statics { lattice, seeds, law, loaded, traction, held, dt, rest, end } = self;
         let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -79,8 +80,8 @@ impl<C: IntoMaterial<f64>> Statics<C> {
     }
 }
 
-/// Rows of `counts` particles through the quadrilateral with corners at (0, 0), (1, 0), (1, 1), (0, 1) of `map`, each with
-/// the volume of its cell; `half` their half sizes.
+/// Fill the quadrilateral with corners at (0, 0), (1, 0), (1, 1), (0, 1) of `map` by rows of `counts` particles, each with
+/// the volume of its cell; `half` is their half size.
 fn mapped(map: impl Fn(f64, f64) -> [f64; 2], counts: [usize; 2], half: [f64; 2]) -> Seeds<2> {
     let (mut positions, mut volumes) = (Vec::new(), Vec::new());
     let step = counts.map(|n| 1.0 / n as f64);
@@ -89,22 +90,22 @@ fn mapped(map: impl Fn(f64, f64) -> [f64; 2], counts: [usize; 2], half: [f64; 2]
             let corner = |a: f64, b: f64| map((i as f64 + a) * step[0], (j as f64 + b) * step[1]);
             let [p, q, r, s] = [corner(0.0, 0.0), corner(1.0, 0.0), corner(1.0, 1.0), corner(0.0, 1.0)];
             positions.push(corner(0.5, 0.5));
-            // Half the cross product of the diagonals.
+            // Cell area: half the cross product of the diagonals.
             volumes.push(0.5 * ((r[0] - p[0]) * (s[1] - q[1]) - (r[1] - p[1]) * (s[0] - q[0])));
         }
     }
     Seeds::placed(positions, volumes, half)
 }
 
-/// V17, Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) m, held at x = 0, sheared by 1 N a metre of depth in all at
-/// x = 48, plane stress, E 1 Pa, nu 1/3: the middle of the right side moves up by 23.96 m in linear elasticity \[V\].
+/// Run V17, Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) m, fixed at x = 0, total shear load of 1 N per metre of depth at x = 48,
+/// plane stress, E 1 Pa, nu 1/3: the middle of the right side moves up by 23.96 m in linear elasticity \[V\].
 ///
-/// The load is 1e-4 of that, and the displacement given is over 1e-4. Plane strain with E (1 + 2 nu) / (1 + nu)^2 and
-/// nu / (1 + nu) is plane stress with E and nu. Linear shape functions, `cells` over the 48 m, two rows of particles a cell, that fill the
-/// quadrilateral as rows of it.
+/// The load is 1e-4 of that, and the returned displacement is divided by 1e-4. Plane strain with E (1 + 2 nu) / (1 + nu)^2 and nu / (1 +
+/// nu) equals plane stress with E and nu. Linear shape functions, `cells` over the 48 m, two rows of particles per cell aligned with the
+/// quadrilateral.
 ///
 /// # Errors
-/// What stopped the run.
+/// Error that stopped the run.
 pub fn cook(cells: usize) -> Result<State, String> {
     let (young, nu, share) = (1.0, 1.0 / 3.0, 1e-4);
     let h = 48.0 / cells as f64;
@@ -112,7 +113,7 @@ pub fn cook(cells: usize) -> Result<State, String> {
     let moduli = moduli.map_err(said)?;
     let law = LinearElastic::new(1.0, moduli).map_err(said)?;
     let c = moduli.p_wave().sqrt();
-    // At x = 48 the rows are 16 / 44 as wide as at x = 0, where they are half a cell.
+    // Row heights: at x = 48 they are 16 / 44 of those at x = 0, half a cell.
     let counts = [2 * cells, (2.0 * 44.0 / h).round() as usize];
     let (width, height) = (0.5 * h, 16.0 / counts[1] as f64);
     let corners = |a: f64, b: f64| [48.0 * a, 44.0 * a + b * (44.0 - 28.0 * a)];
@@ -130,7 +131,8 @@ pub fn cook(cells: usize) -> Result<State, String> {
     };
     let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
     let (mut state, moved) = statics.rest(method)?;
-    // The middle of the right side, from the two columns before it: half a particle, and one and a half.
+    // Displacement of the middle of the right side, extrapolated from the two columns at half and one and a half
+    // particles.
     let column = |back: usize| {
         let rows = (0..counts[1]).map(|j| moved[j * counts[0] + counts[0] - 1 - back]);
         rows.fold([0.0; 2], |sum, u| [sum[0] + u[0], sum[1] + u[1]]).map(|x| x / counts[1] as f64)
@@ -142,23 +144,22 @@ pub fn cook(cells: usize) -> Result<State, String> {
     Ok(state)
 }
 
-/// Length of the cantilever over its height.
+/// Slenderness: length over height of the cantilever.
 pub const SLENDERNESS: f64 = 20.0;
 
-/// V15, a cantilever of height 1 m and length 20 m under a dead load P at its end, P L^2 / (E I) = `load`, nu = 0:
-/// displacement of the end over the length. Quadratic splines, `cells` over the height, two rows of particles a cell. The
-/// root is a plane of symmetry whose nodes do not move up or down, so that it neither tilts nor is hindered in
-/// becoming thicker.
+/// Run V15, a cantilever of height 1 m and length 20 m under a dead load P at its end, P L^2 / (E I) = `load`, nu = 0:
+/// displacement of the end over the length. Quadratic splines, `cells` over the height, two rows of particles per cell.
+/// The root is a symmetry plane whose nodes are fixed vertically, so that it neither rotates nor resists lateral strain.
 ///
 /// # Errors
-/// What stopped the run.
+/// Error that stopped the run.
 pub fn cantilever(cells: usize, load: f64) -> Result<State, String> {
     let (young, length) = (12.0, SLENDERNESS);
     let h = 1.0 / cells as f64;
     let lattice = Lattice::new([0.0; 2], h).map_err(said)?;
     let counts = [2 * cells * SLENDERNESS as usize, 2 * cells];
     let seeds = mapped(|a, b| [length * a, b], counts, [0.25 * h; 2]);
-    // I = 1 / 12.
+    // Load from P L^2 / (E I) with I = 1 / 12.
     let force = load * young / 12.0 / length.powi(2);
     let c = young.sqrt();
     let plane = Cuboid::new([-0.1 * h, -10.0], [0.1 * h, 11.0]).map_err(said)?;
@@ -179,7 +180,7 @@ pub fn cantilever(cells: usize, load: f64) -> Result<State, String> {
     };
     let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).total_lagrangian().compiled();
     let (mut state, moved) = statics.rest(method)?;
-    // Middle line at root and end, each from the two columns next to it.
+    // Displacements of the middle line at root and end, each from the two adjacent columns.
     let column = |i: usize| {
         let rows = (0..counts[1]).map(|j| moved[j * counts[0] + i]);
         rows.fold([0.0; 2], |sum, u| [sum[0] + u[0], sum[1] + u[1]]).map(|x| x / counts[1] as f64)
@@ -187,22 +188,23 @@ pub fn cantilever(cells: usize, load: f64) -> Result<State, String> {
     let n = counts[0];
     let (end, before) = (column(n - 1), column(n - 2));
     for d in 0..2 {
-        // The root's is even in x: its two columns are as good as it.
+        // Even symmetry in x at the root: its two columns are equally accurate.
         let root = if d == 1 { column(0)[1] } else { 0.0 };
         state.displacement[d] = (end[d] + 0.5 * (end[d] - before[d]) - root) / length;
     }
     Ok(state)
 }
 
-/// Displacement of the end of a beam over its length, [back, aside], under a dead load P across it,
-/// P L^2 / (E I) = `load`: theta' = M / (E I), and with `stretch` = I / (A L^2) and `shear` = E I / (k G A L^2) not
-/// zero the line stretches and shears as well (Reissner 1972). With both zero it is the elastica of Euler.
+/// Displacement of the end of a beam over its length, [back, aside], under a transverse dead load P, P L^2 / (E I)
+/// = `load`: theta' = M / (E I). With `stretch` = I / (A L^2) and `shear` = E I / (k G A L^2) non-zero, the centre
+/// line also stretches and shears (Reissner 1972). With both zero it is Euler's elastica.
 ///
 /// With s over L, moments over E I / L: theta'' = -load (x'), x' = (1 + n stretch) cos theta - q shear sin theta,
-/// y' = (1 + n stretch) sin theta + q shear cos theta, n = load sin theta, q = load cos theta. By Runge and Kutta's
-/// fourth-order rule with 4000 steps from the root, whose moment is found by halving so that the end has none.
+/// y' = (1 + n stretch) sin theta + q shear cos theta, n = load sin theta, q = load cos theta. Integration by the
+/// fourth-order Runge-Kutta method with 4000 steps from the root; bisection finds the root moment for zero moment
+/// at the end.
 pub fn beam(load: f64, stretch: f64, shear: f64) -> [f64; 2] {
-    // theta, theta', x, y.
+    // State vector: theta, theta', x, y.
     let slope = |z: [f64; 4]| {
         let (sin, cos) = z[0].sin_cos();
         let (along, across) = (1.0 + load * sin * stretch, load * cos * shear);
@@ -222,7 +224,7 @@ pub fn beam(load: f64, stretch: f64, shear: f64) -> [f64; 2] {
         }
         z
     };
-    // None, and that of a beam that does not give way.
+    // Bracket of the root moment: zero, and that of a rigid beam.
     let (mut low, mut high) = (0.0, load);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);

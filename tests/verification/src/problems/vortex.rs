@@ -1,11 +1,10 @@
 //! V4: the generalised vortex (Kamojjala, Brannon et al. 2015).
 //!
-//! In a square of 3 m, which stands still otherwise, the annulus 0.75 < R < 1.25 m turns by alpha = g(t) H(R),
-//! H = 1 - 32 (R - 1)^2 + 256 (R - 1)^4, g = A sin(pi c t), at constant volume and with shears up to 7. In the
-//! polar frame
-//! that turns along, `b_r = -R (g' H)^2 + (G / rho) R (g H')^2` and
-//! `b_theta = R g'' H - (G / rho) g (R H'' + 3 H')`. E 1000 Pa, nu 0.3, rho 1000 kg/m^3, A 1. Run to t = 1 s; what is
-//! measured is the largest error of 20 moments, over the largest displacement 2 sin(1/2) m.
+//! In a square of 3 m, otherwise at rest, the annulus 0.75 < R < 1.25 m rotates by alpha = g(t) H(R), H = 1 - 32 (R -
+//! 1)^2 + 256 (R - 1)^4, g = A sin(pi c t), at constant volume and with shears up to 7. In the co-rotating polar
+//! frame, `b_r = -R (g' H)^2 + (G / rho) R (g H')^2` and `b_theta = R g'' H - (G / rho) g (R H'' + 3 H')`. E 1000 Pa,
+//! nu 0.3, rho 1000 kg/m^3, A 1. The run ends at t = 1 s; measured is the largest error of 20 samples, over the
+//! largest displacement 2 sin(1/2) m.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -18,7 +17,7 @@ use crate::scene::{Norm, Scene, block, worse};
 const SHEAR: f64 = 1000.0 / 2.6;
 const DENSITY: f64 = 1000.0;
 
-/// H, R H', R H'' + 3 H'.
+/// Radial profile and derivatives: H, R H', R H'' + 3 H'.
 fn profile(r: f64) -> (f64, f64, f64) {
     if !(0.75..=1.25).contains(&r) {
         return (0.0, 0.0, 0.0);
@@ -29,13 +28,13 @@ fn profile(r: f64) -> (f64, f64, f64) {
     (1.0 - 32.0 * s + 256.0 * s * s, r * slope, bend)
 }
 
-/// g, g', g''.
+/// Time history and derivatives: g, g', g''.
 fn swing(t: f64) -> (f64, f64, f64) {
     let (sin, cos) = (PI * t).sin_cos();
     (sin, PI * cos, -PI * PI * sin)
 }
 
-/// Position and velocity of what started at `x`.
+/// Exact position and velocity of a particle with initial position `x`.
 fn motion(x: &[f64; 2], t: f64) -> ([f64; 2], [f64; 2]) {
     let r = x[0].hypot(x[1]);
     let (h, ..) = profile(r);
@@ -50,13 +49,13 @@ fn force(x: &[f64; 2], t: f64) -> [f64; 2] {
     let (h, slope, bend) = profile(r);
     let (g, rate, second) = swing(t);
     let (sin, cos) = (x[1].atan2(x[0]) + g * h).sin_cos();
-    // R (g H')^2 = (g R H')^2 / R.
+    // Identity: R (g H')^2 = (g R H')^2 / R.
     let outward = -r * (rate * h).powi(2) + SHEAR / DENSITY * (g * slope).powi(2) / r;
     let around = r * second * h - SHEAR / DENSITY * g * bend;
     [outward * cos - around * sin, outward * sin + around * cos]
 }
 
-/// `cells` are those across the square.
+/// Run V4; `cells` is the number of cells across the square.
 pub(crate) fn run<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = 3.0 / case.cells as f64;
     let lattice = lattice([-1.5; 2], h)?;

@@ -1,12 +1,13 @@
-//! Types of elements. After the Abaqus Elements Guide and the CalculiX CrunchiX manual: corners are the first nodes of an element of second order.
+//! Abaqus element types. After the Abaqus Elements Guide and the CalculiX CrunchiX manual: the first nodes of a second-order element are
+//! its corners.
 
 use super::super::builder::Form;
 use crate::elements::ElementKind::{Bar2, Hexa8, Quad4, Tetra4, Triangle3};
 
-/// Stem of a type with its form and number of nodes.
+/// Stem of an element type, its form and number of nodes.
 type Stem = (&'static str, Form, usize);
 
-/// Letters after a stem that change integration, interpolation or fields, and leave the form.
+/// Letters after a stem that change integration, interpolation or fields, but not the form.
 const SUFFIXES: &str = "RIMHTPES";
 
 const STEMS: [Stem; 43] = [
@@ -55,7 +56,7 @@ const STEMS: [Stem; 43] = [
     ("B31OS", Form::Whole(Bar2), 2),
 ];
 
-/// Nodes of an element in a data line.
+/// Number of nodes of an element in its data line.
 #[derive(Clone, Copy)]
 pub struct Listed {
     pub form: Form,
@@ -64,7 +65,7 @@ pub struct Listed {
     pub orientation: bool,
 }
 
-/// Form and nodes of the elements of a type.
+/// Return the form and number of nodes of an element type.
 pub fn of_type(name: &str) -> Option<Listed> {
     let is = |stem: &str| {
         let suffix = name.strip_prefix(stem);
@@ -74,7 +75,7 @@ pub fn of_type(name: &str) -> Option<Listed> {
     Some(Listed { form, nodes, orientation: stem.starts_with('B') })
 }
 
-/// Supported types, in words.
+/// List the supported types, in words.
 pub fn known() -> String {
     let stems: Vec<&str> = STEMS.iter().map(|(stem, ..)| *stem).collect();
     format!("one of {}, also with letters as R, I, M, H or T after it", stems.join(", "))

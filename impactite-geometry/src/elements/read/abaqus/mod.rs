@@ -1,4 +1,4 @@
-//! Abaqus input files. After the Abaqus Keywords Reference Guide: *NODE, *ELEMENT, *NSET, *ELSET, *PART, *INSTANCE, *INCLUDE.
+//! Reader of Abaqus input files. After the Abaqus Keywords Reference Guide: *NODE, *ELEMENT, *NSET, *ELSET, *PART, *INSTANCE, *INCLUDE.
 
 mod kinds;
 mod parts;
@@ -13,11 +13,11 @@ use crate::cursor::{ReadError, shown};
 use parts::{Element, Instance, MOST_CORNERS, Member, Motion, Of, Part, Sets};
 use text::{At, Data, Field, Keyword, Text, end, fields, number, real, refuse, unquoted};
 
-/// Keywords that would make a mesh other than the one that is read.
+/// Unsupported keywords that generate or move nodes and elements.
 const REFUSED: [&str; 8] =
     ["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SUBSTRUCTUREGENERATE"];
 
-/// Reads the bytes of a file; `path` is its place, from which the places of included files follow.
+/// Read the bytes of a file; `path` is the path of the file, from which included files are located.
 pub(super) fn read(bytes: &[u8], path: Option<&Path>) -> Result<Builder, ReadError> {
     let mut text = Text::default();
     let model = text.load(bytes, path).and_then(|()| {
@@ -30,12 +30,12 @@ pub(super) fn read(bytes: &[u8], path: Option<&Path>) -> Result<Builder, ReadErr
 
 const TAG: &str = "a whole number from 0 to 2^64 - 1";
 
-/// A part or instance between its first and its last keyword.
+/// Part or instance that is not closed yet.
 struct Open {
     at: At,
     name: String,
     part: Rc<Part>,
-    /// Of an instance.
+    /// Motion of an instance; `None` for a part.
     motion: Option<Motion>,
 }
 
@@ -44,10 +44,10 @@ struct Model {
     /// Nodes, elements and sets outside parts: of the assembly, or of a file without parts.
     root: Part,
     open: Option<Open>,
-    /// By name in capitals.
+    /// Parts by name in capitals.
     parts: BTreeMap<String, Rc<Part>>,
     instances: Vec<Instance>,
-    /// By name in capitals, from 1.
+    /// Instance number, from 1, by name in capitals.
     instance: HashMap<String, u32>,
 }
 
@@ -123,23 +123,23 @@ impl Model {
         Ok(())
     }
 
-    /// The part or instance that ends here.
+    /// Close the open part or instance and return it.
     fn close(&mut self, keyword: &Keyword, begin: &str, instance: bool) -> Result<Open, ReadError> {
         let open = self.open.take_if(|open| open.motion.is_some() == instance);
         let allowed = || format!("{begin} before it");
         open.ok_or_else(|| refuse(keyword.at, "keyword", format!("*{}", keyword.name), allowed()))
     }
 
-    /// Nodes, elements and sets that the next keywords add to.
+    /// Part that the current keyword adds nodes, elements and sets to.
     fn part(&mut self) -> &mut Part {
         match &mut self.open {
-            // A part that instances share is copied by the first that adds to it.
+            // Copy on write: instances share a part until one of them adds to it.
             Some(open) => Rc::make_mut(&mut open.part),
             None => &mut self.root,
         }
     }
 
-    /// The part of a member: see [`Member`].
+    /// Return the part that owns a [`Member`].
     fn owner(&self, owner: u32) -> &Part {
         match owner.checked_sub(1) {
             Some(instance) => &self.instances[instance as usize].part,
@@ -201,7 +201,7 @@ impl Model {
         };
         let part = self.part();
         let set = keyword.get("ELSET").map(|name| part.element_sets.of(name));
-        // An element may go on in the next line.
+        // The data of an element may continue in the next line.
         let mut values = data.lines().flat_map(fields).peekable();
         while let Some(first) = values.next() {
             let tag: u64 = number(first, "element number", TAG)?;
@@ -216,7 +216,7 @@ impl Model {
                 let found = part.number(Of::Nodes, node).ok_or_else(|| {
                     refuse(at, "node of an element", node, "the number of a node of *NODE before it")
                 })?;
-                // Nodes within edges follow the corners.
+                // Mid-side nodes follow the corners.
                 if let Some(corner) = corners.get_mut(n) {
                     *corner = found;
                 }
@@ -275,7 +275,7 @@ impl Model {
             } else {
                 for field in fields(line).filter(|f| !f.1.is_empty()) {
                     self.member(owner, of, key, field, &mut members)?;
-                    // A set may be named again and again.
+                    // Remove duplicates as the list grows: a set may be listed repeatedly.
                     if members.len() > room {
                         members.sort_unstable();
                         members.dedup();
@@ -288,13 +288,13 @@ impl Model {
         let place = sets.of(name);
         let set = &mut sets.members[place];
         set.extend(members);
-        // Sets of sets would grow without bound.
+        // Remove duplicates: sets of sets would grow without bound.
         set.sort_unstable();
         set.dedup();
         Ok(())
     }
 
-    /// First, last and increment. As in Abaqus, numbers between that do not exist are passed over; the first and the last must.
+    /// Parse the first and last number and the increment. As in Abaqus, numbers in between may be missing; the first and last must exist.
     fn generate(&self, owner: u32, of: Of, line: Field, members: &mut Vec<Member>) -> Result<(), ReadError> {
         let values = fields(line).map(|f| number(f, "GENERATE", TAG)).collect::<Result<Vec<u64>, _>>()?;
         let (first, last, step) = match values[..] {
@@ -320,7 +320,7 @@ impl Model {
         Ok(())
     }
 
-    /// A number, the name of a set before, or one of these after the name of an instance and a point.
+    /// Parse a member: a number, or the name of a previous set, optionally after the name of an instance and a point.
     fn member(
         &self,
         owner: u32,
@@ -344,7 +344,7 @@ impl Model {
         Ok(())
     }
 
-    /// The members that a number or the name of a set of this owner stands for.
+    /// Resolve a number or the name of a set of this owner to its members.
     fn members(&self, owner: u32, of: Of, name: &str) -> Option<Vec<Member>> {
         let part = self.owner(owner);
         if let Some(number) = name.parse().ok().and_then(|tag| part.number(of, tag)) {
@@ -374,18 +374,18 @@ impl Model {
     }
 }
 
-/// A member of a set of an instance, as sets of the assembly have it.
+/// Convert a member of a set of an instance to a member of a set of the assembly.
 fn within(owner: u32, (inner, number): Member) -> Member {
     (if owner == 0 { inner } else { owner }, number)
 }
 
-/// All parts at their places.
+/// Assembly of all instances.
 struct Assembly<'a> {
-    /// The assembly's own nodes and elements, then the instances, with their names.
+    /// Nodes and elements of the assembly itself, then the instances, with their names.
     owners: Vec<(&'a str, &'a Part)>,
-    /// Number of the first node of each.
+    /// Index of the first node of each owner.
     first_node: Vec<u32>,
-    /// Number of parts with a set of this name in capitals.
+    /// Number of owners with a set of this name, by name in capitals.
     uses: HashMap<String, usize>,
     builder: Builder,
 }
@@ -395,7 +395,7 @@ impl<'a> Assembly<'a> {
         let instances = model.instances.iter().map(|i| (i.name.as_str(), &*i.part, &i.motion));
         let owners: Vec<_> = [("", &model.root, &Motion::NONE)].into_iter().chain(instances).collect();
         let total = |count: fn(&Part) -> usize| owners.iter().map(|o| count(o.1)).sum::<usize>();
-        // An element may become three.
+        // An element is split into three at most.
         if total(|part| part.positions.len()).max(3 * total(|part| part.elements.len())) > MOST {
             let what = "the instances have too many nodes or elements".into();
             return Err(ReadError::Whole { what, allowed: "2^32 - 2 nodes and a third as many elements" });
@@ -419,7 +419,7 @@ impl<'a> Assembly<'a> {
         Ok(Self { owners, first_node, uses, builder })
     }
 
-    /// Name of a set of a part: its own if no other part has a set of this name, else after that of the instance.
+    /// Name of a set of a part: unchanged if no other owner has a set of this name, else prefixed with the name of the instance.
     fn name(&self, owner: usize, name: &str) -> String {
         let instance = self.owners[owner].0;
         if instance.is_empty() || self.uses.get(&name.to_ascii_uppercase()) == Some(&1) {
@@ -432,13 +432,13 @@ impl<'a> Assembly<'a> {
     fn finish(mut self) -> Result<Builder, ReadError> {
         let elements = || self.owners.iter().flat_map(|(_, part)| &part.elements);
         let highest = elements().map(|e| e.form.dimensions()).max().unwrap_or(0);
-        // Surfaces of a mesh in space are sets of nodes; bars are reinforcement.
+        // Surface elements of a mesh in space become node sets; bars are reinforcement.
         let is_kept = |element: &Element| !(highest == 3 && element.form.dimensions() == 2);
         let mut made = Vec::with_capacity(self.owners.len());
         for owner in 0..self.owners.len() {
             let (instance, part) = self.owners[owner];
             let names: Vec<String> = part.element_sets.names.iter().map(|n| self.name(owner, n)).collect();
-            // Elements read without a set belong to the first that has them.
+            // Elements without a set on their *ELEMENT line belong to the first set that contains them.
             let mut sets: Vec<Option<u32>> = part.elements.iter().map(|e| e.set).collect();
             for (set, members) in (0u32..).zip(&part.element_sets.members) {
                 for &(_, element) in members.iter().filter(|member| member.0 == 0) {

@@ -9,15 +9,15 @@ use super::text::{Data, fields, real, refuse};
 use crate::cursor::ReadError;
 use crate::vector::{add, sub};
 
-/// Most corners of a form.
+/// Maximum number of corners of a form.
 pub const MOST_CORNERS: usize = 8;
 
-/// An element by the numbers of its corners in the part.
+/// Element of a part, by the indices of its corner nodes in the part.
 #[derive(Clone)]
 pub struct Element {
     pub form: Form,
     pub corners: [u32; MOST_CORNERS],
-    /// The set of its *ELEMENT line.
+    /// Element set of its `*ELEMENT` line.
     pub set: Option<u32>,
 }
 
@@ -27,10 +27,10 @@ impl Element {
     }
 }
 
-/// A node or an element: the part that has it, 0 the one of the set and else the instance of this number from 1, and its number there.
+/// Reference to a node or an element: owner (0: the part of the set itself; from 1: instance) and index in that owner.
 pub type Member = (u32, u32);
 
-/// Named sets in the order in which they are first named; names are compared without regard to case.
+/// Named sets in the order of first use; names are compared without regard to case.
 #[derive(Clone, Default)]
 pub struct Sets {
     pub names: Vec<String>,
@@ -39,7 +39,7 @@ pub struct Sets {
 }
 
 impl Sets {
-    /// Index of a set, which is added if there is none of this name.
+    /// Return the index of a set; add the set if there is none of this name.
     pub fn of(&mut self, name: &str) -> usize {
         let next = self.names.len();
         let place = *self.place.entry(name.to_ascii_uppercase()).or_insert(next);
@@ -56,7 +56,7 @@ impl Sets {
     }
 }
 
-/// Nodes or elements.
+/// Type of the members of a set: nodes or elements.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Of {
     Nodes,
@@ -76,7 +76,7 @@ pub struct Part {
 }
 
 impl Part {
-    /// Adds a node; `false` if there is another one of this number.
+    /// Add a node; `false` if the tag exists at another position.
     pub fn add_node(&mut self, tag: u64, x: [f64; 3]) -> bool {
         let next = self.positions.len() as u32;
         let number = *self.node.entry(tag).or_insert(next);
@@ -87,7 +87,7 @@ impl Part {
         self.positions[number as usize] == x
     }
 
-    /// Adds an element; `false` if there is one of this number.
+    /// Add an element; `false` if the tag exists already.
     pub fn add_element(&mut self, tag: u64, element: Element) -> bool {
         let new = self.element.insert(tag, self.elements.len() as u32).is_none();
         self.elements.push(element);
@@ -108,7 +108,7 @@ impl Part {
         }
     }
 
-    /// The number of a node or element by its tag.
+    /// Return the index of a node or element by its tag.
     pub fn number(&self, of: Of, tag: u64) -> Option<u32> {
         self.numbers(of).get(&tag).copied()
     }
@@ -120,10 +120,10 @@ impl Part {
         }
     }
 
-    /// Nodes or elements with tags from `first` to `last` by `step`: those of them that exist.
+    /// List the existing nodes or elements with tags from `first` to `last` by `step`.
     pub fn between(&self, of: Of, [first, last, step]: [u64; 3]) -> Vec<u32> {
         let numbers = self.numbers(of);
-        // The shorter loop: over tags between, or over tags that exist.
+        // Choose the shorter loop: over the tags of the range, or over the existing tags.
         let count = (last - first) / step;
         if count < numbers.len() as u64 {
             return (0..=count).filter_map(|i| self.number(of, first + i * step)).collect();
@@ -133,7 +133,7 @@ impl Part {
     }
 }
 
-/// Place of an instance: a translation, then a rotation about an axis.
+/// Rigid motion of an instance: a translation, then a rotation about an axis.
 #[derive(Clone)]
 pub struct Motion {
     translation: [f64; 3],
@@ -144,7 +144,7 @@ impl Motion {
     /// Identity.
     pub const NONE: Motion = Motion { translation: [0.0; 3], rotation: None };
 
-    /// The data lines of *INSTANCE: a translation; two points of an axis, and an angle in degrees.
+    /// Parse the data lines of *INSTANCE: a translation; two points of an axis, and an angle in degrees.
     pub fn of(data: &Data) -> Result<Self, ReadError> {
         let mut motion = Motion::NONE;
         let mut lines = data.lines();
@@ -190,7 +190,7 @@ fn numbers(line: (super::text::At, &str), key: &str) -> Result<Vec<f64>, ReadErr
     fields(line).map(|field| real(field, key)).collect()
 }
 
-/// A part at its place.
+/// Instance of a part.
 pub struct Instance {
     pub name: String,
     pub part: std::rc::Rc<Part>,

@@ -1,5 +1,5 @@
-//! Keywords and data lines of an Abaqus input file and of the files that it includes. After the Abaqus Analysis User's Guide, "Input syntax rules", and
-//! the Keywords Reference Guide, *INCLUDE.
+//! Lexer of Abaqus input files: keywords and data lines, with included files. After the Abaqus Analysis User's Guide, "Input syntax rules",
+//! and the Keywords Reference Guide, *INCLUDE.
 
 use std::borrow::Cow;
 use std::ops::Range;
@@ -8,19 +8,19 @@ use std::path::{Path, PathBuf};
 use crate::cursor::{Place, ReadError, shown};
 use crate::file::{Kind, MOST_BYTES, read};
 
-/// Most files that include each other in a row.
+/// Maximum depth of nested includes.
 const MOST_DEPTH: usize = 16;
-/// Most files of a mesh.
+/// Maximum number of files of a mesh.
 const MOST_FILES: usize = 10_000;
-/// Fewest letters of an abbreviated keyword and of an abbreviated parameter.
+/// Minimum number of letters of an abbreviated keyword and of an abbreviated parameter.
 const FEWEST_LETTERS: [usize; 2] = [4, 3];
 
-/// A line of one of the files.
+/// Source position: a line of one of the files.
 #[derive(Clone, Copy, Debug)]
 pub struct At {
-    /// 0: the main file.
+    /// File index; 0 is the main file.
     file: u32,
-    /// Number of the line, from 1.
+    /// Line number, from 1.
     line: u32,
 }
 
@@ -30,45 +30,45 @@ impl At {
     }
 }
 
-/// A comma-separated value.
+/// Comma-separated value with its source position.
 pub type Field<'a> = (At, &'a str);
 
-/// A keyword with its parameters, names in capitals without blanks.
+/// Keyword with its parameters; names are in capitals without blanks.
 pub struct Keyword {
     pub at: At,
     pub name: String,
     parameters: Vec<(String, Option<String>)>,
 }
 
-/// A line that is neither empty nor a comment, by its bytes in its file.
+/// Line that is neither empty nor a comment, as a range of bytes in its file.
 struct Line {
     at: At,
     bytes: Range<usize>,
 }
 
-/// A file, decoded.
+/// Decoded file.
 struct File<'a> {
     name: String,
     text: Cow<'a, str>,
 }
 
-/// A keyword and the first of its data lines.
+/// Keyword and the index of its first data line.
 struct Block {
     keyword: Keyword,
     first: usize,
 }
 
-/// All files of a mesh, as one text.
+/// Text of all files of a mesh, concatenated.
 #[derive(Default)]
 pub struct Text<'a> {
     files: Vec<File<'a>>,
-    /// Data lines.
+    /// Data lines of all files.
     lines: Vec<Line>,
     blocks: Vec<Block>,
     bytes: u64,
-    /// Folder of the main file; none of bytes in memory.
+    /// Folder of the main file; `None` if it was read from memory.
     folder: Option<PathBuf>,
-    /// Files that include the one that is read, outermost first.
+    /// Include stack: files that are being read, outermost first.
     open: Vec<PathBuf>,
 }
 
@@ -88,12 +88,12 @@ pub fn end(at: At, expected: String) -> ReadError {
     ReadError::End { place: place(at), expected }
 }
 
-/// A number of a field.
+/// Parse a number from a field.
 pub fn number<T: std::str::FromStr>((at, text): Field, key: &str, allowed: &str) -> Result<T, ReadError> {
     text.parse().map_err(|_| refuse(at, key, shown(text.as_bytes()), allowed))
 }
 
-/// A finite number of a field, zero of an empty one. Fortran writes 1.0D-3 as well.
+/// Parse a finite number from a field; an empty field is zero. Fortran exponents such as 1.0D-3 are allowed.
 pub fn real(field: Field, key: &str) -> Result<f64, ReadError> {
     const ALLOWED: &str = "a finite number";
     if field.1.is_empty() {
@@ -107,7 +107,7 @@ pub fn real(field: Field, key: &str) -> Result<f64, ReadError> {
     if value.is_finite() { Ok(value) } else { Err(refuse(field.0, key, field.1, ALLOWED)) }
 }
 
-/// Values between commas, without blanks around them; commas within double quotes belong to a value.
+/// Split a line at commas and trim blanks; commas within double quotes belong to a value.
 fn split(text: &str) -> impl Iterator<Item = &str> {
     let mut quoted = false;
     let fields = text.split(move |c: char| {
@@ -117,7 +117,7 @@ fn split(text: &str) -> impl Iterator<Item = &str> {
     fields.map(str::trim)
 }
 
-/// A name without its quotes.
+/// Strip the quotes of a name.
 pub fn unquoted(name: &str) -> &str {
     name.trim().trim_matches('"').trim()
 }
@@ -137,12 +137,12 @@ impl Keyword {
         Ok(Self { at, parameters: parameters.collect(), name })
     }
 
-    /// Comparison with a keyword of which this may be an abbreviation.
+    /// True if this keyword is `name` or an abbreviation of it.
     pub fn is(&self, name: &str) -> bool {
         is(&self.name, name, FEWEST_LETTERS[0])
     }
 
-    /// Refuses parameters other than these.
+    /// Reject parameters other than these.
     pub fn allow(&self, allowed: &[&str]) -> Result<(), ReadError> {
         let known = |key: &str| allowed.iter().any(|name| is(key, name, FEWEST_LETTERS[1]));
         match self.parameters.iter().find(|(key, _)| !known(key)) {
@@ -173,7 +173,7 @@ fn is(written: &str, name: &str, fewest: usize) -> bool {
     written == name || (written.len() >= fewest && name.starts_with(written))
 }
 
-/// Lines that are neither empty nor comments. They end by a line feed, a carriage return, or both.
+/// Split a text into lines that are neither empty nor comments. Line ends are a line feed, a carriage return, or both.
 fn lines(text: &str, file: u32) -> Result<Vec<Line>, ReadError> {
     let (mut found, mut start, mut line) = (Vec::new(), 0, 0u32);
     while start < text.len() {
@@ -194,13 +194,13 @@ fn lines(text: &str, file: u32) -> Result<Vec<Line>, ReadError> {
     Ok(found)
 }
 
-/// Test for a continued keyword line: parameters begin with letters. Numbers are data after a comma too many.
+/// True for the continuation of a keyword line: parameters begin with letters. Numbers are data that follow a superfluous comma.
 fn is_parameter(text: &str) -> bool {
     text.starts_with(|c: char| c.is_alphabetic())
 }
 
 impl<'a> Text<'a> {
-    /// Reads a file and those that it includes.
+    /// Read a file and its included files.
     pub fn load(&mut self, bytes: &'a [u8], path: Option<&Path>) -> Result<(), ReadError> {
         if let Some(path) = path {
             self.folder = Some(path.parent().map(PathBuf::from).unwrap_or_default());
@@ -219,7 +219,7 @@ impl<'a> Text<'a> {
         &self.files[line.at.file as usize].text[line.bytes.clone()]
     }
 
-    /// Adds the lines of a file in a folder.
+    /// Add the lines of a file in a folder.
     fn file(&mut self, name: String, text: Cow<'a, str>, folder: Option<&Path>) -> Result<(), ReadError> {
         let file = self.files.len() as u32;
         let found = lines(&text, file);
@@ -247,7 +247,7 @@ impl<'a> Text<'a> {
                 keyword.allow(&["INPUT"])?;
                 Some(keyword.need("INPUT")?)
             } else {
-                // Data lines of nodes and elements may be in a file of their own.
+                // Data lines of nodes and elements may be in a separate file.
                 keyword.get("INPUT").filter(|_| keyword.is("NODE") || keyword.is("ELEMENT"))
             };
             let source = source.map(String::from);
@@ -261,7 +261,7 @@ impl<'a> Text<'a> {
         Ok(())
     }
 
-    /// Adds the lines of an included file: one in the folder of the file that includes it, else in that of the main file.
+    /// Add the lines of an included file, searched for in the folder of the including file, then in that of the main file.
     fn include(&mut self, at: At, name: &str, folder: Option<&Path>) -> Result<(), ReadError> {
         let refuse = |reason: String| ReadError::Include { place: place(at), file: name.into(), reason };
         let (Some(folder), Some(main)) = (folder, &self.folder) else {
@@ -300,7 +300,7 @@ impl<'a> Text<'a> {
         Ok(())
     }
 
-    /// Keywords, each with its data lines.
+    /// Iterate over the keywords, each with its data lines.
     pub fn blocks(&self) -> impl Iterator<Item = (&Keyword, Data<'_>)> {
         self.blocks.iter().enumerate().map(|(n, block)| {
             let end = self.blocks.get(n + 1).map_or(self.lines.len(), |next| next.first);
@@ -308,7 +308,7 @@ impl<'a> Text<'a> {
         })
     }
 
-    /// An error with the name of its file.
+    /// Add the name of the file to an error.
     pub fn named(&self, error: ReadError) -> ReadError {
         match error.place() {
             Some(Place::LineOf(file, _)) => match self.files.get(file as usize) {
@@ -320,7 +320,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Text that is no UTF-8 as one of Latin-1: every byte is a character.
+/// Decode text that is not valid UTF-8 as Latin-1: every byte is a character.
 fn latin(bytes: &[u8]) -> String {
     bytes.iter().map(|&b| char::from(b)).collect()
 }
@@ -333,19 +333,19 @@ pub struct Data<'t> {
 }
 
 impl<'t> Data<'t> {
-    /// Lines with their places.
+    /// Lines with their source positions.
     pub fn lines(&self) -> impl Iterator<Item = Field<'t>> + use<'t> {
         let text = self.text;
         text.lines[self.lines.clone()].iter().map(|line| (line.at, text.text(line)))
     }
 
-    /// Place of the last line.
+    /// Source position of the last line.
     pub fn last(&self) -> Option<At> {
         self.text.lines[self.lines.clone()].last().map(|line| line.at)
     }
 }
 
-/// Values of a line, without those that commas at its end would begin.
+/// Values of a line; trailing commas add no empty values.
 pub fn fields((at, text): Field) -> impl Iterator<Item = Field> {
     split(text.trim_end_matches([',', ' ', '\t'])).map(move |field| (at, field))
 }

@@ -11,7 +11,7 @@ use impactite_scene::{Archive, CheckpointError};
 use impactite_simd::Float;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Particles, and what they mapped.
+    /// Write or read the particles and their map.
     pub(in crate::step) fn exchange_particles(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.exchange_rest(file)?;
         let mut count = self.slots.len();
@@ -51,7 +51,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<const D: usize> RigidState<D> {
-    /// Place and motion.
+    /// Write or read position and motion.
     pub(in crate::step) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let RigidState {
             prescribed: _,
@@ -79,7 +79,7 @@ impl<const D: usize> RigidState<D> {
         if self.is_sound() { Ok(()) } else { Err(file.damaged("a rigid body moves as none can")) }
     }
 
-    /// Are its numbers those of a motion?
+    /// True if the values are those of a motion.
     fn is_sound(&self) -> bool {
         let Step { way, turn, velocity, spin, per_dt } = &self.step;
         let vectors = [
@@ -100,7 +100,7 @@ impl<const D: usize> RigidState<D> {
 }
 
 impl Loading {
-    /// All of it.
+    /// Iterate over all values.
     pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
         let Loading { force, power } = self;
         force.iter_mut().chain([power])

@@ -1,5 +1,5 @@
-//! What a scene is made of, in words, for a checkpoint to compare: constants as types show them (`Debug`), functions of time and
-//! place by what they give at some.
+//! Description of a scene's properties in words, for comparison with a checkpoint: constants by their `Debug` output,
+//! functions of time and place by samples.
 
 use impactite_scene::constants::{Constant, over, region};
 use impactite_scene::{Archive, CheckpointError, Condition};
@@ -26,7 +26,7 @@ impl<const D: usize> Loads<D> {
 }
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Its law, loads and splitting.
+    /// Describe law, loads and splitting.
     pub(in crate::step) fn constants_at(&self, times: [f64; 2]) -> Vec<Constant> {
         let at = self.starts.first().copied().unwrap_or([0.0; D]);
         vec![
@@ -38,7 +38,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<const D: usize> RigidState<D> {
-    /// What does not change of it in a run.
+    /// Describe the properties that are constant in a run.
     pub(in crate::step) fn constants_at(&self, times: [f64; 2]) -> Vec<Constant> {
         let motion = self.prescribed.as_ref().map(|motion| over(times, |t| motion(t)));
         let (mass, inertia, held) = (self.mass, self.inertia.as_slice(), self.held);
@@ -50,7 +50,7 @@ impl<const D: usize> RigidState<D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// See that the file is of a scene with these laws, loads, boundaries and contact. After the clock.
+    /// Check that laws, loads, boundaries and contact of the file are those of this scene. Called after the clock was read.
     pub(super) fn compare_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
         let times = [0.0, self.clock.time];
         file.same("contact", &format!("{:?}", self.scene.contact))?;

@@ -8,7 +8,7 @@ use impactite_scene::{Archive, CheckpointError, PairContact};
 use impactite_simd::Float;
 
 impl<const D: usize> Fields<D> {
-    /// Who claimed which blocks when they were arranged last.
+    /// Write or read the claims of bodies to node blocks in the last arrangement.
     pub(super) fn exchange(&mut self, file: &mut Archive, bodies: usize) -> Result<(), CheckpointError> {
         let blank = Claim { coordinates: [0; D], body: 0, reached: 0 };
         file.list(&mut self.claims, &blank, |file, claim| {
@@ -21,7 +21,7 @@ impl<const D: usize> Fields<D> {
 }
 
 impl<T: Float> ContactState<T> {
-    /// What is known of bodies in contact, and what was booked; blocks are arranged as they were.
+    /// Write or read the state and books of contact; blocks are arranged as they were.
     pub(super) fn exchange<const D: usize>(
         &mut self,
         file: &mut Archive,
@@ -49,7 +49,7 @@ impl<T: Float> ContactState<T> {
 }
 
 impl ContactMemory {
-    /// What laws remember.
+    /// Write or read the state variables of contact laws.
     fn exchange(
         &mut self,
         file: &mut Archive,
@@ -86,11 +86,11 @@ impl<T: Float> BlockContacts<T> {
         members: Option<usize>,
         bodies: usize,
     ) -> Result<(), CheckpointError> {
-        // What touches remember is recalled in every step.
+        // The contact memory of touches is restored in every step.
         let BlockContacts { pairs, touches, memory: _, stale, block } = self;
         block.iter_mut().try_for_each(|x| file.integer(x))?;
         file.flag(stale)?;
-        // What is about to be forgotten has fields that are gone, and tells of its bodies alone.
+        // The fields of stale contacts no longer exist; only their bodies are valid.
         let members = members.filter(|_| !*stale).unwrap_or(u32::MAX as usize);
         file.list(pairs, &Pair::new([0; 2], [0; 2]), |file, pair| {
             let Pair { fields, bodies: of, known, lasts, remembers: _, friction, taken, way } = pair;

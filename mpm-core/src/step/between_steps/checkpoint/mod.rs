@@ -1,10 +1,10 @@
-//! Runs that are broken off and resumed.
+//! Checkpoints: interrupted runs that are resumed.
 //!
-//! A checkpoint holds what changes in a run: particles in their order, with what they mapped to the grid; rigid bodies;
-//! clocks and books; what contact knows. A run is resumed by a scene that is set up as at its start: what it is made of (method, laws
-//! with their constants, loads, boundaries, contact) is compared with what the checkpoint says, and another scene refused by name;
-//! time control and watch may be others. The resumed run makes the steps of the other one, bit for bit, with any number of threads
-//! and any grid.
+//! A checkpoint contains all that changes in a run: particles in their order, with their map to the grid; rigid
+//! bodies; clocks and books; contact memory. A run is resumed by a scene that is set up as at its start: its
+//! properties (method, laws with their constants, loads, boundaries, contact) are compared with those in the
+//! checkpoint, and the error names a difference; time control and watch may differ. The resumed run makes the steps
+//! of the original one, bit for bit, with any number of threads and any grid.
 
 mod bodies;
 mod constants;
@@ -19,17 +19,17 @@ use crate::step::mpm::Mpm;
 use impactite_simd::Float;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half
+    /// Write a checkpoint to the file `path`, which contains the old or the new one at any time, never a part
     /// ([`WholeFile`](impactite_output::WholeFile)).
     ///
     /// # Errors
-    /// A path that is no regular file; a file that cannot be written; a run that was stopped. Then the old one stays.
+    /// A path that is not a regular file; a file that cannot be written; a stopped run. The old file is kept.
     pub fn save(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         Solver::save(self, path.as_ref())
     }
 
-    /// This scene, set up as the one that was saved to `path` was at its start, as it stood when it was saved. The time
-    /// control may be another. Observers begin anew: let them write to another folder.
+    /// Restore the state that was saved to `path` in this scene, which is set up as the saved one was at its start.
+    /// The time control may differ. Observers begin again: let them write to another folder.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
@@ -57,9 +57,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// ```
     ///
     /// # Errors
-    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision, contact, boundaries (functions of time by
-    /// what they give at the start and at the time of the checkpoint), loads, bodies, the constants of their laws or sizes of their
-    /// particles; a grid with too little room.
+    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision, contact, boundaries
+    /// (functions of time by their values at the start and at the time of the checkpoint), loads, bodies, the
+    /// constants of their laws or sizes of their particles; a grid with too little space.
     pub fn resumed(mut self, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
         Solver::resume(&mut self, path.as_ref())?;
         Ok(self)
@@ -100,7 +100,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.grid.contact.exchange(file, &self.grid.fields, self.scene.contact.remembers())
     }
 
-    /// See that the file is of a scene like this one.
+    /// Check that the file is of a scene like this one.
     fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;

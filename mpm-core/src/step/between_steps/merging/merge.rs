@@ -1,4 +1,4 @@
-//! Which particles of a cell are merged, and into which.
+//! Selection and merging of the particles of a cell.
 
 use super::*;
 use crate::dim::block_nodes;
@@ -12,12 +12,12 @@ use impactite_simd::{Float, Team};
 use mpm_materials::Material;
 use nalgebra::{Matrix3, Vector3};
 
-/// The longest that merged particles may be, over what is cut: none is cut again at once.
+/// Largest length of merged particles over that at which particles are cut: none is cut again at once.
 const SHORTER: f64 = 0.8;
-/// Angular momentum of a cluster that is none, over sqrt(2 K M) times its radius.
+/// Angular momentum of a cluster that counts as zero, over sqrt(2 K M) times its radius.
 const NO_SPIN: f64 = 1e-13;
 
-/// A particle as a point: position in units of h from the bin's centre, velocity in m/s.
+/// Particle as a point: position in units of h from the bin's centre, velocity in m/s.
 #[derive(Clone, Copy, Debug)]
 struct Point {
     mass: f64,
@@ -25,7 +25,7 @@ struct Point {
     v: Vector3<f64>,
 }
 
-/// The two that take the place of a cluster: at `centre` +- `apart` with `velocity` +- `parting`, half of `mass` each.
+/// Pair of particles that replaces a cluster: at `centre` +- `apart` with `velocity` +- `parting`, half of `mass` each.
 #[derive(Clone, Copy, Debug)]
 struct Pair {
     mass: f64,
@@ -38,7 +38,7 @@ struct Pair {
 }
 
 impl Pair {
-    /// The pair of a cluster, if it lies in the box around it.
+    /// Return the pair of a cluster, if it is within the bounding box of the cluster.
     fn of(points: &[Point]) -> Option<Pair> {
         let mass: f64 = points.iter().map(|p| p.mass).sum();
         let centre: Vector3<f64> = points.iter().map(|p| p.x * p.mass).sum::<Vector3<f64>>() / mass;
@@ -61,7 +61,7 @@ impl Pair {
         if !turns {
             spin = Vector3::zeros();
         }
-        // The plane that the pair may lie in.
+        // Plane that contains the pair.
         let across = if turns {
             let axis = spin.normalize();
             Matrix3::identity() - axis * axis.transpose()
@@ -87,7 +87,7 @@ impl Pair {
     }
 }
 
-/// Do both ends lie in the box around the points? So none crosses a plane of symmetry, a wall or the axis.
+/// True if both ends are within the bounding box of the points: then none crosses a plane of symmetry, a wall or the axis.
 fn within_box(points: &[Point], centre: &Vector3<f64>, apart: &Vector3<f64>) -> bool {
     (0..3).all(|d| {
         let low = points.iter().map(|p| p.x[d]).fold(f64::INFINITY, f64::min);
@@ -97,11 +97,11 @@ fn within_box(points: &[Point], centre: &Vector3<f64>, apart: &Vector3<f64>) -> 
     })
 }
 
-/// A place in the family of a seed: what splitting numbers. None of those alive is another one's ancestor.
+/// Descent of a particle from a seed, encoded by the number that splitting assigns. No existing particle is an ancestor of another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Descent {
     seed: u64,
-    /// A bit a cut, the first one lowest: is it the second child?
+    /// One bit per cut, the first one lowest: set for the second child.
     path: u64,
     cuts: u32,
 }
@@ -114,14 +114,14 @@ impl Descent {
     fn number(self, seeds: u64) -> u64 {
         self.seed + seeds * self.path
     }
-    /// What comes first in the order along the family: siblings are neighbours.
+    /// Sort key along the family: siblings are neighbours.
     fn order(self) -> (u64, u64) {
         (self.seed, self.path.reverse_bits())
     }
     fn child(self, second: bool) -> Self {
         Descent { path: self.path | u64::from(second) << self.cuts, cuts: self.cuts + 1, ..self }
     }
-    /// Whose two children these are.
+    /// Return the parent of two siblings.
     fn parent(self, other: Self) -> Option<Self> {
         let cuts = self.cuts.checked_sub(1)?;
         let siblings =
@@ -130,7 +130,7 @@ impl Descent {
     }
 }
 
-/// The ancestors that these are all descendants of; they come in their order.
+/// Reduce a family to the fewest ancestors with the same descendants; `family` must be sorted.
 fn ancestors(family: impl Iterator<Item = Descent>) -> Vec<Descent> {
     let mut found: Vec<Descent> = Vec::new();
     for mut who in family {
@@ -143,7 +143,7 @@ fn ancestors(family: impl Iterator<Item = Descent>) -> Vec<Descent> {
     found
 }
 
-/// Two numbers for the children of a cluster, the lower one first: those of its ancestors that were cut least.
+/// Return two numbers for the children of a cluster, the lower one first: those of its ancestors with the fewest cuts.
 fn heirs(mut found: Vec<Descent>, seeds: u64) -> Option<[Descent; 2]> {
     found.sort_by_key(|who| (who.cuts, who.order()));
     let mut two = match found[..] {
@@ -155,14 +155,14 @@ fn heirs(mut found: Vec<Descent>, seeds: u64) -> Option<[Descent; 2]> {
     Some(two)
 }
 
-/// A particle of a bin, taken out to be merged.
+/// Particle of a bin, removed for merging.
 #[derive(Clone, Debug)]
 struct Grain<T> {
     numbers: Vec<T>,
     who: Descent,
 }
 
-/// What merging wants to know of a body.
+/// Properties of a body for merging.
 struct Merger<'a, T: Float, const D: usize> {
     body: &'a ParticleBody<T, D>,
     splitting: Splitting,
@@ -181,7 +181,7 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
             let who = Descent::of(numbers[number].to_double(), numbers[cuts].to_double(), self.seeds);
             grains.push(Grain { numbers, who });
         }
-        // By family, whatever way they came to the bin.
+        // Sort by family, independent of the order of arrival in the bin.
         grains.sort_by_key(|grain| grain.who.order());
         let before = *book;
         for relatives in [true, false] {
@@ -197,7 +197,7 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
                     continue;
                 };
                 grains.splice(first..first + size, two);
-                // What is new waits for the next time.
+                // New particles are not merged again in this sweep.
                 first += 2;
                 book.merges += 1;
                 book.removed += size as u64 - 2;
@@ -215,8 +215,8 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
         }
     }
 
-    /// The two that these become, if they can; `relatives` only if they are all that is left of one or two ancestors, so
-    /// that no number is lost.
+    /// Merge a cluster into two particles, if possible; with `relatives` only if it contains all descendants of one
+    /// or two ancestors, so that no number is lost.
     fn merge(&self, cluster: &[Grain<T>], relatives: bool) -> Option<[Grain<T>; 2]> {
         let double = |grain: &Grain<T>, column: usize| grain.numbers[column].to_double();
         let mut family: Vec<Descent> = cluster.iter().map(|grain| grain.who).collect();
@@ -253,7 +253,7 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
             let (x, v) = (pair.centre + pair.apart * side, pair.velocity + pair.parting * side);
             for d in 0..D {
                 let xi = T::of(x[d]);
-                // Within the bin, that of a value that is not a number included.
+                // True only within the bin, and false for a value that is not a number.
                 if !(xi >= T::of(-0.5) && xi < T::of(0.5)) {
                     return None;
                 }
@@ -270,21 +270,21 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
         self.body.masses.of(&grain.numbers).to_double()
     }
 
-    /// State, stretch, loaded area and domain of the two, written into `numbers`.
+    /// Compute state, stretch, loaded area and domain of the two, and store them in `numbers`.
     fn average(&self, cluster: &[Grain<T>], pair: &Pair, numbers: &mut [T]) -> Option<()> {
         let columns = &self.body.columns;
         let state = |grain| -> (f64, &[T]) { (self.mass(grain), self.body.state_of(&grain.numbers)) };
         let states: Vec<(f64, &[T])> = cluster.iter().map(state).collect();
         let state = self.body.material.merged(&states)?;
         numbers[Columns::state(D)..][..state.len()].copy_from_slice(&state);
-        // Half of the loaded areas each; a field is that of the seed whose number they bear.
+        // Half of the loaded areas each; a field force is that of the seed of their number.
         let loads = self.body.loads.rows(columns.load());
         for area in loads.areas[0]..loads.areas[1] {
             let sum: f64 = cluster.iter().map(|grain| grain.numbers[area].to_double()).sum();
             numbers[area] = T::of(0.5 * sum);
         }
 
-        // What the cluster extends across the pair; its own line is as long as the volume wants it.
+        // Extent of the cluster across the pair; the length along the pair follows from the volume.
         let n = pair.apart.normalize();
         let across = Matrix3::identity() - n * n.transpose();
         let extent = across * pair.moment * across * 3.0;
@@ -329,7 +329,7 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
         for d in 0..D {
             let half = T::of(box_[d].sqrt() * (volume / product).powf(n[d] * n[d]));
             if self.body.kernels.shape().stretch(half, T::default()) != half {
-                return None; // larger than the shape function bears
+                return None; // larger than the range of the shape function
             }
             numbers[from + d] = half;
         }
@@ -338,7 +338,7 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
 }
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Merge what there is to merge after so many steps. Was there anything?
+    /// Merge particles, if due after so many steps. Return true if any were merged.
     pub(in crate::step) fn merge_cells(&mut self, steps: u64, team: &Team) -> bool {
         let Some(splitting) = self.splitting else { return false };
         let Some(Merging { above, every }) = splitting.merging() else { return false };
@@ -368,7 +368,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Can particles of this law be merged here?
+    /// Check that particles of this law can be merged with this method.
     pub(in crate::step) fn check_merging(&self, body: &str, law: &dyn Material<T>) -> Result<(), SceneError> {
         let refuse = |what: String| Err(SceneError::NoMerging { body: body.into(), what });
         let facts = self.facts();

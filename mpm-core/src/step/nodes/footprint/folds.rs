@@ -1,11 +1,11 @@
-//! Nodes behind planes of symmetry, edges and periodic planes, and those that stand for them.
+//! Nodes behind symmetry planes, edges and periodic planes, and the nodes that represent them.
 
 use super::NodeWeight;
 use crate::step::nodes::wrap::Wrap;
 use impactite_geometry::Lattice;
 use impactite_scene::boundary::{Boundary, Plane};
 
-/// What nodes behind planes stand for.
+/// Map of nodes behind planes to the nodes that represent them.
 pub(in crate::step) struct Folds<const D: usize> {
     wrap: Wrap<D>,
     mirrors: Vec<Plane>,
@@ -13,17 +13,17 @@ pub(in crate::step) struct Folds<const D: usize> {
 }
 
 impl<const D: usize> Folds<D> {
-    /// Of these boundaries; `modified`: does the basis end at walls and fixed planes?
+    /// Create the map for these boundaries; `modified` is true if the basis ends at walls and fixed planes.
     pub(in crate::step) fn of(boundaries: &[Boundary<D>], lattice: &Lattice<D>, modified: bool) -> Self {
         Folds {
-            // A scene has none that cannot be.
+            // The scene has validated its boundaries.
             wrap: Wrap::of(boundaries, lattice).unwrap_or_default(),
             mirrors: boundaries.iter().filter_map(|b| b.mirror(lattice)).collect(),
             edges: boundaries.iter().filter(|_| modified).filter_map(|b| b.edge(lattice)).collect(),
         }
     }
 
-    /// Put the nodes that stand for them in the place of those behind planes.
+    /// Replace nodes behind planes by those that represent them.
     pub(in crate::step) fn fold(&self, nodes: &[NodeWeight<D>], list: &mut Vec<NodeWeight<D>>) {
         list.clear();
         list.extend_from_slice(nodes);
@@ -36,7 +36,7 @@ impl<const D: usize> Folds<D> {
                 w.sign[m.axis] = -w.sign[m.axis];
             }
         }
-        // The node behind an edge is 2 (node on it) - (node in front).
+        // The value behind an edge is 2 (value on it) - (value in front).
         for e in &self.edges {
             for n in 0..list.len() {
                 if list[n].node[e.axis] != e.node - e.sign {

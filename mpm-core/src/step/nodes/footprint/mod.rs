@@ -1,4 +1,5 @@
-//! Particles as their nodes see them between two steps: what diagnostics sum up, apart from the kernels of the step.
+//! Footprints of particles: contributions to their nodes between two steps, for diagnostics, independent of the kernels of
+//! the step.
 
 mod folds;
 mod of_particles;
@@ -8,43 +9,43 @@ pub(in crate::step) use folds::Folds;
 /// Weight of a particle on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeWeight<const D: usize> {
-    /// Index of the node on the lattice.
+    /// Lattice index of the node.
     pub node: [i32; D],
-    /// N.
+    /// Weight N.
     pub value: f64,
-    /// grad N, 1/m; in the reference configuration if the method is total Lagrangian.
+    /// Gradient grad N, 1/m; in the reference configuration if the method is total Lagrangian.
     pub gradient: [f64; D],
-    /// What components of vectors are multiplied with: -1 where the node stands for its mirror image.
+    /// Factors of vector components: -1 if the node represents its mirror image.
     pub sign: [f64; 3],
 }
 
 impl<const D: usize> NodeWeight<D> {
-    /// |grad N|, 1/m.
+    /// Norm of the gradient, |grad N|, 1/m.
     pub fn steepness(&self) -> f64 {
         self.gradient.iter().map(|g| g * g).sum::<f64>().sqrt()
     }
 }
 
-/// A particle as its nodes see it.
+/// Contributions of a particle to its nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint<'a, const D: usize> {
-    /// Its number in its body.
+    /// Number of the particle in its body.
     pub number: usize,
     /// Mass, kg.
     pub mass: f64,
     /// Velocity, m/s.
     pub velocity: [f64; 3],
-    /// Speed of the fastest wave over the cells, m/s: c, or c |F^-1| in the reference configuration.
+    /// Largest wave speed over the cells, m/s: c, or c |F^-1| in the reference configuration.
     pub wave_speed: f64,
-    /// Volume times stress, J, whose product with the gradient of a node is the force on the particle: v sigma, or
-    /// v sigma F^-T in the reference configuration.
+    /// Volume times stress, J: v sigma, or v sigma F^-T in the reference configuration. Its product with the gradient of a
+    /// node is the force on the particle.
     pub stress: [[f64; 3]; 3],
-    /// Force of its stress on its nodes beside that, spread by their weights, N: of hoop stress about an axis.
+    /// Additional force of hoop stress about an axis on the nodes, distributed by weights, N.
     pub hoop: [f64; 3],
-    /// Force of tractions and force fields on it, spread likewise, N.
+    /// Force of tractions and force fields on the particle, distributed by weights, N.
     pub load: [f64; 3],
-    /// Is it of a rigid body?
+    /// True for a particle of a rigid body.
     pub rigid: bool,
-    /// Its nodes. One may come twice, as itself and as the mirror image of one behind a plane of symmetry.
+    /// Nodes of the particle. A node may occur twice, as itself and as the mirror image of one behind a symmetry plane.
     pub nodes: &'a [NodeWeight<D>],
 }

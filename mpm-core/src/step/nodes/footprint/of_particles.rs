@@ -13,7 +13,7 @@ use impactite_simd::Float;
 use mpm_materials::Sym3;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Show every particle, loads as they are at `time`, s. The nodes are those of the whole lattice.
+    /// Visit every particle, with loads at `time`, s. Nodes are those of the whole lattice.
     pub(in crate::step) fn show_footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         let mut nodes = Vec::new();
         for slot in &self.slots {
@@ -26,7 +26,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         }
     }
 
-    /// The numbers of the domain of a particle of which `number` gives the number in a row.
+    /// Return the domain of a particle; `number` reads its value in a row.
     fn domain_of(&self, number: impl Fn(usize) -> T) -> [T; MOST_NUMBERS] {
         let (first, count) = self.columns.domains();
         let mut domain = [T::of(0.5); MOST_NUMBERS];
@@ -37,7 +37,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         domain
     }
 
-    /// The weights of a particle on its nodes: products of those along the axes, unless its domain convects.
+    /// Compute the weights of a particle on its nodes: products of axis weights, unless its domain is convected.
     pub(in crate::step) fn node_weights(
         &self,
         block: &Block<T, D>,
@@ -71,7 +71,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let xi = block.get(at, Columns::position() + d);
             let [values, slopes] = shape.weights(xi, domain[d]);
             let inertia = shape.inertia(xi, domain[d]);
-            // From the last on, so that each makes room for those that it becomes.
+            // In reverse order, so that no entry is overwritten before it is used.
             let before = list.len();
             list.resize(before * n, list[0]);
             for from in (0..before).rev() {
@@ -147,8 +147,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Show every particle as its nodes see it, with what nodes behind planes of symmetry and edges stand for. Loads are
-    /// those of now. Made from the particles one by one, for diagnostics: some ten times the work of a step.
+    /// Visit every particle with its nodes; nodes behind symmetry planes and edges are replaced by those that represent
+    /// them. Loads are current. Computed particle by particle, for diagnostics: about ten times the cost of a step.
     pub fn for_each_footprint(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         self.work.for_each_footprint(self, visit)
     }

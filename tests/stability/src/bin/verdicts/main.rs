@@ -41,7 +41,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Is all as expected, or as noted?
+/// Run the scenes and write the results; return true if all rows are as expected or as noted.
 fn run(options: &Options) -> Result<bool, Box<dyn std::error::Error>> {
     let size = if options.quick { Size::Fast } else { Size::Full };
     let all = scenes::all();

@@ -1,4 +1,4 @@
-//! Scenes against schemes, as a map.
+//! Map of scenes against schemes.
 
 use std::fmt::Write;
 
@@ -7,7 +7,7 @@ use verification::Scheme;
 
 use crate::record::Record;
 
-/// The map.
+/// Write the map.
 pub fn map(out: &mut String, scenes: &[Scene], records: &[Record]) {
     let mut names: Vec<String> = Scheme::all().iter().map(|s| s.name()).collect();
     names.retain(|n| records.iter().any(|r| scheme_of(&r.scheme, std::slice::from_ref(n)).is_some()));
@@ -41,7 +41,7 @@ pub fn map(out: &mut String, scenes: &[Scene], records: &[Record]) {
     out.push_str("</table></div>");
 }
 
-/// A value on a line of ten decades about its limit; left of the middle it holds.
+/// Draw a value on a scale of ten decades about its limit; the criterion is met left of the middle.
 pub fn gauge(record: &Record) -> String {
     let (width, height) = (150.0, 14.0);
     let middle = 0.5 * width;

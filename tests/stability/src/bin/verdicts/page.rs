@@ -1,4 +1,4 @@
-//! The page, and the table in Markdown.
+//! Verdict page and Markdown table.
 
 use std::fmt::Write;
 
@@ -8,17 +8,17 @@ use stability::verdict::{SIGNS, Scene, Verdict, escape};
 use crate::map::{gauge, map};
 use crate::record::Record;
 
-/// What the page says of its making.
+/// Provenance of the page.
 pub struct Making {
     /// Commit.
     pub commit: String,
     /// Date.
     pub date: String,
-    /// Which set was run.
+    /// Name of the set of scenes.
     pub set: &'static str,
 }
 
-/// That of the charts of error against work, so that the two pages look alike.
+/// Style sheet of the error-work charts, so that the two pages look alike.
 const STYLE: &str = include_str!("../../../../report/src/page.css");
 
 const OWN: &str = ".map td,.map th{text-align:center;padding:.1rem .3rem}.map td:first-child{text-align:left;white-space:nowrap}\
@@ -26,7 +26,7 @@ const OWN: &str = ".map td,.map th{text-align:center;padding:.1rem .3rem}.map td
 .odd{color:var(--c4)}svg .good{fill:var(--good)}svg .bad{fill:var(--bad)}svg .fair{fill:var(--fair)}svg .odd{fill:var(--c4)}\
 .gauge{vertical-align:middle}";
 
-/// Marks of code in Markdown as those of HTML.
+/// Convert Markdown code marks to HTML.
 fn code(text: &str) -> String {
     let mut out = String::new();
     for (n, part) in escape(text).split('`').enumerate() {
@@ -46,7 +46,7 @@ fn count(records: &[Record], verdict: Verdict) -> usize {
     records.iter().filter(|r| r.verdict == verdict.name()).count()
 }
 
-/// How many of each.
+/// Count the verdicts of each kind.
 fn summary(records: &[Record]) -> String {
     let all = [Verdict::Pass, Verdict::FailExpected, Verdict::Regression, Verdict::UnexpectedPass];
     let parts: Vec<String> = all.iter().map(|&v| format!("{} {}", count(records, v), v.name())).collect();
@@ -54,7 +54,7 @@ fn summary(records: &[Record]) -> String {
     format!("{} rows: {}; {unknown} neither as expected nor noted", records.len(), parts.join(", "))
 }
 
-/// The whole page.
+/// Write the whole page.
 pub fn page(scenes: &[Scene], records: &[Record], making: &Making) -> String {
     let mut out = format!(
         "<!doctype html><html lang=\"en\"><head><meta charset=\"utf-8\">\
@@ -130,7 +130,7 @@ fn section(out: &mut String, scene: &Scene, records: &[Record]) {
     out.push_str("</table></div></section>");
 }
 
-/// The table in Markdown, one line a row.
+/// Write the Markdown table, one line per row.
 pub fn markdown(scenes: &[Scene], records: &[Record]) -> String {
     let mut out = format!("{}.\n\n", summary(records));
     out.push_str("| scene | scheme | should | measured | asked | verdict |\n|---|---|---|---|---|---|\n");

@@ -1,4 +1,4 @@
-//! A row as it is written down.
+//! Stored result of a row.
 
 use std::fs::File;
 use std::io::{self, Write};
@@ -7,41 +7,41 @@ use std::path::Path;
 use serde::Serialize;
 use stability::verdict::{Expect, Judged, short};
 
-/// A scheme in a scene, and what came of it.
+/// Result of a scheme in a scene.
 #[derive(Clone, Debug, Serialize)]
 pub struct Record {
     /// Scene.
     pub scene: String,
-    /// Scheme, particles a cell and axis, factor of the step: what was tried.
+    /// Scheme, particles per cell and axis, time step factor.
     pub scheme: String,
-    /// "holds" or "fails".
+    /// Expected result: "holds" or "fails".
     pub expected: &'static str,
-    /// Where that is from.
+    /// Source of the expectation.
     pub source: String,
-    /// What was measured; none if it is not a number.
+    /// Measured value; none for NaN.
     pub value: Option<f64>,
-    /// When the criterion holds.
+    /// Limit of the criterion.
     pub limit: String,
-    /// Value over limit, so that more than 1 fails.
+    /// Ratio of value to limit: more than 1 fails.
     pub share: Option<f64>,
-    /// Verdict.
+    /// Verdict on the row.
     pub verdict: &'static str,
-    /// Why it is not as expected, if known.
+    /// Known cause of an unexpected result, if any.
     pub noted: Option<String>,
-    /// As expected, or as noted?
+    /// True if the result is as expected or as noted.
     pub known: bool,
-    /// Steps made.
+    /// Number of steps.
     pub steps: u64,
     /// Step that stopped the run.
     pub stopped_at: Option<u64>,
-    /// What stopped it, or what else is to say.
+    /// Failure message, or a remark.
     pub said: Option<String>,
-    /// Seconds.
+    /// Run time, s.
     pub seconds: f64,
 }
 
 impl Record {
-    /// Of a row.
+    /// Create the record of a judged row.
     pub fn of(judged: &Judged<'_>) -> Self {
         let (row, measured) = (judged.row, &judged.measured);
         let finite = |x: f64| Some(x).filter(|x| x.is_finite());
@@ -64,7 +64,7 @@ impl Record {
         }
     }
 
-    /// What was measured, in words.
+    /// Describe the measured value.
     pub fn found(&self) -> String {
         match (self.value, self.stopped_at) {
             (Some(value), _) => short(value),
@@ -74,7 +74,7 @@ impl Record {
     }
 }
 
-/// All rows as a table for others.
+/// Write all rows as a CSV table.
 pub fn write_csv(path: &Path, records: &[Record]) -> io::Result<()> {
     let mut file = File::create(path)?;
     writeln!(

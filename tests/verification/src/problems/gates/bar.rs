@@ -1,4 +1,4 @@
-//! A: a bar on a rigid wall, between planes of symmetry.
+//! A: bar on a rigid wall, between symmetry planes.
 
 use mpm_materials::{LinearElastic, Moduli};
 
@@ -10,12 +10,12 @@ const LENGTH: f64 = 0.2;
 const SPEED: f64 = 10.0;
 const YOUNG: f64 = 200e9;
 const DENSITY: f64 = 7850.0;
-/// Cells across.
+/// Number of cells across.
 const ACROSS: usize = 2;
-/// When the velocity is looked at, in transits of a wave: the third front, that of letting go, is there from 2 on.
+/// Sample times of the velocity, in wave transit times: the third front, that of release, is present from 2 on.
 const LOOKS: [f64; 7] = [0.25, 0.5, 0.75, 1.25, 1.5, 1.75, 2.5];
 
-/// Velocity along the bar of the place `x`, m, after `time` transits, m/s (d'Alembert).
+/// Exact velocity at the position `x`, m, along the bar after `time` transits, m/s (d'Alembert).
 fn exact(x: f64, time: f64) -> f64 {
     let from_wall = time * LENGTH;
     match time {

@@ -1,4 +1,4 @@
-//! C: half a swing of a cantilever in its lowest mode.
+//! C: half a period of a cantilever in its lowest mode.
 
 use std::sync::Arc;
 
@@ -11,13 +11,13 @@ use crate::case::Outcome;
 
 const SIZE: [f64; 2] = [0.2, 0.02];
 const FREQUENCY: f64 = 3.9210;
-/// Amplitude of the velocity of the end, m/s.
+/// Velocity amplitude of the end, m/s.
 const SMALL: f64 = 2e-4;
-/// Half a swing is looked for between these parts of a period.
+/// Search interval of half a period, in periods.
 const BETWEEN: [f64; 2] = [0.35, 0.65];
 const LOOKS: usize = 60;
 
-/// Euler's and Bernoulli's first mode, with the motion of sections that turn.
+/// Euler-Bernoulli first mode, with the rotation of sections.
 fn mode([x, y]: [f64; 2]) -> [f64; 2] {
     let (k, s) = (1.875_104_068_7 / SIZE[0], 0.734_095_514_0);
     let (a, y) = (k * x, y - 0.5 * SIZE[1]);
@@ -37,7 +37,7 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
         load: None,
     };
     let mut beam = Matter::in_plane_strain(passage.way, setup, law)?;
-    // The part of the mode in the displacement.
+    // Modal amplitude of the displacement.
     let part = |beam: &Matter| -> f64 {
         let one = |shape: [f64; 2], u: [f64; 2]| shape[0] * u[0] + shape[1] * u[1];
         let points = beam.points();

@@ -1,4 +1,4 @@
-//! B: a cantilever in plane stress under a pulse of shear on its end (case 2.2 of \[Shen2022\]).
+//! B: cantilever in plane stress under a shear pulse on its end (case 2.2 of \[Shen2022\]).
 
 use std::sync::Arc;
 
@@ -13,10 +13,10 @@ const SIZE: [f64; 2] = [48.0, 12.0];
 const YOUNG: f64 = 30e6;
 const POISSON: f64 = 0.3;
 const DENSITY: f64 = 1.0;
-/// Traction, Pa, and how long it acts, s.
+/// Traction, Pa, and its duration, s.
 const SHEAR: f64 = 100.0;
 const DURATION: f64 = 0.5;
-/// Times, s, and displacement of the middle of the end, m: 96 x 24 elements of eight nodes.
+/// Reference path: times, s, and displacements of the middle of the end, m, by 96 x 24 elements of eight nodes.
 const PATH: [(f64, f64); 9] = [
     (0.05, -0.008_598),
     (0.10, -0.020_24),
@@ -28,14 +28,14 @@ const PATH: [(f64, f64); 9] = [
     (0.50, -0.007_759),
     (0.60, 0.003_069),
 ];
-/// Under the load at rest, m.
+/// Static displacement under the load, m.
 const STATIC: f64 = 0.010_682;
-/// The lowest place under load, m, and between which times it is looked for, s.
+/// Minimum displacement under load, m, and its search interval, s.
 const LOWEST: f64 = -0.021_275;
 const BETWEEN: [f64; 2] = [0.1, 0.125];
 const LOOKS: usize = 50;
 
-/// Displacement of the middle of the end, m: of the plane of least squares through that of the points around it.
+/// Displacement of the middle of the end, m: least-squares plane fit of the points around it.
 fn tip(points: &[Point], h: f64) -> f64 {
     let place = |p: &Point| [p.rest[0] - SIZE[0], p.rest[1] - 0.5 * SIZE[1]];
     let near: Vec<&Point> = points.iter().filter(|p| place(p).iter().all(|c| c.abs() < 1.8 * h)).collect();

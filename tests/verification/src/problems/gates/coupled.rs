@@ -1,4 +1,4 @@
-//! A body of elements that become particles.
+//! Finite element body with conversion to particles.
 
 use coupling::{Conversion, ConversionLog, Elements};
 use fem::{Fem, MeshBody};
@@ -12,25 +12,25 @@ use super::matter::Setup;
 use super::solved::{Solved, text};
 use crate::work::Work;
 
-/// Height of what is particles from the start (MPFEM), in radii of the bar: it holds what flows.
+/// Height of the region of initial particles (MPFEM), in bar radii: it includes all large deformation.
 const REGION: f64 = 2.0;
 
-/// The scene, and what its steps took.
+/// Coupled scene and the work of its steps.
 pub struct Coupled {
     mpm: Mpm<2>,
     log: ConversionLog,
     way: Way,
-    /// Edge of a cell, m.
+    /// Cell size, m.
     cell: f64,
-    /// Elements at the start.
+    /// Number of initial elements.
     elements: u64,
-    /// Points summed over steps, and their nodes.
+    /// Number of points and of their nodes, summed over steps.
     points: u64,
     nodes: u64,
 }
 
 impl Coupled {
-    /// A box of elements, as large as cells, on the plane that bounds it below.
+    /// Mesh a box with elements of cell size on its lower boundary plane.
     pub fn new<E: Embedding<2>>(
         way: Way,
         setup: Setup,
@@ -94,8 +94,8 @@ impl Solved for Coupled {
     }
 }
 
-/// Height and largest radius, m, of a bar around its axis, from the corners of its elements, and its outermost particles with half their size. A
-/// particle is as wide as the next one beside it is away, within an angle of 27 degrees, and as high as its volume asks for.
+/// Height and largest radius, m, of an axisymmetric bar, from element corners and from outermost particles with half their size. The width
+/// of a particle is the distance to its lateral neighbour within an angle of 27 degrees; its height follows from its volume.
 fn sizes(mpm: &Mpm<2>, cell: f64) -> [f64; 2] {
     let (mut corners, mut places, mut particles) = (Vec::new(), Vec::new(), Vec::new());
     for body in mpm.bodies() {

@@ -1,7 +1,7 @@
-//! H: the plate of Kalthoff and Winkler: a crack runs up from a notch that is struck below (case 2.3 of \[Shen2022\]).
+//! H: Kalthoff-Winkler plate: a crack propagates from a notch after impact below it (case 2.3 of \[Shen2022\]).
 //!
-//! Half of it, 0.1 m x 0.1 m, in plane stress, of random cells, with rows of points along the notch. What runs are measured by are the ranges
-//! that printed computations, an independent one by peridynamics and the experiment leave: their middle, and half their width.
+//! Half model, 0.1 m x 0.1 m, in plane stress, of random cells, with rows of points along the notch. The reference is the range of
+//! published computations, an independent peridynamics computation and the experiment: its centre, and half its width.
 
 use std::sync::Arc;
 
@@ -17,33 +17,33 @@ use crate::fragile::{Cracks, Opening};
 use crate::work::{Stopwatch, Work};
 
 const SIZE: f64 = 0.1;
-/// The end of the notch, m.
+/// Notch tip, m.
 const TIP: [f64; 2] = [0.05, 0.025];
 /// Width of the notch, m.
 const GAP: f64 = 0.3e-3;
-/// Of the edge below the notch, m/s, from `RAMP` s on.
+/// Velocity of the edge below the notch, m/s, after a ramp of `RAMP` s.
 const SPEED: f64 = 16.5;
 const RAMP: f64 = 1e-6;
 const END: f64 = 90e-6;
-/// Largest tension that a face bears, Pa.
+/// Tensile strength of a face, Pa.
 const STRENGTH: f64 = 1773e6;
-/// What a crack takes, J/m^2.
+/// Fracture energy, J/m^2.
 const WORK: f64 = 2.213e4;
-/// Speed of Rayleigh waves, m/s.
+/// Rayleigh wave speed, m/s.
 const RAYLEIGH: f64 = 2799.0;
-/// How far the crack has gone where its chord is taken, m.
+/// Crack extension at which its chord is measured, m.
 const FAR: f64 = 0.06;
-/// The middles of what is accepted: angle of the chord, 64 to 70 degrees, and start, 23 to 28 us.
+/// Centres of the accepted ranges: chord angle, 64 to 70 degrees, and initiation time, 23 to 28 us.
 const CHORD: f64 = 67.0;
 const START: f64 = 25.5e-6;
-/// How far it has gone when it has started, m.
+/// Crack extension that counts as initiation, m.
 const BEGUN: f64 = 2e-3;
 
 fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// The plate with its notch.
+/// Build the cells of the plate with its notch.
 fn cells(h: f64, seed: u64) -> Result<Cells<2>, String> {
     let domain = Domain::cuboid([0.0; 2], [SIZE; 2]).map_err(text)?;
     let notch = Notch::segment([0.0, TIP[1]], TIP).and_then(|n| n.with_gap(GAP)).map_err(text)?;
@@ -55,7 +55,7 @@ fn cells(h: f64, seed: u64) -> Result<Cells<2>, String> {
 pub fn run(passage: Passage, cracks: Cracks) -> Result<Outcome, String> {
     match cracks.opening {
         Opening::Strength => opened(passage, cracks, MaximumTension::new(STRENGTH).map_err(text)?),
-        // Errors that are stored, and charts of them, are of cells that part.
+        // Stored errors and charts refer to parted cells.
         Opening::Cohesive => opened(passage, cracks, Cohesive::new(STRENGTH, WORK).map_err(text)?.parted()),
     }
 }

@@ -1,4 +1,4 @@
-//! A body by any of the methods.
+//! Body of a gate, solved by any of the methods.
 
 use std::sync::Arc;
 
@@ -17,27 +17,27 @@ use super::coupled::Coupled;
 use super::solved::{self, Solved, smoothed, text, unloaded};
 use crate::work::{Stopwatch, Work};
 
-/// A velocity, m/s, of a place, m.
+/// Initial velocity, m/s, as a function of position, m.
 pub type Velocity = Arc<dyn Fn([f64; 2]) -> [f64; 2] + Send + Sync>;
 
-/// A traction, Pa, over time, s.
+/// Traction history, Pa, over time, s.
 pub type Load = Arc<dyn Fn(f64) -> [f64; 2] + Send + Sync>;
 
-/// A box from the origin, what holds it and what acts on it.
+/// Box from the origin, with boundary conditions and loads.
 pub struct Setup {
-    /// Edges, m.
+    /// Edge lengths, m.
     pub size: [f64; 2],
-    /// Cells or elements along them.
+    /// Number of cells or elements along the edges.
     pub cells: [usize; 2],
     pub velocity: Velocity,
     pub boundaries: Vec<Boundary<2>>,
-    /// What acts on the end far along x.
+    /// Traction on the far end along x.
     pub load: Option<Load>,
 }
 
 impl Setup {
-    /// A bar of so many cells along its `length` (m) and `across`, between planes of symmetry, that meets a wall at the origin at a speed
-    /// (m/s).
+    /// Build a bar of so many cells along its `length` (m) and `across`, between symmetry planes, that hits a wall at the origin at a
+    /// speed (m/s).
     pub fn on_a_wall(length: f64, [cells, across]: [usize; 2], speed: f64) -> Self {
         let width = across as f64 * length / cells as f64;
         Setup {
@@ -54,17 +54,17 @@ impl Setup {
     }
 }
 
-/// A particle or a node.
+/// Particle or node.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
     pub mass: f64,
-    /// Where it was at the start, m.
+    /// Initial position, m.
     pub rest: [f64; 2],
     pub position: [f64; 2],
     pub velocity: [f64; 2],
 }
 
-/// A body, and what its steps cost so far.
+/// Body of a gate and its work so far.
 pub struct Matter {
     solved: Box<dyn Solved>,
     rest: Vec<[f64; 2]>,
@@ -110,7 +110,7 @@ impl Matter {
                 let mut mpm = Mpm::new(kernels, BlockGrid::new(lattice));
                 let mut body = Deformable::new("body", law, &seeds).moving(|x| velocity(x));
                 if let Some(history) = setup.load {
-                    // The last particles: nearer to the end than half a cell.
+                    // Loaded particles: nearer to the end than half a cell.
                     let [length, width] = setup.size;
                     let region =
                         Cuboid::new([length - 0.5 * h, -h], [length + h, width + h]).map_err(text)?;
@@ -170,7 +170,7 @@ impl Matter {
         Matter { solved, rest, work: Work { particles, nodes: way.nodes(), ..Work::default() } }
     }
 
-    /// Step until `end`, s.
+    /// Advance to time `end`, s.
     pub fn run_until(&mut self, end: f64) -> Result<(), String> {
         let watch = Stopwatch::start();
         let made = self.solved.run_until(end);
@@ -182,12 +182,12 @@ impl Matter {
         made.map_err(text)
     }
 
-    /// Height and largest radius, m, of a body whose points have no place at the start.
+    /// Height and largest radius, m, of a body whose points have no initial position.
     pub fn outer_sizes(&self) -> Option<[f64; 2]> {
         self.solved.outer_sizes()
     }
 
-    /// What there is now, of all that has a place at the start.
+    /// Return all points that have an initial position.
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::with_capacity(self.rest.len());
         self.solved.each(&mut |n, mass, position, velocity| {
@@ -196,18 +196,18 @@ impl Matter {
         points
     }
 
-    /// Call `visit` for every particle, or every element.
+    /// Visit every particle or every element.
     pub fn visit(&mut self, visit: &mut dyn FnMut(&PointView)) {
         self.solved.solver().bodies().iter().for_each(|body| body.for_each(visit));
     }
 
-    /// The place of a number of the law among those of a point, by its name.
+    /// Index of a state variable of the law among those of a point, by its name.
     pub fn place_of(&mut self, name: &str) -> Option<usize> {
         let bodies = self.solved.solver().bodies();
         bodies.first()?.state_names().iter().position(|n| n == name)
     }
 
-    /// Energy that nothing explains, over that at the start.
+    /// Relative energy error of the balance, over the initial energy.
     pub fn energy_error(&mut self) -> f64 {
         self.solved.solver().account().energy_error()
     }

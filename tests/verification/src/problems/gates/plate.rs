@@ -1,7 +1,7 @@
-//! D: plates of copper without strength that hit each other, half of it: a bar between planes of symmetry on a rigid wall.
+//! D: impact of copper plates without strength, one half: a bar between symmetry planes on a rigid wall.
 //!
-//! A shock runs into material that comes with u and stops it: U = c0 + s u, p = rho0 U u, rho = rho0 U / (U - u), and the specific energy
-//! u^2 / 2. What the first particles at the wall are heated too much, and the front, are left out of the means.
+//! A shock runs into material of velocity u and stops it: U = c0 + s u, p = rho0 U u, rho = rho0 U / (U - u), and the specific energy u^2
+//! / 2. Means exclude wall heating of the first particles and the front.
 
 use mpm_materials::{Fluid, MieGruneisen};
 
@@ -10,7 +10,7 @@ use super::matter::{Matter, Setup};
 use crate::case::Outcome;
 
 const LENGTH: f64 = 0.1;
-/// Cells across.
+/// Number of cells across.
 const ACROSS: usize = 2;
 const DENSITY: f64 = 8930.0;
 const SOUND: f64 = 3940.0;
@@ -18,28 +18,28 @@ const SLOPE: f64 = 1.49;
 const GRUNEISEN: f64 = 2.0;
 /// Half of the closing speed, m/s.
 const SPEED: f64 = 250.0;
-/// Bulk viscosity, linear and quadratic.
+/// Bulk viscosity coefficients, linear and quadratic.
 const VISCOSITY: [f64; 2] = [0.3, 1.5];
-/// How much of the plate the shock has passed at the two looks.
+/// Fraction of the plate that the shock has passed at the two samples.
 const PASSED: [f64; 2] = [0.4, 0.7];
-/// The part of what it has passed at the last of them that means are taken of.
+/// Averaging range behind the shock at the last sample, as fractions of the shocked length.
 const BEHIND: [f64; 2] = [0.2, 0.7];
 
-/// Speed of the shock in the material, m/s.
+/// Shock speed in the material, m/s.
 const SHOCK: f64 = SOUND + SLOPE * SPEED;
 const PRESSURE: f64 = DENSITY * SHOCK * SPEED;
 /// Density behind the shock, kg/m^3.
 const DENSE: f64 = DENSITY * SHOCK / (SHOCK - SPEED);
-/// Energy that the shock leaves, J/kg.
+/// Specific internal energy behind the shock, J/kg.
 const ENERGY: f64 = 0.5 * SPEED * SPEED;
 
-/// What is seen of a point.
+/// Sampled state of a point.
 struct Seen {
     x: f64,
     volume: f64,
     pressure: f64,
     density: f64,
-    /// J/kg.
+    /// Specific internal energy, J/kg.
     energy: f64,
 }
 
@@ -58,7 +58,7 @@ fn look(plate: &mut Matter) -> Result<Vec<Seen>, String> {
     Ok(seen)
 }
 
-/// Points in a part of what is behind a front at `front` m that means are taken of.
+/// Points in the averaging range behind a front at `front` m.
 fn behind(seen: &[Seen], front: f64) -> impl Iterator<Item = &Seen> + Clone {
     seen.iter().filter(move |s| (BEHIND[0] * front..BEHIND[1] * front).contains(&s.x))
 }
@@ -82,11 +82,11 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
             return Ok(Outcome { work: plate.work, failure: Some(failure), ..Outcome::default() });
         }
         seen = look(&mut plate)?;
-        // The middle of the front: as far as the mean pressure would have to reach to make up all of it.
+        // Front position: length at which the mean pressure behind the front gives the pressure integral.
         let pressure = mean(behind(&seen, (SHOCK - SPEED) * time), |s| s.pressure);
         *front = seen.iter().map(|s| s.volume * s.pressure).sum::<f64>() / across / pressure;
     }
-    // The front moves through material that comes with the speed.
+    // Shock speed relative to the material, which moves at the impact speed.
     let shock = (fronts[1] - fronts[0]) / (times[1] - times[0]) + SPEED;
     let exact = (SHOCK - SPEED) * times[1];
     let behind = || behind(&seen, exact);

@@ -1,4 +1,4 @@
-//! A plate whose end is pulled: waves in one dimension (case 2.1 of \[Shen2022\]) against the exact solution.
+//! Plate pulled at its end: one-dimensional waves (case 2.1 of \[Shen2022\]) against the exact solution.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -12,29 +12,29 @@ use crate::case::Outcome;
 use crate::work::Work;
 
 const LENGTH: f64 = 4.0;
-/// Cells across.
+/// Number of cells across.
 const ACROSS: usize = 3;
 const YOUNG: f64 = 8e4;
 const DENSITY: f64 = 1.0;
-/// So little that strains are small, Pa.
+/// Traction amplitude, Pa, for small strains.
 const PULL: f64 = 1e-3;
-/// Of the pull, s: three quarters of the time that a wave takes there and back.
+/// Duration of the pull, s: three quarters of the return travel time of a wave.
 const DURATION: f64 = 0.0212;
-/// Of the run, s: eight and a half times what a wave takes along the plate.
+/// End time of the run, s: eight and a half wave transits of the plate.
 const END: f64 = 0.12;
 const LOOKS: usize = 40;
 
-/// The pull over time.
+/// Traction history.
 #[derive(Clone, Copy)]
 enum Pull {
-    /// Half a sine: its rate jumps where it begins and ends, and errors fall with the power 5/3 of the spacing at best.
+    /// Half a sine: its rate jumps at start and end, and errors converge with the power 5/3 of the spacing at best.
     HalfSine,
-    /// A sine squared: smooth.
+    /// Sine squared: smooth.
     Squared,
 }
 
 impl Pull {
-    /// Pa.
+    /// Traction, Pa.
     fn at(self, t: f64) -> f64 {
         let sine = if (0.0..DURATION).contains(&t) { (PI * t / DURATION).sin() } else { 0.0 };
         PULL * match self {
@@ -43,7 +43,7 @@ impl Pull {
         }
     }
 
-    /// Its integral, Pa s.
+    /// Time integral of the traction, Pa s.
     fn sum(self, t: f64) -> f64 {
         let t = t.clamp(0.0, DURATION);
         PULL * match self {
@@ -53,7 +53,7 @@ impl Pull {
     }
 }
 
-/// Displacement, m: images of the pull beyond both ends, of alternating sign.
+/// Exact displacement, m: images of the pull beyond both ends, of alternating sign.
 fn exact(pull: Pull, x: f64, t: f64) -> f64 {
     let c = (YOUNG / DENSITY).sqrt();
     let ends = (0..).map(|n| (n, (2.0 * f64::from(n) + 1.0) * LENGTH));
@@ -65,7 +65,7 @@ fn exact(pull: Pull, x: f64, t: f64) -> f64 {
     waves.sum::<f64>() / (DENSITY * c)
 }
 
-/// Root mean square of the error of displacement over that of the displacement.
+/// Relative root mean square error of the displacement.
 fn one(passage: Passage, pull: Pull) -> Result<(f64, f64, Work), String> {
     let moduli = Moduli::young_poisson(YOUNG, 0.0).map_err(|e| e.to_string())?;
     let law = LinearElastic::new(DENSITY, moduli).map_err(|e| e.to_string())?;
@@ -90,7 +90,7 @@ fn one(passage: Passage, pull: Pull) -> Result<(f64, f64, Work), String> {
     Ok(((wrong / all).sqrt(), plate.energy_error(), plate.work))
 }
 
-/// Both pulls, one after the other.
+/// Run both tractions.
 pub fn run(passage: Passage) -> Result<Outcome, String> {
     let (smooth, energy, work) = one(passage, Pull::Squared)?;
     let (half, _, more) = one(passage, Pull::HalfSine)?;

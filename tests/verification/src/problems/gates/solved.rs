@@ -1,4 +1,4 @@
-//! What differs from method to method.
+//! Method-specific parts of the gates.
 
 use std::sync::Arc;
 
@@ -18,25 +18,25 @@ pub fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// Refuse a load where the method knows no tractions.
+/// Refuse a load for methods without tractions.
 pub fn unloaded(setup: &Setup) -> Result<(), String> {
     if setup.load.is_some() { Err("no tractions act on it".into()) } else { Ok(()) }
 }
 
-/// What differs from method to method.
+/// Method-specific part of a body.
 pub trait Solved {
     fn solver(&mut self) -> &mut dyn Solver;
-    /// Step until `end`, s.
+    /// Advance to time `end`, s.
     fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         self.solver().run_until(end)
     }
-    /// Mass, position and velocity of every particle or node, with its place among those of the start; nothing of a body whose points have none.
+    /// Visit mass, position and velocity of every particle or node, with its initial index; no call for bodies whose points have none.
     fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2]));
-    /// Height and largest radius, m, of a body whose points have no place at the start.
+    /// Height and largest radius, m, of a body whose points have no initial position.
     fn outer_sizes(&self) -> Option<[f64; 2]> {
         None
     }
-    /// Correct particles and nodes, where the number of points changes.
+    /// Correct the counts of particles and nodes for a variable number of points.
     fn weigh(&self, _work: &mut Work) {}
 }
 
@@ -80,10 +80,11 @@ impl<M: sph::Composition<2>> Solved for Sph<2, M> {
     }
 }
 
-/// A body, and where its points rest.
+/// Body with the initial positions of its points.
 pub type Rested = (Vec<[f64; 2]>, Box<dyn Solved>);
 
-/// Rows of smoothed particles on both ends of a box, where walls and clamps are, and half a spacing within its sides.
+/// Build smoothed particles in a box: rows on both ends, where walls and clamps are, and half a spacing within its
+/// sides.
 pub fn smoothed<M: sph::Composition<2>>(
     method: M,
     setup: Setup,
@@ -112,7 +113,7 @@ impl<M: fpm::Composition<2>> Solved for Fpm<2, M> {
     }
 }
 
-/// Fragile points in the box.
+/// Build fragile points in the box.
 pub fn fragile(way: Fragile, setup: Setup, law: impl IntoMaterial<f64>) -> Result<Rested, String> {
     let h = setup.size[0] / setup.cells[0] as f64;
     let domain = Domain::cuboid([0.0; 2], setup.size).map_err(text)?;
@@ -125,7 +126,7 @@ pub fn fragile(way: Fragile, setup: Setup, law: impl IntoMaterial<f64>) -> Resul
     Ok((cells.points().to_vec(), solved))
 }
 
-/// Cells that are joined by the method. Faces are held where planes are that hold all behind them, for no point lies on these.
+/// Build cells with the flux of the method. Fixed boundaries become face conditions, since no point is on these planes.
 fn joined<M: fpm::Composition<2>>(
     method: M,
     setup: Setup,
@@ -151,16 +152,16 @@ fn joined<M: fpm::Composition<2>>(
     Ok(Box::new(body))
 }
 
-/// Elements under a traction, which acts on the nodes of an end.
+/// Finite elements under a traction on the nodes of an end.
 pub struct Loaded {
     fem: Fem<2>,
-    /// Nodes, and the length of the end that is theirs, m.
+    /// Nodes and their tributary lengths of the end, m.
     ends: Vec<(usize, f64)>,
     load: Load,
 }
 
 impl Loaded {
-    /// At the end `length` m along x.
+    /// Apply the load at the end `length` m along x.
     pub fn new(fem: Fem<2>, length: f64, load: Load) -> Self {
         let nodes = fem.body(0).nodes().iter().enumerate();
         let at_end = nodes.filter(|(_, node)| node.position[0] > (1.0 - 1e-9) * length);
@@ -175,7 +176,8 @@ impl Loaded {
         Loaded { fem, ends, load }
     }
 
-    /// A step, of at most `left` s. Velocities belong to the middle of steps: the first force acts for half a step.
+    /// Advance one step of at most `left` s. Leapfrog velocities are at mid-step: the first force acts for half a
+    /// step.
     ///
     /// Never inlined, so that its instructions can be counted.
     #[inline(never)]

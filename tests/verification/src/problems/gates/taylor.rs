@@ -1,4 +1,4 @@
-//! G: bars of 4340 steel on a rigid wall, around their axis.
+//! G: bars of 4340 steel on a rigid wall, axisymmetric.
 
 use std::sync::Arc;
 
@@ -9,15 +9,15 @@ use super::Passage;
 use super::matter::{Matter, Point, Setup};
 use crate::case::Outcome;
 
-/// Radius and length, m. The diameter is 7.595 mm but for 1e-4 of it: so whole cells fill the bar.
+/// Radius and length, m. The diameter is 7.595 mm within 1e-4 of it, so that whole cells fill the bar.
 const SIZE: [f64; 2] = [3.797e-3, 37.97e-3];
 const END: f64 = 70e-6;
-/// Speed, m/s, and length and radius of the face after 70 us by two axisymmetric finite element codes (at 224 m/s one), m: lengths are good to
-/// 0.1 %, faces to 1 %.
+/// Speed, m/s, and length and radius of the face after 70 us by two axisymmetric finite element codes (at 224 m/s one), m: accuracy of
+/// lengths 0.1 %, of faces 1 %.
 const BARS: [(f64, [f64; 2]); 3] =
     [(181.0, [34.575e-3, 5.008e-3]), (224.0, [32.98e-3, 5.66e-3]), (270.0, [31.185e-3, 6.415e-3])];
 
-/// The three bars, one after the other.
+/// Run the three bars.
 pub fn run(passage: Passage) -> Result<Outcome, String> {
     let mut outcome = Outcome::default();
     let mut worst = [0.0f64; 3];
@@ -48,7 +48,7 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
     Ok(outcome.with("length", length).with("face", face).with("energy", energy))
 }
 
-/// Length, from the lowest place of the face, and radius of the face, m. What lies within the surface is continued to it from the layer
+/// Length, from the lowest point of the face, and radius of the face, m. Points below the surface are extrapolated to it from the layer
 /// behind.
 fn sizes(points: &[Point]) -> [f64; 2] {
     let [foot, top] = [0.0, SIZE[1]].map(|at| end(points, at));
@@ -63,7 +63,7 @@ fn sizes(points: &[Point]) -> [f64; 2] {
     [mean - lowest, face]
 }
 
-/// The end of a bar at the height `at` of the start.
+/// Points of the bar end at the initial height `at`, extrapolated to it.
 fn end(points: &[Point], at: f64) -> Vec<Point> {
     let rounding = 1e-9;
     let away = |p: &Point| (p.rest[1] - at).abs();
@@ -75,7 +75,7 @@ fn end(points: &[Point], at: f64) -> Vec<Point> {
     layer(first).filter_map(|p| Some(beyond(p, behind(p)?, 1, at))).collect()
 }
 
-/// On the straight line from one point over another to where their `axis` at rest is `at`.
+/// Extrapolate from the point `behind` over `p` to the initial coordinate `at` along `axis`.
 fn beyond(p: &Point, behind: &Point, axis: usize, at: f64) -> Point {
     let share = (at - p.rest[axis]) / (p.rest[axis] - behind.rest[axis]);
     let on = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|d| a[d] + share * (a[d] - b[d]));

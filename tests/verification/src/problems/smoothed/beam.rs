@@ -1,4 +1,4 @@
-//! Turek and Hron's CSM3: a beam of 0.35 x 0.02 m falls under gravity of 2 m/s^2 and swings.
+//! Turek-Hron benchmark CSM3: a beam of 0.35 x 0.02 m swings under gravity of 2 m/s^2.
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice};
 use mpm_core::{Boundary, PlaneStrain, Side};
@@ -11,12 +11,12 @@ use crate::work::Stopwatch;
 
 const SIZE: [f64; 2] = [0.35, 0.02];
 const GRAVITY: f64 = 2.0;
-/// The lowest place of the tip, m, by Turek and Hron.
+/// Minimum displacements of the tip, m, by Turek and Hron.
 const LOWEST: [f64; 2] = [-29.30e-3, -129.73e-3];
-/// It is there after 0.46 s.
+/// End time, s; the minimum is at 0.46 s.
 const END: f64 = 0.6;
 
-/// "down" and "back" are the errors of the least displacements of the tip.
+/// Run CSM3; "down" and "back" are the errors of the minimum displacements of the tip.
 pub fn run(by: By, cells: usize) -> Result<Outcome, String> {
     let moduli = Moduli::young_poisson(1.4e6, 0.4).map_err(text)?;
     let law = Solid::new(
@@ -25,7 +25,7 @@ pub fn run(by: By, cells: usize) -> Result<Outcome, String> {
     );
     let shape = Cuboid::new([0.0; 2], SIZE).map_err(text)?;
     let lattice = Lattice::new([0.0; 2], SIZE[1] / cells as f64).map_err(text)?;
-    // Rows on both ends, so that the clamp is where it is.
+    // Particle rows on both ends, so that the clamp is at the beam root.
     let layout = Layout::on_faces(&shape, &lattice, [true, false], &Filling::new()).map_err(text)?;
     let boundaries = vec![Boundary::Fixed { axis: 0, at: 0.0, side: Side::Above }];
     let mut march =

@@ -1,4 +1,4 @@
-//! Bodies of steel that breathe in their lowest mode.
+//! Breathing modes: steel bodies vibrate in their lowest mode.
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::{Axisymmetric, Boundary, FullSpace, Side};
@@ -10,13 +10,13 @@ use crate::smoothed::March;
 use crate::work::Stopwatch;
 
 const RADIUS: f64 = 10e-3;
-/// Hz.
+/// Exact frequencies, Hz.
 const SPHERE: f64 = 248.88e3;
 const CYLINDER: f64 = 198.13e3;
-/// Times that all stops, which make two periods.
+/// Number of velocity zero crossings, which span two periods.
 const STOPS: usize = 5;
 
-/// Particles of a shape in whole cells of `h` metres, of which no coordinate is negative.
+/// Particles of a shape in whole cells of `h` metres with no negative coordinate.
 fn particles<const D: usize>(shape: &impl Shape<D>, h: f64, filling: &Filling) -> Result<Layout<D>, String> {
     let lattice = Lattice::new([0.0; D], h).map_err(text)?;
     let whole = Layout::of_seeds(&fill(shape, &lattice, 1, filling).map_err(text)?);
@@ -29,7 +29,7 @@ fn particles<const D: usize>(shape: &impl Shape<D>, h: f64, filling: &Filling) -
     Ok(part)
 }
 
-/// "frequency" is the error of that, "energy" the change of the energy until it was known.
+/// Run a breathing mode; "frequency" is its error, "energy" the change of the energy during the measurement.
 fn breathe<const D: usize>(
     mut march: March<D>,
     mode: &dyn Fn([f64; D]) -> [f64; D],
@@ -54,7 +54,7 @@ fn breathe<const D: usize>(
         march.smoothed_step(dt, None).map_err(text)?;
         let now = amplitude(&march);
         if now * before < 0.0 {
-            // Velocities are those of the middle of a step.
+            // Time of the zero crossing: leapfrog velocities are at mid-step.
             stops.push(march.time - 0.5 * dt - dt * now / (now - before));
         }
         before = now;
@@ -66,7 +66,7 @@ fn breathe<const D: usize>(
         .with("energy", (after.kinetic + after.internal) / start - 1.0))
 }
 
-/// The lowest mode of a sphere: u = sin(kr)/r^2 - k cos(kr)/r with kR = 2.6702, m/s.
+/// Lowest mode of a sphere: u = sin(kr)/r^2 - k cos(kr)/r with kR = 2.6702, m/s.
 fn of_sphere<const D: usize>(x: [f64; D]) -> [f64; D] {
     let k = 2.6702 / RADIUS;
     let r = x.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -78,7 +78,7 @@ fn above<const D: usize>(axis: usize) -> Boundary<D> {
     Boundary::Symmetry { axis, at: 0.0, side: Side::Above }
 }
 
-/// Half a sphere around its axis.
+/// Run half a sphere, axisymmetric.
 pub fn sphere(by: By, cells: usize) -> Result<Outcome, String> {
     let ball = Ball::<2>::new([0.0; 2], RADIUS).map_err(text)?;
     let layout = particles(&ball, RADIUS / cells as f64, &Filling::new().axisymmetric())?;
@@ -86,7 +86,7 @@ pub fn sphere(by: By, cells: usize) -> Result<Outcome, String> {
     breathe(setup.body(by, Axisymmetric, steel()?)?, &of_sphere, SPHERE)
 }
 
-/// An eighth of a sphere in space.
+/// Run an eighth of a sphere in three dimensions.
 pub fn eighth(by: By, cells: usize) -> Result<Outcome, String> {
     let ball = Ball::<3>::new([0.0; 3], RADIUS).map_err(text)?;
     let layout = particles(&ball, RADIUS / cells as f64, &Filling::new())?;
@@ -94,7 +94,7 @@ pub fn eighth(by: By, cells: usize) -> Result<Outcome, String> {
     breathe(setup.body(by, FullSpace, steel()?)?, &of_sphere, SPHERE)
 }
 
-/// The Bessel function J1, by its series.
+/// Bessel function J1 by its series.
 fn bessel(x: f64) -> f64 {
     let (mut term, mut sum) = (0.5 * x, 0.0);
     for n in 1..30 {
@@ -104,7 +104,7 @@ fn bessel(x: f64) -> f64 {
     sum
 }
 
-/// A slice of a long cylinder.
+/// Run a slice of a long cylinder.
 pub fn cylinder(by: By, cells: usize) -> Result<Outcome, String> {
     let h = RADIUS / cells as f64;
     let slice = Cuboid::new([0.0; 2], [RADIUS, 4.0 * h]).map_err(text)?;

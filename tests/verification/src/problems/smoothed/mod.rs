@@ -1,17 +1,16 @@
-//! Smoothed particles against closed solutions and independent computations: linear fields and a uniform stress at the axis, bodies that
-//! breathe, a tube under pressure, a beam that swings far.
+//! Smoothed particles against closed-form solutions and independent computations: linear fields, uniform stress at the axis, breathing
+//! modes, a tube under pressure, a beam with large deflection.
 //!
-//! | problem | against |
+//! | problem | reference |
 //! |---|---|
-//! | patch | a linear velocity field is strained uniformly, on disordered particles |
-//! | axis | a uniform stress does not accelerate; errors over s / (rho r) |
+//! | patch | uniform strain in a linear velocity field, on disordered particles |
+//! | axis | zero acceleration under uniform stress; errors over s / (rho r) |
 //! | sphere, cylinder | lowest frequencies, 248.88 and 198.13 kHz of steel with a radius of 10 mm (roots 2.6702 and 2.1257, exact) |
-//! | tube, around its axis and in the plane | Lame: radii 10 and 20 mm, pressure p inside, plane strain: hoop stress at the bore 5 p / 3, and the displacement there |
-//! | beam | Turek and Hron's CSM3: the tip goes 129.73 mm down and 29.30 mm back |
+//! | tube, axisymmetric and plane | Lame: radii 10 and 20 mm, inner pressure p, plane strain: hoop stress 5 p / 3, displacement at bore |
+//! | beam | Turek-Hron benchmark CSM3: tip displacements of 129.73 mm down and 29.30 mm back |
 //!
-//! Smoothed particles have no pressure on a surface as a condition. The particles at the bore of the tube carry the forces under which a uniform
-//! pressure would be in equilibrium, and what swings is damped until the tube rests: that is equilibrium of the discrete body, whatever the
-//! damping was.
+//! Smoothed particles have no pressure boundary condition. The particles at the bore of the tube carry the forces that balance a uniform
+//! pressure, and oscillations are damped until the tube rests: this is the equilibrium of the discrete body for any damping.
 
 mod beam;
 mod breathing;
@@ -30,54 +29,54 @@ use crate::smoothed::{March, Smoothed};
 use crate::stored::{self, Stored};
 use crate::work::{Stopwatch, Work};
 
-/// What is asked.
+/// Test problem of smoothed particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
-    /// Is a linear velocity field strained uniformly? Cells are those of the block.
+    /// Strain uniformity in a linear velocity field. Resolution: cells of the block.
     Patch,
-    /// Does a uniform stress accelerate at the axis? Cells are those of the block.
+    /// Acceleration under uniform stress at the axis. Resolution: cells of the block.
     Axis,
-    /// How fast does a sphere breathe, around its axis? Cells are those of the radius, here and below.
+    /// Breathing frequency of a sphere, axisymmetric. Resolution: cells along the radius, here and below.
     Sphere,
-    /// The same of an eighth of it in space.
+    /// Breathing frequency of an eighth of a sphere in three dimensions.
     Eighth,
-    /// How fast does a long cylinder breathe?
+    /// Breathing frequency of a long cylinder.
     Cylinder,
-    /// The stress of a tube under pressure, around its axis. Cells are those of its wall.
+    /// Stress of a tube under pressure, axisymmetric. Resolution: cells through its wall.
     Tube,
-    /// The same of a quarter of it in the plane, on rings of particles.
+    /// Stress of a quarter tube in the plane, on rings of particles.
     Quarter,
-    /// How far does a beam swing? Cells are those through it.
+    /// Deflection of a swinging beam. Resolution: cells through its thickness.
     Beam,
 }
 
-/// By which method.
+/// Method of smoothed particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum By {
-    /// One that charts have, too.
+    /// Method that charts include, too.
     Charted(Smoothed),
     /// `sph::Method::printed`.
     Printed,
-    /// Updated, with corrected gradients, the cubic spline and no stabilisation.
+    /// Updated Lagrangian method with corrected gradients, the cubic spline and no stabilisation.
     Bare,
 }
 
 const TOTAL: By = By::Charted(Smoothed::TotalLagrangian);
 const UPDATED: By = By::Charted(Smoothed::Updated);
 
-/// A question, a method, a resolution.
+/// Problem, method and resolution.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Trial {
-    /// What is asked.
+    /// Test problem.
     pub question: Question,
-    /// By which method.
+    /// Method to run it by.
     pub by: By,
-    /// Cells along the length of the problem.
+    /// Number of cells along the length of the problem.
     pub cells: usize,
 }
 
 impl Question {
-    /// All.
+    /// All problems.
     pub const ALL: [Question; 8] = [
         Question::Patch,
         Question::Axis,
@@ -89,7 +88,7 @@ impl Question {
         Question::Beam,
     ];
 
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             Question::Patch => "SPH patch",
@@ -105,7 +104,7 @@ impl Question {
 }
 
 impl By {
-    /// Its name in files.
+    /// Name in files.
     pub const fn name(self) -> &'static str {
         match self {
             By::Charted(smoothed) => smoothed.name(),
@@ -115,8 +114,8 @@ impl By {
     }
 }
 
-/// The trials of a question whose errors are stored. In tension that lasts, as that of the tube, artificial stress never lets particles rest:
-/// there is no equilibrium to measure.
+/// List the trials of a problem with stored errors. In sustained tension, as in the tube, artificial stress prevents particles from
+/// resting: there is no equilibrium to measure.
 pub fn stored(question: Question) -> Vec<Trial> {
     let (list, grids): (&[By], &[usize]) = match question {
         Question::Patch => (&[TOTAL, UPDATED, By::Printed], &[6]),
@@ -132,7 +131,7 @@ pub fn stored(question: Question) -> Vec<Trial> {
 }
 
 impl Trial {
-    /// Run it.
+    /// Run the trial.
     pub fn run(self) -> Outcome {
         let Trial { question, by, cells } = self;
         let made = match question {
@@ -168,13 +167,13 @@ fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-/// Steel of 200 GPa and 0.3.
+/// Steel with Young's modulus 200 GPa and Poisson's ratio 0.3.
 fn steel() -> Result<LinearElastic<f64>, String> {
     let moduli = Moduli::young_poisson(200e9, 0.3).map_err(text)?;
     LinearElastic::new(DENSITY, moduli).map_err(text)
 }
 
-/// Particles, what moves them at the start, and what holds them.
+/// Particles with initial velocity and boundary conditions.
 struct Setup<'a, const D: usize> {
     layout: &'a Layout<D>,
     velocity: &'a dyn Fn([f64; D]) -> [f64; D],
@@ -182,7 +181,7 @@ struct Setup<'a, const D: usize> {
 }
 
 impl<const D: usize> Setup<'_, D> {
-    /// The body of a law by a method in an embedding.
+    /// Build the body of a law by a method in an embedding.
     fn body<E: Embedding<D> + Debug>(
         &self,
         by: By,
@@ -210,12 +209,12 @@ impl<const D: usize> Setup<'_, D> {
     }
 }
 
-/// The part of the stable step that is made, s.
+/// Time step, s: fraction of the stable step.
 fn step<const D: usize>(march: &March<D>) -> f64 {
     Smoothed::COURANT / march.body.rate()
 }
 
-/// An outcome without measures yet, of what was run since a watch was started.
+/// Create an outcome without measures of a run timed by a watch.
 fn outcome<const D: usize>(march: &March<D>, watch: &Stopwatch) -> Outcome {
     let work = Work {
         particles: march.body.len() as u64,

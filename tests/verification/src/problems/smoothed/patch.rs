@@ -1,4 +1,4 @@
-//! Linear velocity fields, and a uniform stress at the axis.
+//! Linear velocity fields, and uniform stress at the axis.
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{Axisymmetric, PlaneStrain};
@@ -9,18 +9,18 @@ use crate::case::Outcome;
 use crate::problems::elements::anywhere;
 use crate::work::Stopwatch;
 
-/// A step far below the stable one, s, of particles a metre apart.
+/// Time step far below the stable one, s, for particles one metre apart.
 const STEP: f64 = 1e-6;
 
-/// A square block of particles a metre apart.
+/// Square block of particles one metre apart.
 fn block(cells: usize, filling: &Filling) -> Result<Layout<2>, String> {
     let shape = Cuboid::new([0.0; 2], [cells as f64; 2]).map_err(text)?;
     let lattice = Lattice::new([0.0; 2], 1.0).map_err(text)?;
     Ok(Layout::of_seeds(&fill(&shape, &lattice, 1, filling).map_err(text)?))
 }
 
-/// Particles off their lattice by up to 0.2 in a linear velocity field: "spread" is the largest difference of a stress from the mean, over
-/// the largest mean.
+/// Run particles displaced from their lattice by up to 0.2 m in a linear velocity field: "spread" is the largest deviation of a stress
+/// from the mean, over the largest mean.
 pub fn linear(by: By, cells: usize) -> Result<Outcome, String> {
     let mut layout = block(cells, &Filling::new())?;
     for (n, x) in (0..).zip(&mut layout.positions) {
@@ -39,8 +39,8 @@ pub fn linear(by: By, cells: usize) -> Result<Outcome, String> {
     Ok(outcome(&march, &watch).with("spread", off.fold(0.0, f64::max) / size))
 }
 
-/// A block around the axis, compressed alike in all directions without rotation: accelerations along the radius under a uniform stress s, over
-/// s / (rho r), in the first three rows at the axis, and the largest of those beyond, up to where free surfaces are felt.
+/// Run an axisymmetric block under isotropic, irrotational compression: radial accelerations under a uniform stress s, over s / (rho r), in
+/// the first three rows at the axis, and the largest of the next rows outside the influence of free surfaces.
 pub fn axis(by: By, cells: usize) -> Result<Outcome, String> {
     let layout = block(cells, &Filling::new().axisymmetric())?;
     let field = |[r, z]: [f64; 2]| [-r, -z];

@@ -1,7 +1,7 @@
-//! Lame's tube: radii a and b, pressure p inside, plane strain.
+//! Lame's tube: radii a and b, inner pressure p, plane strain.
 //!
-//! s_tt = p a^2 / (b^2 - a^2) (1 + b^2 / r^2), u(a) = p a (1 + nu) / E ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2): of steel 10 and 20 mm wide under 100 MPa
-//! 166.67 MPa and 9.533 um. Here p is a thousandth of that, so that strains are small.
+//! s_tt = p a^2 / (b^2 - a^2) (1 + b^2 / r^2), u(a) = p a (1 + nu) / E ((1 - 2 nu) a^2 + b^2) / (b^2 - a^2): for steel with radii 10 and 20
+//! mm under 100 MPa, 166.67 MPa and 9.533 um. Here p is a thousandth of that, so that strains are small.
 
 use std::f64::consts::FRAC_PI_2;
 use std::fmt::Debug;
@@ -21,29 +21,29 @@ const PRESSURE: f64 = 100e3;
 const YOUNG: f64 = 200e9;
 const POISSON: f64 = 0.3;
 
-/// Hoop stress, Pa.
+/// Exact hoop stress, Pa.
 fn hoop(r: f64) -> f64 {
     PRESSURE * BORE * BORE / (OUTER * OUTER - BORE * BORE) * (1.0 + (OUTER / r).powi(2))
 }
 
-/// Displacement of the bore, m.
+/// Exact displacement of the bore, m.
 fn opening() -> f64 {
     let (a, b) = (BORE * BORE, OUTER * OUTER);
     PRESSURE * BORE * (1.0 + POISSON) / YOUNG * ((1.0 - 2.0 * POISSON) * a + b) / (b - a)
 }
 
-/// Rate of the slowest mode, which breathes, rad/s; about.
+/// Approximate angular frequency of the slowest mode (breathing), rad/s.
 fn slowest() -> f64 {
     (YOUNG / DENSITY).sqrt() / (0.5 * (BORE + OUTER))
 }
 
-/// The radius of a place, m.
+/// Radius at a position, m.
 type Radius = fn([f64; 2]) -> f64;
 
-/// Forces of the pressure at the bore, N by number: those under which a uniform pressure, within it and at its bore, is in equilibrium; that
-/// is one of strains that are alike `along` both axes, or around the axis along the radius. They
-/// spread over the rows that kernels reach, as the forces of stresses do at a surface; put on the outermost row alone, they would leave a
-/// layer in which the radial stress is off by 40 % of the pressure, however fine.
+/// Pressure forces at the bore, N by number: those that balance a uniform pressure within the body and at its bore. That state is one of
+/// equal strains `along` both axes, or in axisymmetry along the radius. The forces are distributed over the rows within kernel range, like
+/// the forces of stresses at a surface; concentrated on the outermost row, they would cause a layer with a radial stress error of 40 % of
+/// the pressure at any resolution.
 fn load<E: Embedding<2> + Debug>(
     by: By,
     space: E,
@@ -66,11 +66,11 @@ fn load<E: Embedding<2> + Debug>(
     Ok(accelerations.iter().enumerate().map(force).collect())
 }
 
-/// Let the load `force` (N by number) act, damped as is critical to the slowest mode, until what swings has died down to e^-25. `radius` is that of a
-/// place, `hoop_of` the hoop stress of a stress there.
+/// Apply the load `force` (N by number) with critical damping of the slowest mode until oscillations have decayed to e^-25. `radius` is
+/// that of a position, `hoop_of` the hoop stress of a stress there.
 ///
-/// "bore" is the error of the displacement of the bore, "hoop" that of the mean hoop stress there, "profile" the root of the mean square of
-/// the error of the hoop stress in the whole wall, over its largest value.
+/// "bore" is the error of the displacement of the bore, "hoop" that of the mean hoop stress there, "profile" the root mean square error of
+/// the hoop stress in the whole wall, over its largest value.
 fn rest(
     mut march: March<2>,
     layout: &Layout<2>,
@@ -108,7 +108,7 @@ fn rest(
         .with("profile", (squares / volume).sqrt() / hoop(BORE)))
 }
 
-/// A slice around the axis, with rows on both faces.
+/// Run an axisymmetric slice with rows on both faces.
 pub fn around_the_axis(by: By, cells: usize) -> Result<Outcome, String> {
     let h = (OUTER - BORE) / cells as f64;
     let wall = Cuboid::new([BORE, 0.0], [OUTER, 4.0 * h]).map_err(text)?;
@@ -125,8 +125,8 @@ pub fn around_the_axis(by: By, cells: usize) -> Result<Outcome, String> {
     rest(march, &layout, &force, |x| x[0], |_, stress| stress[2])
 }
 
-/// A quarter in the plane: rings of particles about a spacing apart, the first and the last on the faces, half as thick. Particles of a ring
-/// stand alike far from each other, the outermost half of that from the planes of symmetry.
+/// Run a quarter in the plane: rings of particles about one spacing apart, the first and the last on the faces and half as thick. Particles
+/// of a ring are equidistant, the outermost half that distance from the symmetry planes.
 pub fn in_the_plane(by: By, cells: usize) -> Result<Outcome, String> {
     let h = (OUTER - BORE) / cells as f64;
     let mut layout = Layout { positions: vec![], volumes: vec![], spacings: vec![], surface: 0.0 };
