@@ -10,6 +10,7 @@ use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
 use crate::model::method::{Method, Purpose, ShapeFunction, TimeStep};
+use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 
 /// Maximum expected number of steps: some months for the smallest scene.
@@ -109,7 +110,9 @@ impl Source {
                 Method::Sph(_) => true,
                 _ => false,
             };
-            let whole = match (lattice, spec, spacing) {
+            // Boxes are divided to fit.
+            let scaled = lattice && !spec.and_then(|b| b.shape.as_ref()).is_some_and(is_box);
+            let whole = match (scaled, spec, spacing) {
                 (true, _, Some(spacing)) => Some(radii * spacing.powi(dimensions as i32)),
                 (false, Some(spec), _) => self.measure(scene, spec),
                 _ => None,
@@ -124,7 +127,7 @@ impl Source {
                 points: body.len(),
                 mass: body.totals().mass,
                 volume_factor: whole.map(|whole| volume / whole).filter(|f| f.is_finite()),
-                lattice,
+                lattice: scaled,
                 width: Some(width).filter(|w| *w > 0.0 && w.is_finite()),
                 bounds: [low, high],
                 wave_speed: wave_speed(scene, body.name()),
@@ -369,4 +372,13 @@ fn duration(seconds: f64) -> String {
         _ => ("days", 86400.0),
     };
     format!("{:.1} {unit}", seconds / factor)
+}
+
+/// True for a box, moved or not.
+fn is_box(shape: &Shape) -> bool {
+    match shape {
+        Shape::Box(_) => true,
+        Shape::Moved(moved) => is_box(&moved.shape),
+        _ => false,
+    }
 }

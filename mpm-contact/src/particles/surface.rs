@@ -657,7 +657,11 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
         return (given, moved);
     }
     movers.system.solve(&mut touches);
-    let (sums, after) = movers.gather(&touches);
+    let (sums, _) = movers.gather(&touches);
+    // The velocity of held particles does not change: their conditions bear the impulse.
+    let after: Vec<[f64; 3]> = (movers.trial.iter().zip(&sums).zip(&movers.system.movers))
+        .map(|((v, impulse), mover)| std::array::from_fn(|d| v[d] + impulse[d] * mover.inverse[d]))
+        .collect();
     for touch in touches.iter().filter(|touch| touch.impulse != [0.0; 3]) {
         let (normal, wall) = (touch.contact.normal, touch.rigid[1]);
         // Impulse on the body.
@@ -668,13 +672,21 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
         let along = dot(impulse, normal);
         let across = dot(impulse, mean) - along * dot(mean, normal);
         let heat = (-across).max(0.0);
-        (0..3).for_each(|d| given.impulse[d] += impulse[d]);
         given.work += dot(impulse, wall);
         given.friction += heat;
         given.impacts -= dot(impulse, mean) + heat;
     }
     drop(touches);
-    for (place, impulse) in movers.places.iter().zip(&sums) {
+    for (n, (place, impulse)) in movers.places.iter().zip(&sums).enumerate() {
+        let inverse = movers.system.movers[n].inverse;
+        let (free, held): ([f64; 3], [f64; 3]) = (
+            std::array::from_fn(|d| if inverse[d] > 0.0 { impulse[d] } else { 0.0 }),
+            std::array::from_fn(|d| if inverse[d] > 0.0 { 0.0 } else { impulse[d] }),
+        );
+        // What an image behind a plane of symmetry has of an impulse is not on the body, nor is that of held directions.
+        (0..3).for_each(|d| given.impulse[d] += free[d]);
+        given.work -= 0.5 * dot(held, sum(movers.start[n], after[n]));
+        let impulse = &free;
         if *impulse != [0.0; 3] {
             body.push(place.particle as usize, impulse);
             let bits = (0..3).filter(|d| impulse[*d] != 0.0).fold(0, |bits, d| bits | 1 << d);

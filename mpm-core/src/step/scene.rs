@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::bodies::body::GridBody;
 use super::contact::ContactAlgorithm;
-use super::nodes::stages::Conditions;
+use super::nodes::constraints::Conditions;
 use impactite_simd::Float;
 
 /// Bodies, conditions and the contact algorithm.

@@ -11,8 +11,9 @@ use super::bodies::load::Loading;
 use super::contact::ContactPhase;
 use super::mpm::Mpm;
 use super::nodes::background::AtPlanes;
+use super::nodes::constraints::Conditions;
 use super::nodes::layout::Nodes;
-use super::nodes::stages::{Conditions, GridStages, StageOf};
+use super::nodes::stages::{GridStages, StageOf};
 use super::rigid;
 use super::rigid::motion::{RigidState, Wrong};
 

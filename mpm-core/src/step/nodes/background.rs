@@ -6,10 +6,11 @@ use impactite_scene::Exchange;
 use impactite_scene::boundary::Boundary;
 
 use super::at_wall::AtWall;
+use super::constraints::BlockBooks;
 use super::fields::Fields;
 use super::footprint::{Folds, NodeWeight};
 use super::planes::Planes;
-use super::stages::{BlockBooks, GridStages, StageOf, mass_cutoff};
+use super::stages::{GridStages, StageOf, mass_cutoff};
 use crate::dim::BLOCK;
 use crate::grid::{GridStorage, Node, OutsideGrid};
 use crate::step::bodies::capability::MeetsSurfaces;

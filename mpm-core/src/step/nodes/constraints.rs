@@ -6,14 +6,33 @@ use super::layout::{Layout, NodeSums, Piece};
 use super::node_sets::NodeSets;
 use super::node_update::{Around, NodeUpdate, Trial};
 use super::planes::Planes;
-use super::stages::{BlockBooks, Conditions};
 use crate::grid::Node;
 use crate::step::bodies::body::GridBody;
 use crate::step::rigid::nodes::{self, rigid_of};
 use impactite_geometry::Lattice;
-use impactite_scene::boundary::Boundary;
-use impactite_scene::{Condition, Exchange, Place};
+use impactite_scene::boundary::{BodyForce, Boundary};
+use impactite_scene::{Condition, Exchange, LocalDamping, Place};
 use impactite_simd::Float;
+
+/// Records of a node block, other than its nodes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BlockBooks {
+    /// Exchange of its stages in a step.
+    pub ledger: Exchange,
+    /// Nodes that reacting conditions constrain in this step, by direction.
+    pub held: NodeSets,
+}
+
+/// Conditions on the nodes of a scene.
+#[derive(Clone, Default)]
+pub struct Conditions<const D: usize> {
+    /// Boundaries, applied in this order.
+    pub boundaries: Vec<Boundary<D>>,
+    /// Acceleration of all material, m/s^2.
+    pub gravity: Option<BodyForce<D>>,
+    /// Local damping.
+    pub damping: LocalDamping,
+}
 
 /// Add a share of the exchange of a node.
 fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {

@@ -3,40 +3,17 @@
 use crate::dim::block_nodes;
 use crate::grid::{GridStorage, Node};
 use impactite_geometry::Lattice;
-use impactite_scene::boundary::{BodyForce, Boundary};
-use impactite_scene::{Exchange, LocalDamping};
+use impactite_scene::Exchange;
 use impactite_simd::{Float, Team};
 
 use super::block_place::BlockPlace;
-use super::constraints::{Constraints, carry, free_directions};
+use super::constraints::{BlockBooks, Conditions, Constraints, carry, free_directions};
 use super::fields::Fields;
 use super::layout::NodeSums;
 use super::node_update::{Damp, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Velocities};
 use super::planes::Planes;
 use crate::step::bodies::body::GridBody;
 use crate::step::rigid::nodes::rigid_of;
-
-use super::node_sets::NodeSets;
-
-/// Records of a node block, other than its nodes.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct BlockBooks {
-    /// Exchange of its stages in a step.
-    pub ledger: Exchange,
-    /// Nodes that reacting conditions constrain in this step, by direction.
-    pub held: NodeSets,
-}
-
-/// Conditions on the nodes of a scene.
-#[derive(Clone, Default)]
-pub struct Conditions<const D: usize> {
-    /// Boundaries, applied in this order.
-    pub boundaries: Vec<Boundary<D>>,
-    /// Acceleration of all material, m/s^2.
-    pub gravity: Option<BodyForce<D>>,
-    /// Local damping.
-    pub damping: LocalDamping,
-}
 
 /// Return the mass cutoff of nodes, over the smallest particle mass: the square of some rounding units. The slope of a
 /// spline is the root of its weight there, so that an excluded node adds no more than rounding to a velocity gradient.
