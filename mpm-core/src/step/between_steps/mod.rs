@@ -1,5 +1,6 @@
 //! Operations between steps: splitting, merging, deactivation, damping, checks of balances, checkpoints.
 
+mod apply;
 pub(crate) mod cells;
 pub(crate) mod checkpoint;
 pub(crate) mod deactivated;

@@ -2,7 +2,6 @@
 
 use super::rest::KineticDamping;
 use crate::step::bodies::body::GridBody;
-use crate::step::mpm::Mpm;
 use impactite_scene::Exchange;
 use impactite_simd::{Float, Team};
 
@@ -92,18 +91,5 @@ impl<T: Float, const D: usize> StepOperation<T, D> for Merge {
             any |= body.division_mut().is_some_and(|body| body.merge(end.steps, end.team));
         }
         any
-    }
-}
-
-impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Apply filters, kinetic damping and merging where due.
-    pub(in crate::step) fn apply_between_steps(&mut self) {
-        let anew = self.between_steps.apply(StepEnd {
-            bodies: &mut self.scene.bodies,
-            team: &self.team,
-            steps: self.clock.steps,
-            ledger: &mut self.ledger,
-        });
-        self.stepper.mapped &= !anew;
     }
 }
