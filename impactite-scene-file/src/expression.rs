@@ -41,8 +41,11 @@ enum Binary {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Function(usize);
 
+/// Name of a function of one argument, and the function.
+type Named = (&'static str, fn(f64) -> f64);
+
 /// Functions of one argument.
-const FUNCTIONS: &[(&str, fn(f64) -> f64)] = &[
+const FUNCTIONS: &[Named] = &[
     ("abs", f64::abs),
     ("signum", f64::signum),
     ("sqrt", f64::sqrt),
