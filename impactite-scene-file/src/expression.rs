@@ -32,9 +32,9 @@ enum Binary {
     Multiply,
     Divide,
     Power,
-    Smaller,
-    Larger,
-    Angle,
+    Minimum,
+    Maximum,
+    Atan2,
 }
 
 /// Function of one argument, by its place among [`FUNCTIONS`].
@@ -42,10 +42,10 @@ enum Binary {
 struct Function(usize);
 
 /// Name of a function of one argument, and the function.
-type Named = (&'static str, fn(f64) -> f64);
+type NamedFunction = (&'static str, fn(f64) -> f64);
 
 /// Functions of one argument.
-const FUNCTIONS: &[Named] = &[
+const FUNCTIONS: &[NamedFunction] = &[
     ("abs", f64::abs),
     ("signum", f64::signum),
     ("sqrt", f64::sqrt),
@@ -74,12 +74,18 @@ const FUNCTIONS: &[Named] = &[
 ];
 
 /// Functions of two arguments; `min` and `max` take more, too.
-const PAIRS: &[(&str, Binary)] =
-    &[("min", Binary::Smaller), ("max", Binary::Larger), ("atan2", Binary::Angle)];
+const BINARY_FUNCTIONS: &[(&str, Binary)] =
+    &[("min", Binary::Minimum), ("max", Binary::Maximum), ("atan2", Binary::Atan2)];
 
 /// Constants.
 const CONSTANTS: &[(&str, f64)] =
-    &[("pi", PI), ("PI", PI), ("π", PI), ("e", E), ("E", E), ("tau", TAU), ("TAU", TAU), ("τ", TAU)];
+    &[("pi", PI), ("PI", PI), ("π", PI), ("e", E), ("E", E), ("TAU", TAU), ("τ", TAU)];
+
+/// Return the names of all functions and constants, which name no variable.
+pub fn reserved() -> impl Iterator<Item = &'static str> {
+    let functions = FUNCTIONS.iter().map(|f| f.0).chain(BINARY_FUNCTIONS.iter().map(|f| f.0));
+    functions.chain(CONSTANTS.iter().map(|c| c.0))
+}
 
 impl Expression {
     /// Parse a text. Nesting must be bounded by the caller: each level takes stack of the thread.
@@ -161,11 +167,11 @@ impl Binary {
             Binary::Divide => a / b,
             Binary::Power => a.powf(b),
             // Undefined if one of the arguments is, unlike `f64::min`.
-            Binary::Smaller if a.is_nan() || b.is_nan() => f64::NAN,
-            Binary::Larger if a.is_nan() || b.is_nan() => f64::NAN,
-            Binary::Smaller => a.min(b),
-            Binary::Larger => a.max(b),
-            Binary::Angle => a.atan2(b),
+            Binary::Minimum if a.is_nan() || b.is_nan() => f64::NAN,
+            Binary::Maximum if a.is_nan() || b.is_nan() => f64::NAN,
+            Binary::Minimum => a.min(b),
+            Binary::Maximum => a.max(b),
+            Binary::Atan2 => a.atan2(b),
         }
     }
 }
@@ -302,9 +308,9 @@ impl Parser<'_> {
             self.push(Operation::Function(Function(place)));
             return Ok(());
         }
-        if let Some(&(_, binary)) = PAIRS.iter().find(|(known, _)| *known == name) {
+        if let Some(&(_, binary)) = BINARY_FUNCTIONS.iter().find(|(known, _)| *known == name) {
             let count = self.arguments(name, Some(binary))?;
-            if count < 2 || count > 2 && binary == Binary::Angle {
+            if count < 2 || count > 2 && binary == Binary::Atan2 {
                 return Err(format!("`{name}` takes two arguments, and has {count}"));
             }
             return Ok(());
@@ -313,7 +319,8 @@ impl Parser<'_> {
             return Err("`log` has two meanings; write `ln` or `log10`".into());
         }
         if self.peek() == Some('(') {
-            let known: Vec<&str> = FUNCTIONS.iter().map(|f| f.0).chain(PAIRS.iter().map(|f| f.0)).collect();
+            let known: Vec<&str> =
+                FUNCTIONS.iter().map(|f| f.0).chain(BINARY_FUNCTIONS.iter().map(|f| f.0)).collect();
             return Err(format!("`{name}` is not a function; functions are {}", known.join(", ")));
         }
         if let Some(&(_, value)) = CONSTANTS.iter().find(|(known, _)| *known == name) {

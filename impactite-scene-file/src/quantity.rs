@@ -283,11 +283,11 @@ fn checked(text: &str) -> Result<String, String> {
         return Err(format!("`,` is not allowed in an expression; write `{}`", text.replace(',', ".")));
     }
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
-    if let Some(word) = words.into_iter().find(|w| ["ans", "_"].contains(w)) {
-        return Err(format!("`{word}` stands for no value"));
-    }
-    if text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == "log") {
-        return Err("`log` has two meanings; write `ln` or `log10`".into());
+    if let Some(word) = words.into_iter().find(|w| ["ans", "_", "log"].contains(w)) {
+        return Err(match word {
+            "log" => "`log` has two meanings; write `ln` or `log10`".into(),
+            _ => format!("`{word}` stands for no value"),
+        });
     }
     Ok(inches(text))
 }
@@ -381,6 +381,9 @@ fn named(name: &str) -> Result<(), String> {
 fn taken(name: &str) -> Option<String> {
     if WORDS.contains(&name) {
         return Some(format!("`{name}` is a word of quantities and cannot name a parameter"));
+    }
+    if crate::expression::reserved().any(|reserved| reserved == name) {
+        return Some(format!("`{name}` is a function or constant of formulas and cannot name a parameter"));
     }
     // Longer names are reserved only if scenes commonly use them: a parameter `section` never means the square mile.
     if name.len() > 2 && !USUAL.contains(&name) {

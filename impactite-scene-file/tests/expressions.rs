@@ -1,6 +1,7 @@
 //! Expressions of formulas: precedence, functions, errors.
 
-use impactite_scene_file::expression::Expression;
+use impactite_scene_file::expression::{self, Expression};
+use impactite_scene_file::quantity::Parameters;
 
 fn value(text: &str) -> f64 {
     let parsed = Expression::parse(text).unwrap_or_else(|why| panic!("{text}: {why}"));
@@ -32,7 +33,7 @@ fn precedence_is_that_of_mathematics() {
         ("1e3 + 1.5E-1 + .5 + 2.", 1002.65),
         ("min(3, ab, abc) + max(1, 2)", 4.0),
         ("atan2(1, -1)", 0.75 * std::f64::consts::PI),
-        ("sin(pi / 2) + cos(PI) + tau - TAU", 0.0),
+        ("sin(pi / 2) + cos(PI) + 2 * pi - TAU", 0.0),
         ("ln(e) + log10(100) + log2(8)", 6.0),
         ("signum(-3) + abs(-3) + fract(2.25) + floor(-0.5)", 1.25),
         ("x^0.5^ab", 1.0),
@@ -68,4 +69,15 @@ fn errors_name_the_place() {
     }
     let deep = "(1 + ".repeat(65) + "1" + &")".repeat(65);
     assert!(Expression::parse(&deep).is_err());
+}
+
+/// The page of the book lists every function and constant of formulas, and none of them names a parameter or variable.
+#[test]
+fn functions_and_constants_are_in_the_book() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/book/src/scene-files.md");
+    let page = std::fs::read_to_string(page).expect("the page of scene files");
+    for name in expression::reserved().filter(|name| name.is_ascii()) {
+        assert!(page.contains(&format!("`{name}`")), "{name}");
+        assert!(Parameters::default().define(name, &name.len().to_string()).is_err(), "{name}");
+    }
 }

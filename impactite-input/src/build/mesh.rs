@@ -164,7 +164,7 @@ fn same<const N: usize, const D: usize>(key: &str, mesh: ElementMesh<N>) -> Made
 pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> Made<MeshBody<D>> {
     let key = format!("bodies.{name}");
     let mesh = of(world, &key, body)?;
-    let velocity = world.velocity(&key, body, || middle(&key, &mesh))?;
+    let velocity = world.velocity(&key, body, || lumped_centre(&key, &mesh))?;
     // Bars have a uniaxial strain and no choice of integration.
     let kinds: Vec<ElementKind> =
         mesh.blocks.iter().map(|block| block.kind).filter(|kind| *kind != ElementKind::Bar2).collect();
@@ -215,7 +215,7 @@ fn technology(key: &str, integration: &Integration) -> Made<Technology> {
 }
 
 /// Return the centre of mass of a mesh whose elements distribute their mass to their nodes equally, m.
-fn middle<const D: usize>(key: &str, mesh: &ElementMesh<D>) -> Made<[f64; D]> {
+fn lumped_centre<const D: usize>(key: &str, mesh: &ElementMesh<D>) -> Made<[f64; D]> {
     let measures = mesh.measures(Metric::Cartesian).at(key)?;
     let elements = mesh.blocks.iter().flat_map(|block| block.nodes.chunks(block.kind.nodes()));
     Ok(centre_of_mass(elements.zip(measures).flat_map(|(nodes, measure)| {

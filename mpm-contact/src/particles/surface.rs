@@ -410,8 +410,8 @@ impl Movers {
         u
     }
 
-    /// Sum the impulses on all movers, and compute the velocities after them.
-    fn gather(&self, touches: &[SurfaceTouch<'_>]) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    /// Sum the impulses on all movers, N s.
+    fn impulses(&self, touches: &[SurfaceTouch<'_>]) -> Vec<[f64; 3]> {
         let mut sums = vec![[0.0; 3]; self.places.len()];
         for touch in touches {
             for (row, sign) in touch.rows.iter().zip([-1.0, 1.0]) {
@@ -421,10 +421,13 @@ impl Movers {
                 }
             }
         }
-        let end =
-            |n: usize| -> [f64; 3] { std::array::from_fn(|d| self.trial[n][d] + sums[n][d] / self.mass[n]) };
-        let after = (0..sums.len()).map(end).collect();
-        (sums, after)
+        sums
+    }
+
+    /// Compute the velocities of all movers after impulses, m/s.
+    fn after(&self, impulses: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let end = |n: usize| std::array::from_fn(|d| self.trial[n][d] + impulses[n][d] / self.mass[n]);
+        (0..impulses.len()).map(end).collect()
     }
 }
 
@@ -520,7 +523,8 @@ pub(super) fn meet_surfaces<const D: usize>(
         return;
     }
     movers.system.solve(&mut touches);
-    let (sums, after) = movers.gather(&touches);
+    let sums = movers.impulses(&touches);
+    let after = movers.after(&sums);
     for (touch, (slave, other)) in touches.iter().zip(&made) {
         if touch.impulse == [0.0; 3] {
             continue;
@@ -657,11 +661,12 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
         return (given, moved);
     }
     movers.system.solve(&mut touches);
-    let (sums, _) = movers.gather(&touches);
-    // The velocity of held particles does not change: their conditions bear the impulse.
-    let after: Vec<[f64; 3]> = (movers.trial.iter().zip(&sums).zip(&movers.system.movers))
-        .map(|((v, impulse), mover)| std::array::from_fn(|d| v[d] + impulse[d] * mover.inverse[d]))
+    let sums = movers.impulses(&touches);
+    // Conditions bear the impulses along held axes; velocities do not change there.
+    let free: Vec<[f64; 3]> = (sums.iter().zip(&movers.system.movers))
+        .map(|(sum, mover)| std::array::from_fn(|d| if mover.inverse[d] > 0.0 { sum[d] } else { 0.0 }))
         .collect();
+    let after = movers.after(&free);
     for touch in touches.iter().filter(|touch| touch.impulse != [0.0; 3]) {
         let (normal, wall) = (touch.contact.normal, touch.rigid[1]);
         // Impulse on the body.
@@ -677,16 +682,11 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
         given.impacts -= dot(impulse, mean) + heat;
     }
     drop(touches);
-    for (n, (place, impulse)) in movers.places.iter().zip(&sums).enumerate() {
-        let inverse = movers.system.movers[n].inverse;
-        let (free, held): ([f64; 3], [f64; 3]) = (
-            std::array::from_fn(|d| if inverse[d] > 0.0 { impulse[d] } else { 0.0 }),
-            std::array::from_fn(|d| if inverse[d] > 0.0 { 0.0 } else { impulse[d] }),
-        );
-        // What an image behind a plane of symmetry has of an impulse is not on the body, nor is that of held directions.
-        (0..3).for_each(|d| given.impulse[d] += free[d]);
+    for (n, (place, impulse)) in movers.places.iter().zip(&free).enumerate() {
+        // The share of an image behind a plane of symmetry is no impulse on the body.
+        (0..3).for_each(|d| given.impulse[d] += impulse[d]);
+        let held = difference(sums[n], *impulse);
         given.work -= 0.5 * dot(held, sum(movers.start[n], after[n]));
-        let impulse = &free;
         if *impulse != [0.0; 3] {
             body.push(place.particle as usize, impulse);
             let bits = (0..3).filter(|d| impulse[*d] != 0.0).fold(0, |bits, d| bits | 1 << d);
