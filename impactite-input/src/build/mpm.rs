@@ -14,7 +14,7 @@ use impactite::mpm::{
 };
 use impactite::scene::Solver;
 
-use super::common::{Surface, World, centre_of_mass};
+use super::common::{Surface, World};
 use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
@@ -250,9 +250,7 @@ fn add_particles<const D: usize>(
             }
             None => {
                 let law = world.law(&key, body)?;
-                let velocity = world.velocity(&key, body, || {
-                    Ok(centre_of_mass(seeds.positions.iter().copied().zip(seeds.volumes.iter().copied())))
-                })?;
+                let velocity = world.velocity(&key, body, || Ok(seeds.centroid()))?;
                 let mut tractions = Vec::new();
                 for (key, spec) in body.traction.keyed(&format!("{key}.traction")) {
                     let load = traction(world, &key, spec)?;

@@ -65,9 +65,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
                 let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
                 let cells = Cells { lattice: &lattice, parts: 1, key: "method.sph.spacing" };
                 let seeds = seeds(world, &key, spec, &cells)?;
-                let velocity = world.velocity(&key, spec, || {
-                    Ok(centre_of_mass(seeds.positions.iter().copied().zip(seeds.volumes.iter().copied())))
-                })?;
+                let velocity = world.velocity(&key, spec, || Ok(seeds.centroid()))?;
                 let law = world.law(&key, spec)?.material;
                 let body = SphBody::new($method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
                 let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
