@@ -18,6 +18,7 @@
 //! ```
 
 mod bounds;
+mod cell_volumes;
 mod combine;
 mod compose;
 #[cfg(feature = "mesh")]

@@ -864,7 +864,7 @@ fn box_measure<const D: usize>(
 
 /// Volume fraction of a small box that is inside, with the surface approximated by a plane at this distance from its centre.
 /// Exact for planes parallel to the faces; otherwise errors cancel along the surface.
-fn part_below<const D: usize>(
+pub(crate) fn part_below<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     centre: [f64; D],
     size: [f64; D],

@@ -86,6 +86,8 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("a law with bulk viscosity", "a material with `materials.NAME.bulk_viscosity`"),
     remedy("; wrap it: `Stretching::new(law)`", "; leave out `bodies.NAME.split_at`"),
     // Elements.
+    remedy("(`Elements::on_the_grid`)", "(`bodies.NAME.elements.by = \"grid\"`)"),
+    remedy("finite elements (`Fem::touch`)", "finite elements (`method.fem`)"),
     remedy("(`Elements::by_surface`)", "(`bodies.NAME.elements.by = \"surface\"`)"),
     remedy("(`Elements::within`)", "(`bodies.NAME.elements.within`)"),
     remedy("(`MeshBody::eroding(Erosion::volume(..))`)", "(`bodies.NAME.erosion.volume`)"),

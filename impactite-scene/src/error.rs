@@ -476,6 +476,18 @@ pub enum SceneError {
         /// Feature.
         what: &'static str,
     },
+    /// Elements, with contact by their surface, that meet a body without particles.
+    #[error(
+        "the elements of `{elements}` meet `{other}`, and no contact acts between them: the surface of elements is in contact with \
+         particles alone; let elements act on the grid (`Elements::on_the_grid`), or compute a scene without particles by finite \
+         elements (`Fem::touch`)"
+    )]
+    NoContactOf {
+        /// Name of the body of elements.
+        elements: String,
+        /// Name of the other body, rigid or of elements.
+        other: String,
+    },
     /// Invalid initial setting of the clock.
     #[error("time = {time} s after {steps} steps is not allowed; it must be finite, and no step made")]
     Clock {

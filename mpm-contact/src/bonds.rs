@@ -4,7 +4,7 @@ use mpm_materials::{Check, ParameterError, Real};
 
 use crate::friction::Coulomb;
 use crate::law::{Contact, ContactLaw};
-use crate::vector::{difference, dot, length, times};
+use crate::vector::{difference, dot, length, sum, times};
 
 /// Perfect adhesion: one velocity at the contact, in tension and compression, at every node where the detector finds contact; with
 /// [`crate::Approach`] this is a single velocity field. On a grid a distance test finds contact up to a quarter of a cell beyond its
@@ -51,13 +51,32 @@ impl<T: Real> ContactLaw<T> for Adhesion<T> {
         true
     }
     fn impulse(&self, contact: &Contact<'_, T>) -> [T; 3] {
+        let (glued, load) = self.load(contact);
+        if load <= T::of(1.0) { glued } else { self.beyond.impulse(contact) }
+    }
+    fn at_strength(&self, contact: &Contact<'_, T>) -> Option<[T; 3]> {
+        let (glued, load) = self.load(contact);
+        if load <= T::of(1.0) {
+            return Some(glued);
+        }
+        let along = dot(glued, contact.normal);
+        // Compression has no limit.
+        let pressed = times(contact.normal, along.max(T::of(0.0)));
+        Some(sum(pressed, times(difference(glued, pressed), T::of(1.0) / load)))
+    }
+}
+impl<T: Real> Adhesion<T> {
+    /// Impulse of perfect adhesion, N s, and its traction over the strength.
+    fn load(&self, contact: &Contact<'_, T>) -> ([T; 3], T) {
         let glued = Stick.impulse(contact);
         let along = dot(glued, contact.normal);
         let across = length(difference(glued, times(contact.normal, along)));
         let pull = (-along).max(T::of(0.0));
-        // t / strength <= 1 times area and step, so that a zero area has no strength.
         let (a, b) = (pull * self.shear, across * self.strength);
         let capacity = self.strength * self.shear * contact.area * contact.dt;
-        if a * a + b * b <= capacity * capacity { glued } else { self.beyond.impulse(contact) }
+        let square = a * a + b * b;
+        // Without area there is no strength.
+        let load = if square <= capacity * capacity { T::of(0.0) } else { square.sqrt() / capacity };
+        (glued, load)
     }
 }

@@ -177,6 +177,11 @@ pub trait ContactLaw<T: Real>: std::fmt::Debug + Send + Sync + 'static {
     /// Compute the impulse on the second body, N s; the first receives its opposite. For coupled pairs it is called many times a step, with
     /// the same memory. Exchange of the bodies with a reversed normal must reverse the impulse.
     fn impulse(&self, contact: &Contact<'_, T>) -> [T; 3];
+    /// Compute the impulse of a bond that holds at its strength instead of breaking, N s; `None` for a law without a strength. Contacts
+    /// that share a load are solved with it first: those beyond their strength pass the rest on, and break where none is left to take it.
+    fn at_strength(&self, _contact: &Contact<'_, T>) -> Option<[T; 3]> {
+        None
+    }
     /// Update the state variables to the end of the step, once a step while the bodies are in contact, with or without pressure: `memory`
     /// is [`Contact::memory`] at first. The slip is updated without this.
     fn advance(&self, _contact: &Contact<'_, T>, _outcome: &Outcome<T>, _memory: &mut [f64]) {}

@@ -95,6 +95,7 @@
 mod audit;
 mod contact;
 mod elements;
+mod fitted;
 mod inheritance;
 mod kinematics;
 mod method;

@@ -32,7 +32,7 @@ pub struct Packing<const D: usize> {
 }
 
 /// Upper bound of the number of particles (excluded).
-const MOST: f64 = (1u32 << 29) as f64;
+pub(crate) const MOST: f64 = (1u32 << 29) as f64;
 /// Distance of a node from the surface of a shape, in spacings, below which it is on it.
 const ON_SURFACE: f64 = 1e-6;
 
@@ -125,7 +125,7 @@ impl<const D: usize> Packing<D> {
 /// Default name of a body.
 pub(crate) const BODY: &str = "body";
 
-fn too_many(count: usize) -> SceneError {
+pub(crate) fn too_many(count: usize) -> SceneError {
     SceneError::TooMany { body: BODY.into(), count, most: MOST as usize - 1 }
 }
 

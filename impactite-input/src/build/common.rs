@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
-use impactite::geometry::{Filling, Shape};
+use impactite::geometry::{Filling, Metric, Shape};
 use impactite::mpm::{Boundary, Side, TimeControl, Watch};
 use impactite::scene::boundary::{BodyForce, VelocityHistory};
 
 use super::material::{self, Velocity};
 use super::wrong::{At, Folder, Made, Wrong, known, wrong};
-use super::{describe, shape};
+use super::{describe, kinds, shape};
 use crate::model::body::{Body, MeetBy, Traction};
 use crate::model::condition::{self, Condition};
 use crate::model::contact::{Law, Pair};
@@ -40,20 +40,13 @@ pub(super) struct Surface<const D: usize> {
 pub(super) fn check(scene: &SceneFile) -> Made<()> {
     for (name, body) in &scene.bodies {
         let key = format!("bodies.{name}");
-        match (&body.material, &body.rigid) {
-            (None, None) => return wrong(key, "needs a `material`, or is `rigid`"),
-            (Some(_), Some(_)) => {
-                return wrong(format!("{key}.material"), "a rigid body has a `density` instead");
-            }
-            (Some(material), None) => {
-                known(
-                    &format!("{key}.material"),
-                    "material",
-                    material,
-                    scene.materials.keys().map(String::as_str),
-                )?;
-            }
-            (None, Some(_)) => {}
+        kinds::check(&scene.method, name, body)?;
+        if body.material.is_none() && body.rigid.is_none() {
+            return wrong(key, "needs a `material`, or is `rigid`");
+        }
+        if let Some(material) = &body.material {
+            let names = scene.materials.keys().map(String::as_str);
+            known(&format!("{key}.material"), "material", material, names)?;
         }
         if body.velocity.is_some() && (body.speed.is_some() || body.direction.is_some()) {
             return wrong(format!("{key}.velocity"), "either `velocity`, or `speed` with `direction`");
@@ -61,51 +54,6 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
         if body.speed.is_some() != body.direction.is_some() {
             return wrong(key, "`speed` and `direction` go together");
         }
-        let only = |used: bool, field: &str, methods: &str, fits: bool| {
-            if used && !fits {
-                return wrong(format!("{key}.{field}"), format!("is for the method `{methods}` alone"));
-            }
-            Ok(())
-        };
-        let (mpm, fem, fpm) = (
-            matches!(scene.method, Method::Mpm(_)),
-            matches!(scene.method, Method::Fem(_)),
-            matches!(scene.method, Method::Fpm(_)),
-        );
-        only(body.rigid.is_some(), "rigid", "mpm", mpm)?;
-        only(body.deactivated, "deactivated", "mpm", mpm)?;
-        only(body.split_at.is_some(), "split_at", "mpm", mpm)?;
-        only(body.elements.is_some(), "elements", "mpm", mpm)?;
-        only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
-        let sph = matches!(scene.method, Method::Sph(_));
-        let particles = (mpm && body.elements.is_none() || sph) && body.rigid.is_none();
-        only(body.initial_stress.is_some(), "initial_stress", "mpm (particles) and sph", particles)?;
-        let pcmm = matches!(scene.method, Method::Pcmm(_));
-        only(!body.traction.0.is_empty(), "traction", "mpm, fpm, fem and sph", !pcmm)?;
-        if !body.traction.0.is_empty() && body.rigid.is_some() {
-            let message = "is not of rigid bodies; prescribe their motion, or push them by another body";
-            return wrong(format!("bodies.{name}.traction"), message);
-        }
-        if !body.traction.0.is_empty() && body.elements.is_some() {
-            let message = "is not of bodies of elements among particles; take `method.fem`, or particles";
-            return wrong(format!("bodies.{name}.traction"), message);
-        }
-        only(body.merge_above.is_some(), "merge_above", "mpm", mpm)?;
-        only(body.body_force.is_some(), "body_force", "mpm", mpm)?;
-        only(!body.notches.is_empty(), "notches", "fpm", fpm)?;
-        only(
-            body.integration.is_some(),
-            "integration",
-            "fem, and elements in mpm",
-            fem || body.elements.is_some(),
-        )?;
-        only(body.erosion.is_some(), "erosion", "fem, and elements in mpm", fem || body.elements.is_some())?;
-        only(
-            body.mesh.is_some(),
-            "mesh",
-            "fem, fpm, and elements in mpm",
-            fem || fpm || body.elements.is_some(),
-        )?;
     }
     for (name, measure) in &scene.measures {
         describe::check(scene, &format!("measures.{name}"), measure)?;
@@ -139,8 +87,12 @@ impl<'a, const D: usize> World<'a, D> {
     pub fn revolved(&self) -> bool {
         self.space() == Space::Axisymmetric
     }
+    /// Return the metric of volumes.
+    pub fn metric(&self) -> Metric {
+        if self.revolved() { Metric::Axisymmetric } else { Metric::Cartesian }
+    }
     pub fn filling(&self) -> Filling {
-        if self.revolved() { Filling::new().axisymmetric() } else { Filling::new() }
+        Filling::new().metric(self.metric())
     }
 
     /// Return the constitutive law of a deformable body.

@@ -5,6 +5,7 @@ pub(crate) mod describe;
 mod fem;
 mod fpm;
 pub(crate) mod kernels;
+mod kinds;
 pub(crate) mod material;
 pub(crate) mod mesh;
 mod mpm;

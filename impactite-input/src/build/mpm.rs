@@ -21,7 +21,7 @@ use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
 use super::{mesh, placement, stressed};
 use crate::model::body::{Body, MeetBy, Traction as Load};
-use crate::model::contact::{Detector, Law};
+use crate::model::contact::{Contact as Laws, Detector, Law, Pair};
 use crate::model::method::{Dense, Grid, Mpm};
 use crate::model::{fixed, formulas};
 
@@ -203,12 +203,7 @@ fn add_elements<E: Setting<D>, const D: usize>(
             let Some(contact) = world.scene.contact() else {
                 return wrong(&key, "elements and particles meet by a law: the scene needs a `contact`");
             };
-            let law = contact
-                .pairs
-                .iter()
-                .find(|pair| pair.between.iter().any(|n| n == name))
-                .map_or(&contact.law, |pair| &pair.law);
-            match law {
+            match law_with_particles(world, contact, name)? {
                 Law::Friction(mu) if mu.value == 0.0 => Elements::by_surface(fem, Frictionless),
                 Law::Friction(mu) => Elements::by_surface(fem, Coulomb::new(mu.value).at("contact.law")?),
                 Law::Stick(_) => Elements::by_surface(fem, Stick),
@@ -227,6 +222,36 @@ fn add_elements<E: Setting<D>, const D: usize>(
         }
     };
     mpm.add_client(elements.map_err(|e| of_body(&key, e))?).map_err(|e| of_body(&key, e))
+}
+
+/// Return the contact law of elements with all bodies of particles.
+fn law_with_particles<'a, const D: usize>(
+    world: &World<'a, D>,
+    contact: &'a Laws,
+    name: &str,
+) -> Made<&'a Law> {
+    let law_with = |other: &str| {
+        let both = |pair: &Pair| [name, other].iter().all(|n| pair.between.iter().any(|m| m == n));
+        let pair = contact.pairs.iter().enumerate().find(|(_, pair)| both(pair));
+        pair.map_or(("contact.law".to_string(), &contact.law), |(n, pair)| {
+            (format!("contact.pairs[{n}].law"), &pair.law)
+        })
+    };
+    let particles = world.scene.expanded.iter().filter(|(_, b)| b.elements.is_none() && b.rigid.is_none());
+    let mut laws = particles.map(|(other, _)| law_with(other));
+    let Some((_, first)) = laws.next() else { return Ok(&contact.law) };
+    match laws.find(|(_, law)| format!("{law:?}") != format!("{first:?}")) {
+        None => Ok(first),
+        Some((key, _)) => Err(Wrong {
+            key,
+            message: format!(
+                "elements by surface meet all particles by one law, and those of `{name}` have several"
+            ),
+            help: Some(format!(
+                "write the same law for each body of particles, or `bodies.{name}.elements.by = \"grid\"`"
+            )),
+        }),
+    }
 }
 
 /// Add the bodies of particles and the rigid bodies.

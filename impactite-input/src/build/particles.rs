@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use impactite::contact::SurfaceDistance;
 use impactite::contact::particles::{Bodies, ParticleBody};
-use impactite::geometry::Lattice;
+use impactite::geometry::{Lattice, Shape, sampled_measure};
 use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm as PcmmBody};
-use impactite::scene::Solver;
+use impactite::scene::{SceneError, Solver};
 use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 
 use super::common::{World, centre_of_mass};
@@ -116,17 +116,34 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     scene(world, |name| {
         let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let shape = world.shape(&key, spec)?;
-        let own = spec.shape.as_ref().and_then(|s| nodes_of_box(s, &lattice));
-        let packing = match own {
-            Some(packing) => packing,
-            None => Packing::on_nodes(&*shape, &lattice).map_err(|e| of_body(&format!("{key}.shape"), e))?,
-        };
         let law = world.law(&key, spec)?.material;
         let delaunay = LocalDelaunay::new(tolerance * spacing, stretch).at("method.pcmm")?;
         let method = PcmmMethod::consistent(embedding, delaunay);
+        let body = |packing: &Packing<D>, velocity: Velocity<D>, masses| {
+            PcmmBody::new(method, law.clone(), packing, move |x| velocity(x), masses)
+        };
+        let still: Velocity<D> = Arc::new(|_| [0.0; D]);
+        let placed = match nodes_of_box(spec.shape.as_ref(), &lattice) {
+            Some(packing) => Ok((packing, Masses::FromElements)),
+            None if spec.shape.as_ref().is_some_and(|s| MovedBox::<D>::of(s).is_some()) => {
+                Packing::on_nodes(&*shape, &lattice).map(|packing| (packing, Masses::FromElements))
+            }
+            None => fitted(&*shape, &lattice, |packing| body(packing, still.clone(), Masses::FromElements)),
+        };
+        let (mut packing, mut masses) = placed.map_err(|e| of_body(&format!("{key}.shape"), e))?;
+        if !packing.volumes.is_empty() {
+            let volume = match world.metric().measure(&*shape) {
+                Some(volume) => volume,
+                None => {
+                    sampled_measure(&*shape, world.metric(), 0.125 * spacing).at(format!("{key}.shape"))?
+                }
+            };
+            let covered: f64 = packing.volumes.iter().sum();
+            packing.volumes.iter_mut().for_each(|v| *v *= volume / covered);
+            masses = Masses::FromVolumes;
+        }
         let of = |velocity: Velocity<D>| -> Made<PcmmBody<D, _>> {
-            PcmmBody::new(method, law.clone(), &packing, move |x| velocity(x), Masses::FromElements)
-                .map_err(|e| of_body(&key, e))
+            body(&packing, velocity, masses).map_err(|e| of_body(&key, e))
         };
         // The masses of particles are those of their elements, which the body has to have.
         let velocity = world.velocity(&key, spec, || {
@@ -152,9 +169,32 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     })
 }
 
+/// Pack the particles of a shape up to its surface, without those that belong to no element of its body, with the volumes that the
+/// elements cover.
+fn fitted<const D: usize, B: Solver>(
+    shape: &dyn Shape<D>,
+    lattice: &Lattice<D>,
+    body: impl Fn(&Packing<D>) -> Result<B, SceneError>,
+) -> Result<(Packing<D>, Masses), SceneError> {
+    let mut packing = Packing::fitted(shape, lattice)?;
+    let made = loop {
+        match body(&packing) {
+            Err(SceneError::NoMass { particle, .. }) if particle < packing.positions.len() => {
+                packing.positions.remove(particle);
+                packing.radii.remove(particle);
+            }
+            made => break made?,
+        }
+    };
+    for of_body in made.bodies() {
+        of_body.for_each(&mut |p| packing.volumes.push(p.mass));
+    }
+    Ok((packing, Masses::FromElements))
+}
+
 /// Pack the particles of a box from face to face, with the best-fitting count along each axis, if its faces are not on lattice nodes.
-fn nodes_of_box<const D: usize>(spec: &Spec, lattice: &Lattice<D>) -> Option<Packing<D>> {
-    let cuboid = MovedBox::<D>::of(spec)?;
+fn nodes_of_box<const D: usize>(spec: Option<&Spec>, lattice: &Lattice<D>) -> Option<Packing<D>> {
+    let cuboid = MovedBox::<D>::of(spec?)?;
     let (low, high) = (&cuboid.low, &cuboid.high);
     let sites = |x: f64, d: usize| (x - lattice.origin()[d]) / lattice.spacing();
     let on = |x: f64, d: usize| (sites(x, d) - sites(x, d).round()).abs() <= 1e-6;

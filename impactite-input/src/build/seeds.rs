@@ -34,7 +34,8 @@ impl<const D: usize> Cells<'_, D> {
 }
 
 /// Generate the points in the shape of a body. Boxes, rotated ones included, are divided into the best-fitting number of points, so that
-/// their faces are exact. Points of other shapes are on the lattice, those beside a face half a spacing below it.
+/// their faces are exact. Points of other shapes are on the lattice, those beside a face half a spacing below it, with the volumes of their
+/// own cells.
 pub(super) fn seeds<const D: usize>(
     world: &World<'_, D>,
     key: &str,
@@ -59,7 +60,7 @@ pub(super) fn seeds<const D: usize>(
     if body.shape.as_ref().is_some_and(may_be_thin) {
         thin(&key, &*shape, &seeds, cells)?;
     }
-    Ok(seeds)
+    Ok(seeds.with_cell_volumes(&*shape, world.metric()))
 }
 
 /// Divide a box into the given number of points along each axis.

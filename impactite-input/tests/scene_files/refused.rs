@@ -466,3 +466,63 @@ fn a_key_that_stands_elsewhere_is_named() {
         block("plane strain", r#"elastic = { density = 2000, young = "50 MPa", poisson = 0.3 }"#, "", "");
     refused(&format!("{text}\n[[conditions]]\ntraction = 1\n"), &["conditions[", "`bodies.NAME.traction`"]);
 }
+
+/// Two blocks of the material point method, of which the left one is of another kind.
+fn of_kind(kind: &str, key: &str) -> String {
+    let method = match kind {
+        "rigid" | "elements" | "mpm" => METHODS[0],
+        "fem" => METHODS[1],
+        "sph" => METHODS[2],
+        "fpm" => METHODS[3],
+        _ => METHODS[4],
+    };
+    let text = blocks(method, FRICTION, "");
+    let body = match kind {
+        "rigid" => "rigid = { density = 7800 }",
+        "elements" => "material = \"steel\"\nelements = {}\nmesh.edge = \"2 mm\"",
+        _ => "material = \"steel\"",
+    };
+    text.replacen("material = \"steel\"", &format!("{body}\n{key}"), 1)
+}
+
+#[test]
+fn keys_that_a_kind_of_body_does_not_read_are_refused() {
+    const ALL: [&str; 7] = ["mpm", "rigid", "elements", "pcmm", "sph", "fpm", "fem"];
+    let traction =
+        "traction = { region.box = { from = [-1, -1], to = [1, 1] }, normal = \"x\", traction = [1, 0] }";
+    let notch = "notches = [{ corners = [[0, \"5 mm\"], [\"4 mm\", \"5 mm\"]] }]";
+    // Keys, and the kinds that read each.
+    let keys: [(&str, &str, &[&str]); 9] = [
+        ("body_force", "body_force = [1, 0]", &["mpm"]),
+        ("split_at", "split_at = 2", &["mpm"]),
+        ("lit", "lit = [{ at = [0, 0] }]", &[]),
+        ("deactivated", "deactivated = true", &["mpm"]),
+        ("initial_stress", "initial_stress = { xx = \"-1 Pa\" }", &["mpm", "sph"]),
+        ("traction", traction, &["mpm", "sph", "fpm", "fem"]),
+        ("notches", notch, &["fpm"]),
+        ("integration", "integration = \"full\"", &["fem", "elements"]),
+        ("erosion", "erosion = { volume = 0.1 }", &["fem", "elements"]),
+    ];
+    for (key, value, kinds) in keys {
+        for kind in ALL {
+            let text = of_kind(kind, value);
+            if kinds.contains(&kind) {
+                assert_eq!(said(&text), None, "{kind} reads `{key}`:\n{text}");
+            } else {
+                refused(&text, &[&format!("bodies.left.{key}")]);
+            }
+        }
+    }
+    let two = of_kind("elements", "rigid = { density = 1 }");
+    refused(&two, &["bodies.left.rigid"]);
+}
+
+#[test]
+fn elements_meet_all_particles_by_one_law() {
+    let pairs = "[contact]\nlaw.friction = 0\npairs = [{ between = [\"left\", \"right\"], law = { friction = 0.8 } }]";
+    let third = "[bodies.third]\nmaterial = \"steel\"\nshape.box = { from = [\"40 mm\", 0], to = [\"50 mm\", \"10 mm\"] }\n";
+    let elements = of_kind("elements", "").replace(FRICTION, "");
+    let two = format!("{elements}\n{pairs}");
+    assert_eq!(said(&two), None);
+    refused(&format!("{elements}\n{third}{pairs}"), &["contact.law", "`left`", "by = \"grid\""]);
+}

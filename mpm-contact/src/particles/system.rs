@@ -7,6 +7,8 @@ use crate::vector::{difference, dot, length, sum, times};
 
 /// Convergence tolerance: largest change of an impulse in a sweep, over the largest impulse.
 const FOUND: f64 = 1e-4;
+/// Area, over that of a bond, with which it still breaks: a bond at its strength, to within convergence, holds.
+const STRONGER: f64 = 1.002;
 /// Maximum number of sweeps.
 const SWEEPS: usize = 30;
 
@@ -75,10 +77,46 @@ impl System {
     }
 
     /// Solve for the impulses of all contacts: each in turn by its law, with the others fixed, forwards and backwards, until none changes
-    /// (projected Gauss-Seidel). Momentum is exact at any stage.
+    /// (projected Gauss-Seidel). Bonds hold at their strength at first ([`ContactLaw::at_strength`]); then those beyond it break, and the
+    /// others are solved for again, until no more break. Momentum is exact at any stage.
     pub fn solve(&mut self, touches: &mut [SurfaceTouch<'_>]) {
         let inverses: Vec<[f64; 2]> =
             touches.iter().map(|touch| [0, 1].map(|side| self.inverse(&touch.rows[side]))).collect();
+        self.relax(touches, &inverses);
+        while self.break_bonds(touches, &inverses) {
+            self.relax(touches, &inverses);
+        }
+    }
+
+    /// Contact as the law sees it: velocities without its own impulse.
+    fn without_own<'a>(&self, touch: &SurfaceTouch<'a>, inverse: [f64; 2]) -> Contact<'a, f64> {
+        let mut free: [[f64; 3]; 2] = std::array::from_fn(|side| {
+            if touch.rows[side].is_empty() { touch.rigid[side] } else { self.velocity(&touch.rows[side]) }
+        });
+        free[0] = sum(free[0], times(touch.impulse, inverse[0]));
+        free[1] = difference(free[1], times(touch.impulse, inverse[1]));
+        free[0] = difference(free[0], times(touch.contact.normal, touch.allowed));
+        Contact { masses: inverse.map(|i| 1.0 / i), velocities: free, ..touch.contact }
+    }
+
+    /// Break all bonds beyond their strength: they have no area from then on. Returns true if any broke.
+    fn break_bonds(&self, touches: &mut [SurfaceTouch<'_>], inverses: &[[f64; 2]]) -> bool {
+        let mut broke = false;
+        for (touch, inverse) in touches.iter_mut().zip(inverses) {
+            if inverse[0] + inverse[1] <= 0.0 || touch.contact.area <= 0.0 {
+                continue;
+            }
+            let contact = self.without_own(touch, *inverse);
+            let contact = Contact { area: contact.area * STRONGER, ..contact };
+            if touch.law.at_strength(&contact).is_some_and(|held| held != touch.law.impulse(&contact)) {
+                touch.contact.area = 0.0;
+                broke = true;
+            }
+        }
+        broke
+    }
+
+    fn relax(&mut self, touches: &mut [SurfaceTouch<'_>], inverses: &[[f64; 2]]) {
         let count = touches.len();
         for sweep in 0..SWEEPS {
             let (mut change, mut size) = (0.0f64, 0.0f64);
@@ -89,18 +127,9 @@ impl System {
                 if inverse[0] + inverse[1] <= 0.0 {
                     continue;
                 }
-                let mut free: [[f64; 3]; 2] = std::array::from_fn(|side| {
-                    if touch.rows[side].is_empty() {
-                        touch.rigid[side]
-                    } else {
-                        self.velocity(&touch.rows[side])
-                    }
-                });
-                free[0] = sum(free[0], times(touch.impulse, inverse[0]));
-                free[1] = difference(free[1], times(touch.impulse, inverse[1]));
-                free[0] = difference(free[0], times(touch.contact.normal, touch.allowed));
-                let masses = inverse.map(|i| 1.0 / i);
-                let mut next = touch.law.impulse(&Contact { masses, velocities: free, ..touch.contact });
+                let contact = self.without_own(touch, inverse);
+                let held = if contact.area > 0.0 { touch.law.at_strength(&contact) } else { None };
+                let mut next = held.unwrap_or_else(|| touch.law.impulse(&contact));
                 if touch.central {
                     next = times(touch.contact.normal, dot(next, touch.contact.normal));
                 }

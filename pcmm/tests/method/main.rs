@@ -6,6 +6,7 @@ mod common;
 mod conditions;
 mod contact;
 mod errors;
+mod fitted;
 mod mixed;
 mod properties;
 mod reference;

@@ -12,9 +12,9 @@ use crate::step::mpm::Mpm;
 use crate::step::nodes::footprint::Folds;
 use crate::step::nodes::layout::Nodes;
 use crate::step::nodes::stages::mass_cutoff;
-use impactite_scene::Finding;
 use impactite_scene::control::TimeControl;
 use impactite_scene::error::{SceneError, StepError, Stopped};
+use impactite_scene::{Finding, Parts};
 use impactite_simd::Float;
 
 /// Ratio of the spacing of points to that of nodes beyond which particles may slip through.
@@ -80,8 +80,37 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub(in crate::step) fn meet_surfaces(&mut self, dt: T) -> Result<(), StepError> {
         for n in 0..self.scene.clients.len() {
             let number = self.scene.clients[n];
-            let met = self.meet_surface(number, dt);
+            let apart = self.check_apart(number);
+            let met = apart.and_then(|()| self.meet_surface(number, dt));
             met.map_err(|what| self.stopped(what))?;
+        }
+        Ok(())
+    }
+
+    /// Stop where the surface of a client meets a body that is not of particles: no contact acts between them.
+    fn check_apart(&mut self, number: usize) -> Result<(), Stopped> {
+        let (before, rest) = self.scene.bodies.split_at_mut(number);
+        let Some((client, after)) = rest.split_first_mut() else { return Ok(()) };
+        let name = client.name().to_string();
+        let Some(surface) = client.client_mut().and_then(ClientSteps::surface) else { return Ok(()) };
+        for other in before.iter().chain(after.iter()) {
+            let mut meet = false;
+            if let Some(elements) = other.client().filter(|c| !c.is_within()) {
+                elements.each_box(&mut |low, high| meet |= surface.reaches(low, high));
+            } else if other.rigid().is_some() {
+                other.for_each_with(Parts::SIZE, &mut |p| {
+                    let side = |d: usize, sign: f64| {
+                        p.position[d] + sign * (0..3).map(|e| p.half_edges[e][d].abs()).sum::<f64>()
+                    };
+                    let (low, high) =
+                        (std::array::from_fn(|d| side(d, -1.0)), std::array::from_fn(|d| side(d, 1.0)));
+                    meet |= surface.reaches(&low, &high);
+                });
+            }
+            if meet {
+                let other = other.name().into();
+                return Err(Stopped::Scene(SceneError::NoContactOf { elements: name, other }));
+            }
         }
         Ok(())
     }

@@ -1,0 +1,192 @@
+//! Volumes of particles by the cells of their Voronoi diagram in a shape.
+
+use std::collections::HashMap;
+
+use super::seed::{Seeds, part_below};
+use super::shape::{Metric, Shape};
+use super::vector::sum;
+
+/// Depth of a site, in edges of a particle, from which its particle has the whole site.
+const DEEP: f64 = 1.7;
+/// Number of sites along an axis in which the particle nearest to a sample is sought, to each side.
+const REACH: i64 = 2;
+
+impl<const D: usize> Seeds<D> {
+    /// Replace the volumes by those of the cells of the Voronoi diagram in the shape, up to their sampling, scaled to the same sum. The
+    /// particles of a [filling](super::fill) that were moved to half a particle below the surface, and those behind them, have more or
+    /// less than a whole site around them, by up to a quarter; with their own cells the centroid is that of the shape.
+    ///
+    /// Particles should be of one edge, on sites of a lattice but for the outermost layer. Around an axis volumes are per radian.
+    #[must_use]
+    pub fn with_cell_volumes(mut self, shape: &(impl Shape<D> + ?Sized), metric: Metric) -> Self {
+        let edge = 2.0 * self.half_size.iter().fold(f64::INFINITY, |least, half| least.min(*half));
+        if self.is_empty() || edge <= 0.0 {
+            return self;
+        }
+        let total = self.measure();
+        let sites = Sites::of(&self.positions, edge);
+        let whole = edge.powi(D as i32);
+        let weight = |x: &[f64; D]| if metric == Metric::Axisymmetric { x[0] } else { 1.0 };
+        let mut volumes = vec![0.0; self.len()];
+        let mut around: Vec<[i64; D]> = Vec::new();
+        for (n, x) in self.positions.iter().enumerate() {
+            if shape.signed_distance_within(*x, 2.0 * DEEP * edge) <= -DEEP * edge {
+                volumes[n] += whole * weight(x);
+            } else {
+                sites.around(&sites.site(x), 1, &mut around);
+            }
+        }
+        around.sort_unstable();
+        around.dedup();
+        let parts = if D <= 2 { 6 } else { 4 };
+        let samples = Samples { parts, edge: edge / parts as f64 };
+        for site in &around {
+            let corner = sites.corner(site);
+            // Sites of deep particles are theirs.
+            let deep = sites.at.get(site).is_some_and(|list| {
+                list.iter().any(|n| {
+                    shape.signed_distance_within(self.positions[*n as usize], 2.0 * DEEP * edge)
+                        <= -DEEP * edge
+                })
+            });
+            if deep {
+                continue;
+            }
+            samples.each(&corner, |x| {
+                let distance = shape.signed_distance_within(x, edge);
+                let part = part_below(shape, x, [samples.edge; D], distance);
+                if part > 0.0
+                    && let Some(n) = sites.nearest(&self.positions, &x)
+                {
+                    volumes[n] += part * samples.edge.powi(D as i32) * weight(&x);
+                }
+            });
+        }
+        let found = sum(volumes.iter().copied());
+        if volumes.iter().all(|v| *v > 0.0) && found.is_finite() {
+            self.volumes = volumes.iter().map(|v| v * total / found).collect();
+        }
+        self
+    }
+}
+
+/// Samples of a site: the centres of equal parts of it.
+struct Samples {
+    parts: usize,
+    edge: f64,
+}
+
+impl Samples {
+    fn each<const D: usize>(&self, corner: &[f64; D], mut visit: impl FnMut([f64; D])) {
+        for n in 0..self.parts.pow(D as u32) {
+            let mut rest = n;
+            visit(std::array::from_fn(|d| {
+                let k = rest % self.parts;
+                rest /= self.parts;
+                corner[d] + (k as f64 + 0.5) * self.edge
+            }));
+        }
+    }
+}
+
+/// Particles by sites of a lattice of which the first particle has a site of its own.
+struct Sites<const D: usize> {
+    origin: [f64; D],
+    edge: f64,
+    at: HashMap<[i64; D], Vec<u32>>,
+}
+
+impl<const D: usize> Sites<D> {
+    /// Create for particles of this edge; the lattice is that of the sites with the most particles at their centres.
+    fn of(positions: &[[f64; D]], edge: f64) -> Self {
+        let mut sites = Sites { origin: lattice_of(positions, edge), edge, at: HashMap::new() };
+        for (n, x) in positions.iter().enumerate() {
+            let site = sites.site(x);
+            sites.at.entry(site).or_default().push(n as u32);
+        }
+        sites
+    }
+    fn site(&self, x: &[f64; D]) -> [i64; D] {
+        std::array::from_fn(|d| ((x[d] - self.origin[d]) / self.edge).floor() as i64)
+    }
+    fn corner(&self, site: &[i64; D]) -> [f64; D] {
+        std::array::from_fn(|d| self.origin[d] + site[d] as f64 * self.edge)
+    }
+    /// Append the sites up to `reach` from this one.
+    fn around(&self, site: &[i64; D], reach: i64, out: &mut Vec<[i64; D]>) {
+        let side = (2 * reach + 1) as usize;
+        for n in 0..side.pow(D as u32) {
+            out.push(std::array::from_fn(|d| site[d] + (n / side.pow(d as u32) % side) as i64 - reach));
+        }
+    }
+    /// Find the particle nearest to a place, the first of equal ones.
+    fn nearest(&self, positions: &[[f64; D]], x: &[f64; D]) -> Option<usize> {
+        let mut best: Option<(f64, usize)> = None;
+        let mut around = Vec::new();
+        for reach in 1..=REACH {
+            around.clear();
+            self.around(&self.site(x), reach, &mut around);
+            for n in around.iter().filter_map(|site| self.at.get(site)).flatten().map(|n| *n as usize) {
+                let square: f64 = (0..D).map(|d| (x[d] - positions[n][d]).powi(2)).sum();
+                if best.is_none_or(|(least, first)| square < least || (square == least && n < first)) {
+                    best = Some((square, n));
+                }
+            }
+            // A particle of a site farther off is at least `reach` edges away.
+            if best.is_some_and(|(square, _)| square <= (f64::from(reach as i32) * self.edge).powi(2)) {
+                break;
+            }
+        }
+        best.map(|(_, n)| n)
+    }
+}
+
+/// Origin of the sites, modulo their edge: the most frequent remainder of the positions along each axis, less half an edge.
+fn lattice_of<const D: usize>(positions: &[[f64; D]], edge: f64) -> [f64; D] {
+    const BINS: f64 = 1024.0;
+    std::array::from_fn(|d| {
+        let mut counts: HashMap<i64, (u32, f64)> = HashMap::new();
+        for x in positions {
+            let rest = (x[d] / edge).rem_euclid(1.0);
+            let bin = counts.entry((rest * BINS).round() as i64 % BINS as i64).or_insert((0, rest));
+            bin.0 += 1;
+        }
+        let most = counts.iter().max_by_key(|(bin, (count, _))| (*count, std::cmp::Reverse(**bin)));
+        (most.map_or(0.5, |(_, (_, rest))| *rest) - 0.5) * edge
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Ball, Filling, Lattice, Metric, Polygon, Shape, fill};
+
+    fn offset<const D: usize>(shape: &dyn Shape<D>, centre: [f64; D], edge: f64) -> [f64; 2] {
+        let lattice = Lattice::new([0.0; D], 2.0 * edge).unwrap();
+        let seeds = fill(shape, &lattice, 2, &Filling::new()).unwrap();
+        let far = |c: [f64; D]| (0..D).map(|d| (c[d] - centre[d]).abs()).fold(0.0f64, f64::max) / edge;
+        let before = far(seeds.centroid());
+        let total = seeds.measure();
+        let after = seeds.with_cell_volumes(shape, Metric::Cartesian);
+        assert!((after.measure() / total - 1.0).abs() < 1e-12);
+        [before, far(after.centroid())]
+    }
+
+    #[test]
+    fn the_centroid_of_cells_is_that_of_the_shape() {
+        // A hexagon and a triangle off the lattice, and a ball.
+        let hexagon: Vec<[f64; 2]> = (0..6)
+            .map(|n| {
+                let a = f64::from(n) * std::f64::consts::FRAC_PI_3 + 0.49;
+                [0.0396 + 0.03 * a.cos(), 0.0473 + 0.03 * a.sin()]
+            })
+            .collect();
+        let [before, after] = offset(&Polygon::new(hexagon).unwrap(), [0.0396, 0.0473], 0.004);
+        assert!(before > 0.1 && after < 0.03, "{before} {after}");
+        let triangle = vec![[0.01, 0.013], [0.071, 0.027], [0.02, 0.07]];
+        let [_, after] = offset(&Polygon::new(triangle).unwrap(), [0.101 / 3.0, 0.11 / 3.0], 0.004);
+        assert!(after < 0.06, "{after}");
+        let [_, after] =
+            offset(&Ball::<3>::new([0.01, 0.02, 0.03], 0.021).unwrap(), [0.01, 0.02, 0.03], 0.004);
+        assert!(after < 0.02, "{after}");
+    }
+}

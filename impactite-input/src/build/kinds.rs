@@ -1,0 +1,139 @@
+//! Kinds of bodies, and the keys that each reads.
+
+use super::wrong::{Made, Wrong};
+use crate::model::body::{Body, Mesh};
+use crate::model::method::Method;
+
+/// Kind of a body: what carries its matter.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Material points.
+    Particles,
+    /// Rigid body among material points.
+    Rigid,
+    /// Finite elements among material points.
+    Elements,
+    /// Particles in contact.
+    Pcmm,
+    /// Smoothed particles.
+    Sph,
+    /// Fragile points.
+    Fpm,
+    /// Finite elements.
+    Fem,
+}
+use Kind::{Elements, Fem, Fpm, Particles, Pcmm, Rigid, Sph};
+
+impl Kind {
+    fn of(method: &Method, body: &Body) -> Kind {
+        match method {
+            Method::Mpm(_) if body.elements.is_some() => Elements,
+            Method::Mpm(_) if body.rigid.is_some() => Rigid,
+            Method::Mpm(_) => Particles,
+            Method::Pcmm(_) => Pcmm,
+            Method::Sph(_) => Sph,
+            Method::Fpm(_) => Fpm,
+            Method::Fem(_) => Fem,
+        }
+    }
+
+    /// Name of the kind in messages.
+    fn name(self) -> &'static str {
+        match self {
+            Particles => "particles of `mpm`",
+            Rigid => "rigid bodies of `mpm`",
+            Elements => "`elements` in `mpm`",
+            Pcmm => "`pcmm`",
+            Sph => "`sph`",
+            Fpm => "`fpm`",
+            Fem => "`fem`",
+        }
+    }
+}
+
+/// Key of a body that some kinds alone read.
+struct Key {
+    name: &'static str,
+    /// True if the body has the key.
+    used: fn(&Body) -> bool,
+    /// Kinds that read it.
+    kinds: &'static [Kind],
+    /// What serves a body of another kind instead.
+    instead: Option<&'static str>,
+}
+
+/// Keys that some kinds alone read. Other keys of bodies are read for every kind.
+const KEYS: &[Key] = &[
+    Key { name: "rigid", used: |b| b.rigid.is_some(), kinds: &[Rigid], instead: None },
+    Key { name: "elements", used: |b| b.elements.is_some(), kinds: &[Elements], instead: None },
+    Key {
+        name: "material",
+        used: |b| b.material.is_some(),
+        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem],
+        instead: Some("a rigid body has `rigid.density` instead"),
+    },
+    Key { name: "deactivated", used: |b| b.deactivated, kinds: &[Particles], instead: None },
+    Key { name: "split_at", used: |b| b.split_at.is_some(), kinds: &[Particles], instead: None },
+    Key { name: "merge_above", used: |b| b.merge_above.is_some(), kinds: &[Particles], instead: None },
+    Key {
+        name: "body_force",
+        used: |b| b.body_force.is_some(),
+        kinds: &[Particles],
+        instead: Some("`gravity` acts on all bodies, and may be formulas of time"),
+    },
+    Key { name: "lit", used: |b| !b.lit.is_empty(), kinds: &[Particles], instead: None },
+    Key {
+        name: "initial_stress",
+        used: |b| b.initial_stress.is_some(),
+        kinds: &[Particles, Sph],
+        instead: None,
+    },
+    Key {
+        name: "traction",
+        used: |b| !b.traction.0.is_empty(),
+        kinds: &[Particles, Sph, Fpm, Fem],
+        instead: Some("push it by another body, or by a condition `prescribed`"),
+    },
+    Key { name: "notches", used: |b| !b.notches.is_empty(), kinds: &[Fpm], instead: None },
+    Key { name: "integration", used: |b| b.integration.is_some(), kinds: &[Fem, Elements], instead: None },
+    Key { name: "erosion", used: |b| b.erosion.is_some(), kinds: &[Fem, Elements], instead: None },
+    Key {
+        name: "mesh",
+        used: |b| b.mesh.is_some(),
+        kinds: &[Fem, Fpm, Elements],
+        instead: Some("`elements = {}` beside it makes finite elements of a body of `mpm`"),
+    },
+];
+
+/// Refuse keys of a body that its kind does not read.
+pub(super) fn check(method: &Method, name: &str, body: &Body) -> Made<()> {
+    let kind = Kind::of(method, body);
+    let refused = |key: &str, message: String, help: Option<&str>| {
+        Err(Wrong { key: format!("bodies.{name}.{key}"), message, help: help.map(Into::into) })
+    };
+    if body.elements.is_some() && body.rigid.is_some() {
+        return refused("rigid", "is not for `elements`: either of both".into(), None);
+    }
+    for key in KEYS {
+        if (key.used)(body) && !key.kinds.contains(&kind) {
+            let kinds: Vec<&str> = key.kinds.iter().map(|k| k.name()).collect();
+            let message = format!("is for {}; not for {}", listed(&kinds), kind.name());
+            return refused(key.name, message, key.instead);
+        }
+    }
+    match &body.mesh {
+        Some(Mesh::Gmsh(_) | Mesh::Abaqus(_) | Mesh::Bars(_)) if body.shape.is_some() => {
+            refused("shape", "is not read: the `mesh` of the body says where it is".into(), None)
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Join names by commas and "and".
+fn listed(names: &[&str]) -> String {
+    match names {
+        [] => String::new(),
+        [one] => (*one).into(),
+        [rest @ .., last] => format!("{} and {last}", rest.join(", ")),
+    }
+}
