@@ -1,13 +1,14 @@
 //! Scenes of the fragile points method.
 
 use impactite::fpm::{
-    AnyCriterion, Cells, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
+    AnyCriterion, Cells, CellsError, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
     MixedTensionShear, NoCracks, Notch, Penalty, Space, Symmetric, relaxed, scattered,
 };
-use impactite::geometry::{Cuboid, Lattice, Polygon};
+use impactite::geometry::{Bounds, Cuboid, Lattice, Polygon};
 use impactite::scene::{Embedding, Solver};
 
 use super::common::{Surface, World, centre_of_mass};
+use super::shape::Motion;
 use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, particles, placement, seeds};
 use crate::model::body::Body as Spec;
@@ -129,7 +130,7 @@ where
         Cells::of_mesh(&mesh::of(world, key, spec)?).at(format!("{key}.mesh"))?
     } else {
         let spacing = options.spacing.value;
-        let domain = domain(key, spec)?;
+        let domain = domain(key, spec, spacing)?;
         let mut points = match options.points {
             Points::Random => {
                 let points = scattered(&domain, options.seed, |_| spacing).at("method.fpm.spacing")?;
@@ -152,26 +153,72 @@ where
     Ok(cells)
 }
 
-/// Return the convex domain of a body, to which Voronoi cells are clipped.
-fn domain<const D: usize>(key: &str, spec: &Spec) -> Made<Domain<D>> {
+/// Number of sides of the polygon that stands for a disc, per spacing of its circumference.
+const SIDES: f64 = 2.0;
+
+/// Return the convex domain of a body, to which Voronoi cells are clipped. A disc is a polygon of the same area.
+fn domain<const D: usize>(key: &str, spec: &Spec, spacing: f64) -> Made<Domain<D>> {
     let key = format!("{key}.shape");
-    match &spec.shape {
-        Some(Shape::Box(s)) => {
+    let Some(shape) = &spec.shape else { return wrong(key, "needs a `shape`, or a `mesh`") };
+    let (shape, motion) = Motion::<D>::of(&key, shape)?;
+    match shape {
+        Shape::Box(s) => {
             let cuboid = Cuboid::<D>::new(fixed(&s.from).at(&key)?, fixed(&s.to).at(&key)?).at(&key)?;
-            Domain::cuboid(cuboid.min(), cuboid.max()).at(key)
+            moved_box(&cuboid, &motion).at(key)
         }
-        Some(Shape::Polygon(s)) => {
-            let polygon = Polygon::new(s.corners.iter().map(|c| c.map(|x| x.value)).collect()).at(&key)?;
-            let any: Box<dyn std::any::Any> = Box::new(Domain::polygon(&polygon).at(&key)?);
-            match any.downcast() {
-                Ok(domain) => Ok(*domain),
-                Err(_) => wrong(key, "a polygon is a shape of the plane"),
-            }
+        Shape::Polygon(s) => {
+            convex(&key, s.corners.iter().map(|c| c.each_ref().map(|x| x.value)).collect(), &motion)
         }
-        Some(_) => {
-            wrong(key, "cells of points are cut to a `box` or a convex `polygon`; other bodies have a `mesh`")
+        Shape::Ball(s) if D == 2 => {
+            let (centre, radius) = (fixed::<2, _>(&s.centre).at(&key)?, s.radius.value);
+            let sides = (SIDES * std::f64::consts::TAU * radius / spacing).ceil().clamp(12.0, 1e4);
+            let angle = std::f64::consts::TAU / sides;
+            let corner = radius * (angle / angle.sin()).sqrt();
+            let at = |n: usize| {
+                let (sin, cos) = (angle * n as f64).sin_cos();
+                [centre[0] + corner * cos, centre[1] + corner * sin]
+            };
+            convex(&key, (0..sides as usize).map(at).collect(), &motion)
         }
-        None => wrong(key, "needs a `shape`, or a `mesh`"),
+        _ => wrong(
+            key,
+            "cells of points are cut to a `box`, in the plane also a `ball` or a convex `polygon`, each of them also `moved`; other bodies have a `mesh`",
+        ),
+    }
+}
+
+/// Cut the domain of a moved box from the box around it.
+fn moved_box<const D: usize>(cuboid: &Cuboid<D>, motion: &Motion<D>) -> Result<Domain<D>, CellsError> {
+    let (low, high) = (cuboid.min(), cuboid.max());
+    let corner = |n: usize| -> [f64; D] {
+        motion.place(std::array::from_fn(|d| if n >> d & 1 == 1 { high[d] } else { low[d] }))
+    };
+    let bounds = Bounds::around((0..1 << D).map(corner));
+    let mut domain = Domain::cuboid(bounds.min, bounds.max)?;
+    let first = corner(0);
+    for d in 0..D {
+        let last = corner(1 << d);
+        let edge: [f64; D] = std::array::from_fn(|e| last[e] - first[e]);
+        if edge.iter().filter(|c| **c != 0.0).count() == 1 {
+            continue;
+        }
+        let along = |x: &[f64; D]| -> f64 { (0..D).map(|e| edge[e] * x[e]).sum() };
+        domain = domain.cut(edge, along(&last))?.cut(edge.map(|c| -c), -along(&first))?;
+    }
+    Ok(domain)
+}
+
+/// Create a convex polygon of the plane, moved.
+fn convex<const D: usize>(key: &str, corners: Vec<[f64; 2]>, motion: &Motion<D>) -> Made<Domain<D>> {
+    let place = |x: [f64; 2]| -> [f64; 2] {
+        let moved = motion.place(std::array::from_fn(|d| x[d.min(1)]));
+        std::array::from_fn(|d| moved[d.min(D - 1)])
+    };
+    let polygon = Polygon::new(corners.into_iter().map(place).collect()).at(key)?;
+    let any: Box<dyn std::any::Any> = Box::new(Domain::polygon(&polygon).at(key)?);
+    match any.downcast() {
+        Ok(domain) => Ok(*domain),
+        Err(_) => wrong(key, "a polygon is a shape of the plane"),
     }
 }
 

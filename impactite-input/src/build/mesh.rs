@@ -7,6 +7,7 @@ use impactite::geometry::structured::{
 use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Metric, Tube};
 
 use super::common::{World, centre_of_mass};
+use super::shape::Motion;
 use super::wrong::{At, Folder, Made, Wrong, wrong};
 use crate::model::body::{Bars, Body, HOURGLASS_STIFFNESS, Integration, Mesh, MeshFile};
 use crate::model::fixed;
@@ -21,7 +22,12 @@ pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -
         Some(Mesh::Gmsh(file)) => read(world, key, "gmsh", file, ElementMesh::read_gmsh),
         Some(Mesh::Abaqus(file)) => read(world, key, "abaqus", file, ElementMesh::read_abaqus),
         Some(Mesh::Edge(edge)) => match &body.shape {
-            Some(shape) => regular(world, &format!("{key}.mesh"), shape, edge),
+            Some(shape) => {
+                let (shape, motion) = Motion::<D>::of(&format!("{key}.shape"), shape)?;
+                let mut mesh = regular(world, &format!("{key}.mesh"), shape, edge)?;
+                mesh.nodes.iter_mut().for_each(|x| *x = motion.place(*x));
+                Ok(mesh)
+            }
             None => wrong(key, "a mesh by its `edge` is of a `shape`"),
         },
     }
@@ -146,7 +152,7 @@ fn regular<const D: usize>(
         }
         _ => wrong(
             key,
-            "regular meshes are of `box` and `ball`, in space also of `cylinder` and `tube`; others come from files of Gmsh or Abaqus",
+            "regular meshes are of `box` and `ball`, in space also of `cylinder` and `tube`, each of them also `moved`; others come from files of Gmsh or Abaqus",
         ),
     }
 }

@@ -140,27 +140,57 @@ fn rotation<const D: usize>(key: &str, spec: &MovedShape, angle: f64) -> Made<Ro
     Ok(Rotation::from_matrix_unchecked(nalgebra::SMatrix::from_fn(|i, j| matrix[i][j])))
 }
 
-/// Box with its rigid motions, innermost first.
+/// Rigid motions of a shape, innermost first: rotation about a centre, and translation, m.
+#[derive(Clone, Default)]
+pub(super) struct Motion<const D: usize>(Vec<(Rotation<f64, D>, [f64; D], [f64; D])>);
+
+impl<const D: usize> Motion<D> {
+    /// Split a shape into the innermost one that is not moved, and its motion.
+    pub fn of<'a>(key: &str, spec: &'a Spec) -> Made<(&'a Spec, Self)> {
+        let Spec::Moved(moved) = spec else { return Ok((spec, Motion(Vec::new()))) };
+        let (inner, mut motion) = Motion::of(&format!("{key}.moved.shape"), &moved.shape)?;
+        let part = |list: &Option<Vector<Length>>| {
+            list.as_ref().map_or(Ok([0.0; D]), |list| fixed::<D, _>(list).at(format!("{key}.moved")))
+        };
+        let rotation = match &moved.turn {
+            Some(turn) => rotation(&format!("{key}.moved"), moved, turn.value)?,
+            None => Rotation::identity(),
+        };
+        motion.0.push((rotation, part(&moved.about)?, part(&moved.by)?));
+        Ok((inner, motion))
+    }
+
+    /// Map a position of the unmoved shape to the scene.
+    pub fn place(&self, x: [f64; D]) -> [f64; D] {
+        self.0.iter().fold(x, |x, (rotation, about, by)| {
+            let arm = nalgebra::SVector::<f64, D>::from_fn(|d, _| x[d] - about[d]);
+            let turned = rotation * arm;
+            std::array::from_fn(|d| turned[d] + about[d] + by[d])
+        })
+    }
+}
+
+/// Box with its rigid motions.
 pub(super) struct MovedBox<const D: usize> {
     pub low: [f64; D],
     pub high: [f64; D],
-    moves: Vec<(Rotation<f64, D>, [f64; D], [f64; D])>,
+    moves: Motion<D>,
 }
 
 impl<const D: usize> MovedBox<D> {
     /// Create a box with edges along the axes.
     #[cfg(test)]
     pub fn along(low: [f64; D], high: [f64; D]) -> Self {
-        MovedBox { low, high, moves: Vec::new() }
+        MovedBox { low, high, moves: Motion(Vec::new()) }
     }
 
     /// Return the half sizes along the axes of the scene, m, of cells with the half sizes `half` along those of the box, m: exact for
     /// quarter turns, else of equal volume.
     pub fn turned(&self, half: [f64; D]) -> [f64; D] {
-        if self.moves.is_empty() {
+        if self.moves.0.is_empty() {
             return half;
         }
-        let turn = self.moves.iter().fold(Rotation::<f64, D>::identity(), |turn, (next, ..)| next * turn);
+        let turn = self.moves.0.iter().fold(Rotation::<f64, D>::identity(), |turn, (next, ..)| next * turn);
         let wide: [f64; D] =
             std::array::from_fn(|i| (0..D).map(|j| turn.matrix()[(i, j)].abs() * half[j]).sum::<f64>());
         let part = half.iter().product::<f64>() / wide.iter().product::<f64>();
@@ -173,7 +203,11 @@ impl<const D: usize> MovedBox<D> {
             Spec::Box(spec) => {
                 let (from, to): ([f64; D], [f64; D]) = (fixed(&spec.from).ok()?, fixed(&spec.to).ok()?);
                 let low = std::array::from_fn(|d| from[d].min(to[d]));
-                Some(MovedBox { low, high: std::array::from_fn(|d| from[d].max(to[d])), moves: Vec::new() })
+                Some(MovedBox {
+                    low,
+                    high: std::array::from_fn(|d| from[d].max(to[d])),
+                    moves: Motion(Vec::new()),
+                })
             }
             Spec::Moved(moved) => {
                 let mut inner = MovedBox::of(&moved.shape)?;
@@ -182,13 +216,13 @@ impl<const D: usize> MovedBox<D> {
                 };
                 let (about, by) = (part(&moved.about)?, part(&moved.by)?);
                 match &moved.turn {
-                    Some(turn) => inner.moves.push((rotation("", moved, turn.value).ok()?, about, by)),
-                    None if inner.moves.is_empty() => {
+                    Some(turn) => inner.moves.0.push((rotation("", moved, turn.value).ok()?, about, by)),
+                    None if inner.moves.0.is_empty() => {
                         (0..D).for_each(|d| {
                             (inner.low[d], inner.high[d]) = (inner.low[d] + by[d], inner.high[d] + by[d])
                         });
                     }
-                    None => inner.moves.push((Rotation::identity(), [0.0; D], by)),
+                    None => inner.moves.0.push((Rotation::identity(), [0.0; D], by)),
                 }
                 Some(inner)
             }
@@ -198,16 +232,12 @@ impl<const D: usize> MovedBox<D> {
 
     /// True if the edges are along the axes.
     pub fn along_axes(&self) -> bool {
-        self.moves.is_empty()
+        self.moves.0.is_empty()
     }
 
     /// Map a position of the unmoved box to the scene.
     pub fn place(&self, x: [f64; D]) -> [f64; D] {
-        self.moves.iter().fold(x, |x, (rotation, about, by)| {
-            let arm = nalgebra::SVector::<f64, D>::from_fn(|d, _| x[d] - about[d]);
-            let turned = rotation * arm;
-            std::array::from_fn(|d| turned[d] + about[d] + by[d])
-        })
+        self.moves.place(x)
     }
 }
 
