@@ -1,7 +1,9 @@
 //! Nodal time integration: velocity update, boundary conditions, position update.
 
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::{Boundary, Cause, Exchange, LocalDamping, MovingPoint, PointKind, StepError, Stopped};
+use impactite_scene::{
+    Boundaries, Boundary, Cause, Exchange, LocalDamping, MovingPoint, PointKind, StepError, Stopped,
+};
 use impactite_scene::{Clock, Condition};
 use impactite_simd::Team;
 
@@ -36,7 +38,7 @@ pub(crate) struct Part<'a, const D: usize> {
     pub ratio: u32,
     pub force: Option<&'a BodyForce<D>>,
     pub damping: LocalDamping,
-    pub boundaries: &'a [Boundary<D>],
+    pub boundaries: &'a Boundaries<D>,
 }
 
 impl<const D: usize> ElementBody<D> {
@@ -236,7 +238,7 @@ impl<const D: usize> ElementBody<D> {
 /// Context of a node update.
 pub(crate) struct Motion<'a, const D: usize> {
     pub body: &'a ElementBody<D>,
-    pub boundaries: &'a [Boundary<D>],
+    pub boundaries: &'a Boundaries<D>,
     pub time: f64,
     pub dt: f64,
     pub damping: LocalDamping,
@@ -348,7 +350,7 @@ impl<const D: usize> Motion<'_, D> {
         if self.carried(n).is_some() {
             return;
         }
-        for boundary in self.boundaries {
+        for (number, boundary) in self.boundaries.iter().enumerate() {
             if let Some(extent) = self.body.extents.get(n).filter(|_| boundary.reacts()) {
                 let size = match boundary.surface() {
                     Some((axis, ..)) => extent[axis],
@@ -356,7 +358,7 @@ impl<const D: usize> Motion<'_, D> {
                 };
                 (point.depth, point.tolerance) = (0.5 * size, NEAR * size);
             }
-            boundary.hold(point, (self.time, self.dt), given);
+            self.boundaries.hold(number, point, (self.time, self.dt), given);
         }
         for wanted in self.prescribed(n) {
             let before = point.velocity;

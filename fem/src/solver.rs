@@ -3,16 +3,17 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use impactite_scene::boundary::{BodyForce, VelocityHistory, check_at};
+use impactite_scene::boundaries::check_at;
+use impactite_scene::boundary::{BodyForce, VelocityHistory};
 use impactite_scene::constants::over;
 use impactite_scene::control::{ControlError, largest};
 use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
-    GainCause, LocalDamping, PairContact, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl,
-    Warning, Watch,
+    Account, Archive, Body, Boundaries, BoundaryEntry, CheckpointError, Clock, ContactPoint, Embedding,
+    Exchange, Finding, GainCause, LocalDamping, PairContact, SceneError, Solver, StepError, StepLimit,
+    Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::Pairs;
@@ -41,7 +42,7 @@ pub struct Fem<const D: usize> {
     hoop: bool,
     space: &'static str,
     pub(crate) bodies: Vec<ElementBody<D>>,
-    boundaries: Vec<Boundary<D>>,
+    boundaries: Boundaries<D>,
     body_force: Option<BodyForce<D>>,
     damping: LocalDamping,
     pub(crate) team: Team,
@@ -66,7 +67,7 @@ impl<const D: usize> Fem<D> {
             hoop: E::HOOP,
             space: E::NAME,
             bodies: Vec::new(),
-            boundaries: Vec::new(),
+            boundaries: Boundaries::default(),
             body_force: None,
             damping: LocalDamping::default(),
             team: Team::one(),
@@ -104,10 +105,12 @@ impl<const D: usize> Fem<D> {
     ///
     /// # Errors
     /// Invalid parameters of the condition; periodic planes.
-    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
-        boundary
+    pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
+        let entry = boundary.into();
+        entry
+            .boundary()
             .check_moving("with finite elements; take planes of symmetry, or the material point method")?;
-        boundary.add_to(&mut self.boundaries);
+        self.boundaries.add(entry);
         if let Some(contact) = &mut self.contact {
             contact.forget();
         }
@@ -392,7 +395,7 @@ impl<const D: usize> Fem<D> {
         self.bodies.iter().any(|body| !body.prescribed.is_empty())
     }
     /// Boundary conditions on all nodes.
-    pub fn boundaries(&self) -> &[Boundary<D>] {
+    pub fn boundaries(&self) -> &Boundaries<D> {
         &self.boundaries
     }
     /// Name of the embedding of the coordinates in space.
@@ -419,6 +422,7 @@ impl<const D: usize> Fem<D> {
             return Err(self.clock.refused("step", dt, "positive and finite"));
         }
         self.check_loads(dt).map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        self.boundaries.advance(self.clock.time, dt);
         if self.watcher.opens() {
             self.bodies.iter_mut().for_each(|body| body.note_energy());
             let (totals, exchange) = (self.totals(), Solver::exchange(self));
@@ -429,7 +433,7 @@ impl<const D: usize> Fem<D> {
 
     fn check_loads(&self, dt: f64) -> Result<(), SceneError> {
         let time = self.clock.time;
-        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])?;
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time, time + dt])?;
         for prescribed in self.bodies.iter().flat_map(|b| &b.prescribed) {
             let time = time + 0.5 * dt;
             let wanted = (prescribed.velocity)(time);
@@ -601,10 +605,7 @@ impl<const D: usize> Solver for Fem<D> {
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same("body force", &force.unwrap_or_default())?;
         file.same("local damping", &format!("{:?}", self.damping.coefficient()))?;
-        file.same("number of boundaries", &self.boundaries.len().to_string())?;
-        for (n, boundary) in self.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n}"), &impactite_scene::Condition::constants(boundary, times))?;
-        }
+        self.boundaries.archive(file, times, &str::to_string)?;
         for body in &mut self.bodies {
             body.archive(file)?;
         }

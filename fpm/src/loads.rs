@@ -30,6 +30,8 @@ pub(crate) struct FaceLoad<const D: usize> {
     now: [f64; D],
     before: [f64; D],
     given: [bool; D],
+    /// Account of the boundary condition that the load enforces ([`impactite_scene::BoundaryEntry::with_account`]).
+    pub account: Option<usize>,
 }
 
 /// Work and penalty energy of loads on the surface in a step.
@@ -52,7 +54,12 @@ impl<const D: usize> FaceLoad<D> {
         FaceLoad::new(Kind::Velocity(of), faces)
     }
     fn new(kind: Kind<D>, faces: String) -> Self {
-        FaceLoad { kind, faces, now: [0.0; D], before: [0.0; D], given: [false; D] }
+        FaceLoad { kind, faces, now: [0.0; D], before: [0.0; D], given: [false; D], account: None }
+    }
+
+    /// Book the load to an account, too.
+    pub fn booked_to(self, account: Option<usize>) -> Self {
+        FaceLoad { account, ..self }
     }
 
     /// True for a prescribed displacement or velocity.

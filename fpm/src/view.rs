@@ -1,7 +1,7 @@
 //! Observer interface of a body, and checkpoints.
 
 use impactite_scene::constants::over;
-use impactite_scene::{Archive, Body, CheckpointError, Condition, Parts, PointView, Totals};
+use impactite_scene::{Archive, Body, CheckpointError, Parts, PointView, Totals};
 
 use crate::method::Composition;
 use crate::open::OpenFace;
@@ -138,10 +138,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same(&of("body force"), &force.unwrap_or_default())?;
         file.same(&of("local damping"), &format!("{:?}", self.damping.coefficient()))?;
-        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
-        for (n, boundary) in self.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
-        }
+        self.boundaries.archive(file, times, &of)?;
         file.same(&of("number of loads"), &self.acting.len().to_string())?;
         for (n, load) in self.acting.iter_mut().enumerate() {
             load.archive(file, &format!("load {n} of body `{name}`"), self.clock.time)?;

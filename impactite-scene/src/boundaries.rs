@@ -7,7 +7,7 @@ use std::sync::Arc;
 use impactite_geometry::{Bounds, Shape};
 
 use crate::archive::{Archive, CheckpointError};
-use crate::boundary::{Boundary, BoundaryError};
+use crate::boundary::{BodyForce, Boundary, BoundaryError};
 use crate::condition::Condition;
 use crate::constants::over;
 use crate::error::SceneError;
@@ -269,7 +269,21 @@ impl<const D: usize> Deref for Boundaries<D> {
     }
 }
 
+impl<'a, const D: usize> IntoIterator for &'a Boundaries<D> {
+    type Item = &'a Boundary<D>;
+    type IntoIter = std::slice::Iter<'a, Boundary<D>>;
+    fn into_iter(self) -> Self::IntoIter {
+        self.list.iter()
+    }
+}
+
 impl<const D: usize> Boundaries<D> {
+    /// Entries of the conditions, as they were added, in their order.
+    #[must_use]
+    pub fn entries(&self) -> &[BoundaryEntry<D>] {
+        &self.entries
+    }
+
     /// Add a condition at its place in the order: planes of symmetry and walls, fixed planes, prescribed velocities, then those that react
     /// (friction, dashpots, custom conditions), each in the order of addition.
     pub fn add(&mut self, entry: impl Into<BoundaryEntry<D>>) {
@@ -301,10 +315,7 @@ impl<const D: usize> Boundaries<D> {
     }
 
     /// Check that the motion of walls is finite at `times`, s.
-    ///
-    /// # Errors
-    /// [`SceneError::NotFinite`].
-    pub fn check_courses(&self, times: &[f64]) -> Result<(), SceneError> {
+    fn check_courses(&self, times: &[f64]) -> Result<(), SceneError> {
         for (n, entry) in self.entries.iter().enumerate() {
             for &time in times {
                 let values = match &entry.course {
@@ -396,6 +407,9 @@ impl<const D: usize> Boundaries<D> {
         (time, tolerance, copies): (f64, f64, f64),
     ) -> [Option<usize>; 3] {
         let mut accounts = [None; 3];
+        if !self.has_accounts() {
+            return accounts;
+        }
         for (boundary, entry) in self.list.iter().zip(&self.entries).filter(|(b, _)| !b.is_wall()) {
             let probe = [f64::MAX; 3];
             let mut v = probe;
@@ -422,6 +436,33 @@ impl<const D: usize> Boundaries<D> {
         }
         self.displacements.iter_mut().try_for_each(|x| file.reals(x))
     }
+}
+
+/// Check that a body force at `time`, s, and prescribed velocities and motions of walls at `times`, s, are finite.
+///
+/// # Errors
+/// [`SceneError::NotFinite`].
+pub fn check_at<const D: usize>(
+    body_force: Option<&BodyForce<D>>,
+    boundaries: &Boundaries<D>,
+    time: f64,
+    times: &[f64],
+) -> Result<(), SceneError> {
+    let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
+        let wrong = values.iter().find(|x| !x.is_finite());
+        wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
+    };
+    if let Some(force) = body_force {
+        check(&|| "body force".into(), &force(time), time)?;
+    }
+    for (n, boundary) in boundaries.iter().enumerate() {
+        let Boundary::Prescribed { velocity, .. } = boundary else { continue };
+        for &time in times {
+            let prescribed = velocity(time).map(|v| v.unwrap_or_default());
+            check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time)?;
+        }
+    }
+    boundaries.check_courses(times)
 }
 
 #[cfg(test)]
