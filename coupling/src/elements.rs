@@ -392,6 +392,9 @@ impl<const D: usize> Body for Elements<D> {
         self.fem.element_bodies().iter().for_each(|body| sum.add(&body.pushed()));
         Some(sum)
     }
+    fn surface_area(&self) -> Option<f64> {
+        self.fem.element_bodies().iter().map(Body::surface_area).sum()
+    }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
     }

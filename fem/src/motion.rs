@@ -179,13 +179,12 @@ impl<const D: usize> ElementBody<D> {
     pub(crate) fn push_loads(&mut self, time: f64) {
         let mut loads = std::mem::take(&mut self.loads);
         for load in &mut loads {
-            let traction = (load.history)(time);
-            load.acting = traction;
-            for &(node, area) in &load.areas {
+            load.act(time, &|node| self.nodes[node as usize].position, self.hoop);
+            for (node, force) in &load.acting {
                 // Nodes without mass belong to converted elements only.
-                if self.nodes[node as usize].mass > 0.0 {
-                    let load = traction.map(|t| self.pace.kick * area * t);
-                    self.push(Push { load, ..Push::of(node) });
+                if self.nodes[*node as usize].mass > 0.0 {
+                    let load = force.map(|f| self.pace.kick * f);
+                    self.push(Push { load, ..Push::of(*node) });
                 }
             }
         }
@@ -196,8 +195,8 @@ impl<const D: usize> ElementBody<D> {
     pub(crate) fn loaded_by(&self, node: usize) -> [f64; D] {
         let mut force = [0.0; D];
         for load in &self.loads {
-            if let Ok(at) = load.areas.binary_search_by_key(&(node as u32), |(node, _)| *node) {
-                (0..D).for_each(|d| force[d] += load.areas[at].1 * load.acting[d]);
+            if let Some(own) = load.on(node as u32) {
+                (0..D).for_each(|d| force[d] += own[d]);
             }
         }
         force

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
+use impactite_geometry::Facet;
 use impactite_scene::boundaries::check_at;
 use impactite_scene::boundary::{BodyForce, VelocityHistory};
 use impactite_scene::constants::over;
@@ -21,7 +22,7 @@ use mpm_contact::mesh::MeshStep;
 
 use crate::body::{ElementBody, MeshBody, Prescribed};
 use crate::contact::{ContactSurface, Contacts, look};
-use crate::load::{SurfaceFacet, SurfaceLoad, TractionHistory, view};
+use crate::load::{Loading, PressureHistory, SurfaceFacet, SurfaceLoad, TractionHistory, view};
 use crate::motion::Part;
 use crate::surface::surface_of;
 use crate::sweep::Scratch;
@@ -222,34 +223,67 @@ impl<const D: usize> Fem<D> {
         picked: impl Fn(&SurfaceFacet<D>) -> bool,
         history: TractionHistory<D>,
     ) -> Result<usize, SceneError> {
+        let chosen = self.chosen(body, ("traction", facets), picked)?;
+        let (mut shares, hoop) = (BTreeMap::new(), self.hoop);
+        let body = &mut self.bodies[body];
+        for facet in &chosen {
+            let (_, areas) = view(&body.mesh.nodes, facet, hoop);
+            let shared = facet.nodes().iter().zip(areas);
+            shared.for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
+        }
+        let area = shares.values().sum();
+        let loading = Loading::Traction { areas: shares.into_iter().collect(), history };
+        body.loads.push(SurfaceLoad { facets: facets.into(), area, loading, acting: Vec::new() });
+        Ok(chosen.len())
+    }
+
+    /// Apply a pressure over time, Pa, compression positive, to facets of the initial surface of a body: it acts along the present normals
+    /// on the present areas. Facets of eroded elements are no longer loaded. Otherwise as [`Fem::load`].
+    ///
+    /// # Errors
+    /// No facet satisfies `picked`.
+    ///
+    /// # Panics
+    /// There is no such body.
+    pub fn press(
+        &mut self,
+        body: usize,
+        facets: &str,
+        picked: impl Fn(&SurfaceFacet<D>) -> bool,
+        history: PressureHistory,
+    ) -> Result<usize, SceneError> {
+        let chosen = self.chosen(body, ("pressure", facets), picked)?;
         let hoop = self.hoop;
         let body = &mut self.bodies[body];
-        let (mut shares, mut count) = (BTreeMap::new(), 0);
-        for facet in surface_of(&body.mesh, &|_| true) {
-            let (view, areas) = view(&body.mesh.nodes, &facet, hoop);
-            if picked(&view) {
-                count += 1;
-                facet
-                    .nodes()
-                    .iter()
-                    .zip(areas)
-                    .for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
-            }
-        }
-        if count == 0 {
+        let (count, area) =
+            (chosen.len(), chosen.iter().map(|f| view(&body.mesh.nodes, f, hoop).0.area).sum());
+        let loading = Loading::Pressure { facets: chosen, history };
+        body.loads.push(SurfaceLoad { facets: facets.into(), area, loading, acting: Vec::new() });
+        Ok(count)
+    }
+
+    /// Return the facets of the initial surface of a body that satisfy `picked`; `what` is the load, and the description of the facets.
+    fn chosen(
+        &self,
+        body: usize,
+        what: (&str, &str),
+        picked: impl Fn(&SurfaceFacet<D>) -> bool,
+    ) -> Result<Vec<Facet>, SceneError> {
+        let body = &self.bodies[body];
+        let mut all = surface_of(&body.mesh, &|_| true);
+        all.retain(|facet| {
+            let (view, _) = view(&body.mesh.nodes, facet, self.hoop);
+            let nodes = facet.nodes();
+            picked(&SurfaceFacet { nodes: [0, 1, 2, 3].map(|n| nodes.get(n).copied()), ..view })
+        });
+        if all.is_empty() {
             return Err(SceneError::NotWith {
-                what: format!("a traction on {facets}"),
+                what: format!("a {} on {}", what.0, what.1),
                 method: format!("the mesh of body `{}`", body.name),
                 why: "no facet of its surface is there",
             });
         }
-        body.loads.push(SurfaceLoad {
-            facets: facets.into(),
-            areas: shares.into_iter().collect(),
-            history,
-            acting: [0.0; D],
-        });
-        Ok(count)
+        Ok(all)
     }
 
     /// Set the body force: acceleration of all nodes, m/s^2, over time.

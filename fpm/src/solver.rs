@@ -20,7 +20,7 @@ use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
 use crate::cells::{Cells, Face, OuterFace};
 use crate::flux::Flux;
-use crate::loads::{FaceHistory, FaceLoad, TractionHistory};
+use crate::loads::{FaceHistory, FaceLoad, PressureHistory, TractionHistory};
 use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::rest::Rest;
@@ -356,6 +356,19 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         traction: TractionHistory<D>,
     ) -> Result<usize, SceneError> {
         self.act(on, |faces| FaceLoad::traction(traction, faces))
+    }
+
+    /// Apply a pressure to the faces of the surface selected by `on`, Pa over time, compression positive: along the present normals on the
+    /// present areas, by the deformation gradient of the cell of each face. Return the number of faces.
+    ///
+    /// # Errors
+    /// No such face; a pressure that is not finite at the start.
+    pub fn press_faces(
+        &mut self,
+        on: impl Fn(&OuterFace<D>) -> bool,
+        pressure: PressureHistory,
+    ) -> Result<usize, SceneError> {
+        self.act(on, |faces| FaceLoad::pressure(pressure, faces))
     }
 
     /// Prescribe the displacement of the faces of the surface selected by `on`, m over time, weakly by the flux that joins cells:

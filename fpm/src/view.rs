@@ -8,7 +8,7 @@ use crate::open::OpenFace;
 use crate::solver::{Fpm, HELD, TOUCHED};
 use crate::step::wide;
 use crate::sums::{BATCH, Batch};
-use crate::vector::{along, difference, with_identity, zero};
+use crate::vector::{along, apply, cofactor, difference, norm, scaled, with_identity, zero};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Return sums over cells: balanced totals, and their difference to totals at the time of the positions ([`Totals::staggered`]). The
@@ -217,6 +217,16 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     }
     fn totals(&self) -> Totals {
         Fpm::totals(self)
+    }
+    /// Area of the outer faces, and of both sides of open ones: Nanson's formula with the deformation gradients of their cells.
+    fn surface_area(&self) -> Option<f64> {
+        let area = |cell: u32, of: &[f64; D]| {
+            norm(&apply(&cofactor(&with_identity(&self.traces[cell as usize].h)), of))
+        };
+        let outer: f64 = self.surface.iter().map(|f| area(f.cell, &scaled(&f.normal, f.area))).sum();
+        let open = self.cracks.iter().filter(|crack| !crack.softens);
+        let sides = open.flat_map(|crack| crack.cells.map(|cell| area(cell, &crack.surface.area)));
+        Some(outer + sides.sum::<f64>())
     }
     /// Visit the cells in sorted order, with the numbers of their [`Cells`](crate::Cells).
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {

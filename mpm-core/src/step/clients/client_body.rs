@@ -286,6 +286,9 @@ impl<T: Float, const D: usize> Body for ClientBody<T, D> {
     fn given_by_others(&self) -> Option<Exchange> {
         self.client.given_by_others()
     }
+    fn surface_area(&self) -> Option<f64> {
+        self.client.surface_area()
+    }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.client.for_each(visit);
     }
