@@ -53,6 +53,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// Run step 11: sum of forces at each particle, F/m, velocity update, boundaries, position update.
     fn move_particles(&mut self, dt: f64) -> Result<(), StepError> {
+        self.boundaries.advance(self.clock.time, dt);
         self.open_lead();
         let chunks = self.each_particle(dt, |motion, n, p, found| {
             let start = p.velocity;
