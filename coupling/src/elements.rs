@@ -4,7 +4,7 @@ use fem::{ContactSurface, Fem};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::parameter;
 use impactite_scene::{
-    Archive, Body, Boundary, Bounds, CheckpointError, Exchange, Parts, PointView, SceneError, Solver,
+    Archive, Body, BoundaryEntry, Bounds, CheckpointError, Exchange, Parts, PointView, SceneError, Solver,
     StepError, Stopped, Totals, Watch,
 };
 use impactite_simd::Team;
@@ -392,6 +392,9 @@ impl<const D: usize> Body for Elements<D> {
         self.fem.element_bodies().iter().for_each(|body| sum.add(&body.pushed()));
         Some(sum)
     }
+    fn surface_area(&self) -> Option<f64> {
+        self.fem.element_bodies().iter().map(Body::surface_area).sum()
+    }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.for_each_with(Parts::ALL, visit);
     }
@@ -557,7 +560,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
             converting.tied.velocities(self.fem.body(0), velocities);
         }
     }
-    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+    fn bound(&mut self, boundary: &BoundaryEntry<D>) -> Result<(), SceneError> {
         self.fem.bound(boundary.clone())
     }
     fn convert(

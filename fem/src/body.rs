@@ -205,6 +205,7 @@ impl<const D: usize> MeshBody<D> {
             averages: Vec::new(),
             elements: number as usize,
             half_thickness: half_thickness::<D>(self.section),
+            hoop,
             spacing,
             extents: Vec::new(),
             pace: Pace::default(),
@@ -353,6 +354,8 @@ pub struct ElementBody<const D: usize> {
     pub(crate) revision: u64,
     pub(crate) prescribed: Vec<Prescribed>,
     pub(crate) loads: Vec<SurfaceLoad<D>>,
+    /// True around an axis of revolution.
+    pub(crate) hoop: bool,
     /// Impulses of couplings, contact and loads in the present step.
     pub(crate) pushes: Vec<Push<D>>,
     /// Positions at the start of a subcycled step, m; `flow`: velocities that strain elements in place of the nodes' own, m/s.

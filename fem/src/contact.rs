@@ -1,7 +1,9 @@
 //! Contact between the bodies of a scene, and self-contact.
 
 use impactite_geometry::Facet;
-use impactite_scene::{Archive, Boundary, CheckpointError, Clock, ContactPoint, Exchange, PairContact};
+use impactite_scene::{
+    Archive, Boundaries, Boundary, CheckpointError, Clock, ContactPoint, Exchange, PairContact,
+};
 use impactite_scene::{LocalDamping, StepError, Stopped};
 use impactite_simd::Team;
 use mpm_contact::Pairs;
@@ -58,7 +60,7 @@ impl<const D: usize> Contacts<D> {
     pub fn meet(
         &mut self,
         bodies: &mut [ElementBody<D>],
-        boundaries: &[Boundary<D>],
+        boundaries: &Boundaries<D>,
         (clock, dt): (&Clock, f64),
         team: &Team,
     ) -> Result<(), StepError> {
@@ -108,7 +110,7 @@ impl<const D: usize> Contacts<D> {
 pub(crate) fn look<const D: usize>(
     surfaces: &mut [ContactSurface<D>],
     bodies: &[ElementBody<D>],
-    boundaries: &[Boundary<D>],
+    boundaries: &Boundaries<D>,
     (clock, dt): (&Clock, f64),
     team: &Team,
 ) -> Result<(), StepError> {
@@ -154,7 +156,7 @@ impl<const D: usize> Default for ContactSurface<D> {
 
 impl<const D: usize> ContactSurface<D> {
     /// Rebuild the surface if that of the body has changed.
-    fn update(&mut self, body: &ElementBody<D>, boundaries: &[Boundary<D>]) {
+    fn update(&mut self, body: &ElementBody<D>, boundaries: &Boundaries<D>) {
         if self.revision == Some(body.revision) {
             return;
         }
@@ -243,7 +245,7 @@ impl<const D: usize> ContactSurface<D> {
 
 impl<const D: usize> ElementBody<D> {
     /// Facets for contact under these conditions: without those on planes of symmetry at rest, behind which the body continues.
-    fn facets_to_meet(&self, boundaries: &[Boundary<D>]) -> Vec<Facet> {
+    fn facets_to_meet(&self, boundaries: &Boundaries<D>) -> Vec<Facet> {
         let rest = &self.mesh.nodes;
         let goes_on = |facet: &Facet| {
             boundaries.iter().any(|boundary| match *boundary {

@@ -136,6 +136,6 @@ pub use body::{ElementBody, Eroded, MeshBody, Node};
 pub use contact::ContactSurface;
 pub use erosion::{Criterion, Erosion};
 pub use leaving::ConvertedElement;
-pub use load::{SurfaceFacet, TractionHistory};
+pub use load::{PressureHistory, SurfaceFacet, TractionHistory};
 pub use solver::{Fem, Trial};
 pub use technology::{Hourglass, Technology};

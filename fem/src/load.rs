@@ -1,4 +1,4 @@
-//! Tractions on facets of the surface.
+//! Tractions and pressures on facets of the surface.
 
 use std::sync::Arc;
 
@@ -7,16 +7,101 @@ use impactite_geometry::Facet;
 /// Traction history: Pa at a time in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
-/// Dead load: a traction history on the initial areas.
+/// Pressure history: Pa, compression positive, at a time in s.
+pub type PressureHistory = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
+
+/// Load on facets.
+#[derive(Clone)]
+pub(crate) enum Loading<const D: usize> {
+    /// Dead load: a traction history on nodes with their shares of the initial area, m^2 (per metre of depth or per radian).
+    Traction { areas: Vec<(u32, f64)>, history: TractionHistory<D> },
+    /// Pressure along the present normals on the present areas of facets.
+    Pressure { facets: Vec<Facet>, history: PressureHistory },
+}
+
+/// Load on a part of the surface of a body.
 #[derive(Clone)]
 pub(crate) struct SurfaceLoad<const D: usize> {
     /// Description of the loaded facets, for checkpoints.
     pub facets: String,
-    /// Nodes with their shares of the area, m^2 (per metre of depth or per radian).
-    pub areas: Vec<(u32, f64)>,
-    pub history: TractionHistory<D>,
-    /// Traction in the last step, Pa.
-    pub acting: [f64; D],
+    /// Initial area, m^2.
+    pub area: f64,
+    pub loading: Loading<D>,
+    /// Forces on nodes in the last step, N, by ascending node.
+    pub acting: Vec<(u32, [f64; D])>,
+}
+
+impl<const D: usize> SurfaceLoad<D> {
+    /// Update the forces to a time, s, and nodes at `positions`, m.
+    pub fn act(&mut self, time: f64, positions: &impl Fn(u32) -> [f64; D], hoop: bool) {
+        self.acting.clear();
+        match &self.loading {
+            Loading::Traction { areas, history } => {
+                let traction = history(time);
+                self.acting.extend(areas.iter().map(|(node, area)| (*node, traction.map(|t| area * t))));
+            }
+            Loading::Pressure { facets, history } => {
+                let pressure = history(time);
+                for facet in facets {
+                    let (view, shares) = of_nodes(facet, positions, hoop);
+                    for (&node, share) in facet.nodes().iter().zip(shares) {
+                        self.acting.push((node, view.normal.map(|n| -pressure * share * n)));
+                    }
+                }
+                add_up(&mut self.acting);
+            }
+        }
+    }
+
+    /// Keep a pressure on the facets of the remaining surface alone.
+    pub fn keep(&mut self, surface: &[Facet]) {
+        if let Loading::Pressure { facets, .. } = &mut self.loading {
+            let key = |f: &Facet| (f.block, f.element, f.nodes);
+            let mut there: Vec<_> = surface.iter().map(key).collect();
+            there.sort_unstable();
+            facets.retain(|f| there.binary_search(&key(f)).is_ok());
+        }
+    }
+
+    /// Describe the load at the start, for checkpoints.
+    pub fn describe(&self) -> String {
+        let start = match &self.loading {
+            Loading::Traction { history, .. } => format!("{:?}", history(0.0)),
+            Loading::Pressure { history, .. } => format!("a pressure of {:?}", history(0.0)),
+        };
+        format!("{start} Pa at the start on {}, {:?} m^2", self.facets, self.area)
+    }
+
+    /// Force on a node in the last step, N.
+    pub fn on(&self, node: u32) -> Option<&[f64; D]> {
+        let at = self.acting.binary_search_by_key(&node, |(node, _)| *node).ok()?;
+        Some(&self.acting[at].1)
+    }
+}
+
+/// Sort forces by node, and add up those of each node in their order.
+fn add_up<const D: usize>(forces: &mut Vec<(u32, [f64; D])>) {
+    forces.sort_by_key(|(node, _)| *node);
+    forces.dedup_by(|next, sum| {
+        let same = next.0 == sum.0;
+        if same {
+            (0..D).for_each(|d| sum.1[d] += next.1[d]);
+        }
+        same
+    });
+}
+
+/// Compute the present centre, normal and area of a facet, and the nodal shares of the area.
+pub(crate) fn of_nodes<const D: usize>(
+    facet: &Facet,
+    positions: &impl Fn(u32) -> [f64; D],
+    hoop: bool,
+) -> (SurfaceFacet<D>, [f64; 4]) {
+    let (mut x, mut own) = ([[0.0; D]; 4], *facet);
+    for (n, &node) in facet.nodes().iter().enumerate() {
+        (x[n], own.nodes[n]) = (positions(node), n as u32);
+    }
+    view(&x, &own, hoop)
 }
 
 /// Surface facet in the initial configuration.
@@ -28,6 +113,8 @@ pub struct SurfaceFacet<const D: usize> {
     pub normal: [f64; D],
     /// Area, m^2 (per metre of depth or per radian).
     pub area: f64,
+    /// Nodes of the facet in the mesh.
+    pub nodes: [Option<u32>; 4],
 }
 
 /// Compute centre, normal and area of a facet, and the nodal shares of the area: integrals of the shape functions.
@@ -66,7 +153,8 @@ pub(crate) fn view<const D: usize>(
         (normal[0], normal[1]) = (along[1], -along[0]);
     }
     let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
-    let facet = SurfaceFacet { centre, normal: normal.map(|n| n / length), area: shares.iter().sum() };
+    let (normal, area) = (normal.map(|n| n / length), shares.iter().sum());
+    let facet = SurfaceFacet { centre, normal, area, nodes: [None; 4] };
     (facet, shares)
 }
 

@@ -1,7 +1,9 @@
 //! Nodal time integration: velocity update, boundary conditions, position update.
 
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::{Boundary, Cause, Exchange, LocalDamping, MovingPoint, PointKind, StepError, Stopped};
+use impactite_scene::{
+    Boundaries, Boundary, Cause, Exchange, LocalDamping, MovingPoint, PointKind, StepError, Stopped,
+};
 use impactite_scene::{Clock, Condition};
 use impactite_simd::Team;
 
@@ -36,7 +38,7 @@ pub(crate) struct Part<'a, const D: usize> {
     pub ratio: u32,
     pub force: Option<&'a BodyForce<D>>,
     pub damping: LocalDamping,
-    pub boundaries: &'a [Boundary<D>],
+    pub boundaries: &'a Boundaries<D>,
 }
 
 impl<const D: usize> ElementBody<D> {
@@ -177,13 +179,12 @@ impl<const D: usize> ElementBody<D> {
     pub(crate) fn push_loads(&mut self, time: f64) {
         let mut loads = std::mem::take(&mut self.loads);
         for load in &mut loads {
-            let traction = (load.history)(time);
-            load.acting = traction;
-            for &(node, area) in &load.areas {
+            load.act(time, &|node| self.nodes[node as usize].position, self.hoop);
+            for (node, force) in &load.acting {
                 // Nodes without mass belong to converted elements only.
-                if self.nodes[node as usize].mass > 0.0 {
-                    let load = traction.map(|t| self.pace.kick * area * t);
-                    self.push(Push { load, ..Push::of(node) });
+                if self.nodes[*node as usize].mass > 0.0 {
+                    let load = force.map(|f| self.pace.kick * f);
+                    self.push(Push { load, ..Push::of(*node) });
                 }
             }
         }
@@ -194,8 +195,8 @@ impl<const D: usize> ElementBody<D> {
     pub(crate) fn loaded_by(&self, node: usize) -> [f64; D] {
         let mut force = [0.0; D];
         for load in &self.loads {
-            if let Ok(at) = load.areas.binary_search_by_key(&(node as u32), |(node, _)| *node) {
-                (0..D).for_each(|d| force[d] += load.areas[at].1 * load.acting[d]);
+            if let Some(own) = load.on(node as u32) {
+                (0..D).for_each(|d| force[d] += own[d]);
             }
         }
         force
@@ -236,7 +237,7 @@ impl<const D: usize> ElementBody<D> {
 /// Context of a node update.
 pub(crate) struct Motion<'a, const D: usize> {
     pub body: &'a ElementBody<D>,
-    pub boundaries: &'a [Boundary<D>],
+    pub boundaries: &'a Boundaries<D>,
     pub time: f64,
     pub dt: f64,
     pub damping: LocalDamping,
@@ -348,7 +349,7 @@ impl<const D: usize> Motion<'_, D> {
         if self.carried(n).is_some() {
             return;
         }
-        for boundary in self.boundaries {
+        for (number, boundary) in self.boundaries.iter().enumerate() {
             if let Some(extent) = self.body.extents.get(n).filter(|_| boundary.reacts()) {
                 let size = match boundary.surface() {
                     Some((axis, ..)) => extent[axis],
@@ -356,7 +357,7 @@ impl<const D: usize> Motion<'_, D> {
                 };
                 (point.depth, point.tolerance) = (0.5 * size, NEAR * size);
             }
-            boundary.hold(point, (self.time, self.dt), given);
+            self.boundaries.hold(number, point, (self.time, self.dt), given);
         }
         for wanted in self.prescribed(n) {
             let before = point.velocity;

@@ -3,16 +3,18 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-use impactite_scene::boundary::{BodyForce, VelocityHistory, check_at};
+use impactite_geometry::Facet;
+use impactite_scene::boundaries::check_at;
+use impactite_scene::boundary::{BodyForce, VelocityHistory};
 use impactite_scene::constants::over;
 use impactite_scene::control::{ControlError, largest};
 use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
-    GainCause, LocalDamping, PairContact, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl,
-    Warning, Watch,
+    Account, Archive, Body, Boundaries, BoundaryEntry, CheckpointError, Clock, ContactPoint, Embedding,
+    Exchange, Finding, GainCause, LocalDamping, PairContact, SceneError, Solver, StepError, StepLimit,
+    Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::Pairs;
@@ -20,7 +22,7 @@ use mpm_contact::mesh::MeshStep;
 
 use crate::body::{ElementBody, MeshBody, Prescribed};
 use crate::contact::{ContactSurface, Contacts, look};
-use crate::load::{SurfaceFacet, SurfaceLoad, TractionHistory, view};
+use crate::load::{Loading, PressureHistory, SurfaceFacet, SurfaceLoad, TractionHistory, view};
 use crate::motion::Part;
 use crate::surface::surface_of;
 use crate::sweep::Scratch;
@@ -41,7 +43,7 @@ pub struct Fem<const D: usize> {
     hoop: bool,
     space: &'static str,
     pub(crate) bodies: Vec<ElementBody<D>>,
-    boundaries: Vec<Boundary<D>>,
+    boundaries: Boundaries<D>,
     body_force: Option<BodyForce<D>>,
     damping: LocalDamping,
     pub(crate) team: Team,
@@ -66,7 +68,7 @@ impl<const D: usize> Fem<D> {
             hoop: E::HOOP,
             space: E::NAME,
             bodies: Vec::new(),
-            boundaries: Vec::new(),
+            boundaries: Boundaries::default(),
             body_force: None,
             damping: LocalDamping::default(),
             team: Team::one(),
@@ -104,10 +106,12 @@ impl<const D: usize> Fem<D> {
     ///
     /// # Errors
     /// Invalid parameters of the condition; periodic planes.
-    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
-        boundary
+    pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
+        let entry = boundary.into();
+        entry
+            .boundary()
             .check_moving("with finite elements; take planes of symmetry, or the material point method")?;
-        boundary.add_to(&mut self.boundaries);
+        self.boundaries.add(entry);
         if let Some(contact) = &mut self.contact {
             contact.forget();
         }
@@ -219,34 +223,67 @@ impl<const D: usize> Fem<D> {
         picked: impl Fn(&SurfaceFacet<D>) -> bool,
         history: TractionHistory<D>,
     ) -> Result<usize, SceneError> {
+        let chosen = self.chosen(body, ("traction", facets), picked)?;
+        let (mut shares, hoop) = (BTreeMap::new(), self.hoop);
+        let body = &mut self.bodies[body];
+        for facet in &chosen {
+            let (_, areas) = view(&body.mesh.nodes, facet, hoop);
+            let shared = facet.nodes().iter().zip(areas);
+            shared.for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
+        }
+        let area = shares.values().sum();
+        let loading = Loading::Traction { areas: shares.into_iter().collect(), history };
+        body.loads.push(SurfaceLoad { facets: facets.into(), area, loading, acting: Vec::new() });
+        Ok(chosen.len())
+    }
+
+    /// Apply a pressure over time, Pa, compression positive, to facets of the initial surface of a body: it acts along the present normals
+    /// on the present areas. Facets of eroded elements are no longer loaded. Otherwise as [`Fem::load`].
+    ///
+    /// # Errors
+    /// No facet satisfies `picked`.
+    ///
+    /// # Panics
+    /// There is no such body.
+    pub fn press(
+        &mut self,
+        body: usize,
+        facets: &str,
+        picked: impl Fn(&SurfaceFacet<D>) -> bool,
+        history: PressureHistory,
+    ) -> Result<usize, SceneError> {
+        let chosen = self.chosen(body, ("pressure", facets), picked)?;
         let hoop = self.hoop;
         let body = &mut self.bodies[body];
-        let (mut shares, mut count) = (BTreeMap::new(), 0);
-        for facet in surface_of(&body.mesh, &|_| true) {
-            let (view, areas) = view(&body.mesh.nodes, &facet, hoop);
-            if picked(&view) {
-                count += 1;
-                facet
-                    .nodes()
-                    .iter()
-                    .zip(areas)
-                    .for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
-            }
-        }
-        if count == 0 {
+        let (count, area) =
+            (chosen.len(), chosen.iter().map(|f| view(&body.mesh.nodes, f, hoop).0.area).sum());
+        let loading = Loading::Pressure { facets: chosen, history };
+        body.loads.push(SurfaceLoad { facets: facets.into(), area, loading, acting: Vec::new() });
+        Ok(count)
+    }
+
+    /// Return the facets of the initial surface of a body that satisfy `picked`; `what` is the load, and the description of the facets.
+    fn chosen(
+        &self,
+        body: usize,
+        what: (&str, &str),
+        picked: impl Fn(&SurfaceFacet<D>) -> bool,
+    ) -> Result<Vec<Facet>, SceneError> {
+        let body = &self.bodies[body];
+        let mut all = surface_of(&body.mesh, &|_| true);
+        all.retain(|facet| {
+            let (view, _) = view(&body.mesh.nodes, facet, self.hoop);
+            let nodes = facet.nodes();
+            picked(&SurfaceFacet { nodes: [0, 1, 2, 3].map(|n| nodes.get(n).copied()), ..view })
+        });
+        if all.is_empty() {
             return Err(SceneError::NotWith {
-                what: format!("a traction on {facets}"),
+                what: format!("a {} on {}", what.0, what.1),
                 method: format!("the mesh of body `{}`", body.name),
                 why: "no facet of its surface is there",
             });
         }
-        body.loads.push(SurfaceLoad {
-            facets: facets.into(),
-            areas: shares.into_iter().collect(),
-            history,
-            acting: [0.0; D],
-        });
-        Ok(count)
+        Ok(all)
     }
 
     /// Set the body force: acceleration of all nodes, m/s^2, over time.
@@ -392,7 +429,7 @@ impl<const D: usize> Fem<D> {
         self.bodies.iter().any(|body| !body.prescribed.is_empty())
     }
     /// Boundary conditions on all nodes.
-    pub fn boundaries(&self) -> &[Boundary<D>] {
+    pub fn boundaries(&self) -> &Boundaries<D> {
         &self.boundaries
     }
     /// Name of the embedding of the coordinates in space.
@@ -419,6 +456,7 @@ impl<const D: usize> Fem<D> {
             return Err(self.clock.refused("step", dt, "positive and finite"));
         }
         self.check_loads(dt).map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        self.boundaries.advance(self.clock.time, dt);
         if self.watcher.opens() {
             self.bodies.iter_mut().for_each(|body| body.note_energy());
             let (totals, exchange) = (self.totals(), Solver::exchange(self));
@@ -429,7 +467,7 @@ impl<const D: usize> Fem<D> {
 
     fn check_loads(&self, dt: f64) -> Result<(), SceneError> {
         let time = self.clock.time;
-        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])?;
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time, time + dt])?;
         for prescribed in self.bodies.iter().flat_map(|b| &b.prescribed) {
             let time = time + 0.5 * dt;
             let wanted = (prescribed.velocity)(time);
@@ -601,10 +639,7 @@ impl<const D: usize> Solver for Fem<D> {
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same("body force", &force.unwrap_or_default())?;
         file.same("local damping", &format!("{:?}", self.damping.coefficient()))?;
-        file.same("number of boundaries", &self.boundaries.len().to_string())?;
-        for (n, boundary) in self.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n}"), &impactite_scene::Condition::constants(boundary, times))?;
-        }
+        self.boundaries.archive(file, times, &str::to_string)?;
         for body in &mut self.bodies {
             body.archive(file)?;
         }

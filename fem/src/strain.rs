@@ -279,5 +279,7 @@ impl<const D: usize> ElementBody<D> {
             there[number as usize] = true;
         }
         self.surface = surface_of(&self.mesh, &|number| there[number as usize]);
+        let ElementBody { loads, surface, .. } = self;
+        loads.iter_mut().for_each(|load| load.keep(surface));
     }
 }

@@ -3,6 +3,7 @@
 use impactite_scene::{Archive, Body, Bounds, CheckpointError, Exchange, Parts, PointView, Totals};
 
 use crate::body::{ElementBody, Node};
+use crate::load::of_nodes;
 use crate::set::{Set, wide};
 use crate::sweep::Batch;
 
@@ -182,11 +183,7 @@ impl<const D: usize> ElementBody<D> {
         let sets: Vec<_> = self.prescribed.iter().map(|p| (&p.set, p.nodes.len())).collect();
         file.same(&of("sets with a prescribed velocity"), &format!("{sets:?}"))?;
         for load in &self.loads {
-            let (start, area) = ((load.history)(0.0), load.areas.iter().map(|(_, area)| area).sum::<f64>());
-            file.same(
-                &of("traction"),
-                &format!("{start:?} Pa at the start on {}, {area:?} m^2", load.facets),
-            )?;
+            file.same(&of("traction"), &load.describe())?;
         }
         for node in &mut self.nodes {
             file.reals(node.position.iter_mut().chain(&mut node.velocity).chain([&mut node.mass]))?;
@@ -247,6 +244,10 @@ impl<const D: usize> Body for ElementBody<D> {
     }
     fn given_by_others(&self) -> Option<Exchange> {
         Some(self.pushed)
+    }
+    fn surface_area(&self) -> Option<f64> {
+        let area = |facet| of_nodes(facet, &|n| self.nodes[n as usize].position, self.hoop).0.area;
+        (!self.surface.is_empty()).then(|| self.surface.iter().map(area).sum())
     }
     /// Visit the elements, by kind and in computation order, with means over their integration points and nodes; then the nodes with mass
     /// of eroded elements, with numbers beyond those of the elements, without stress.

@@ -51,7 +51,7 @@ pub use cells::{Cells, CellsError, Domain, Face, Notch, OuterFace, relaxed, scat
 pub use crack::{AnyCriterion, Cohesive, Criterion, FaceStress, MaximumTension, MixedTensionShear, NoCracks};
 pub use flux::{Flux, Incomplete, Penalty, Symmetric};
 pub use fracture::Crack;
-pub use loads::{FaceHistory, TractionHistory};
+pub use loads::{FaceHistory, PressureHistory, TractionHistory};
 pub use method::{Composition, Method, Space};
 pub use path::{Tip, TipPath};
 pub use solver::{Fpm, SMALL};

@@ -6,16 +6,20 @@ use impactite_scene::constants::over;
 use impactite_scene::{Archive, CheckpointError, SceneError};
 
 use crate::sums::{Load, Outer, Trace};
-use crate::vector::Tensor;
+use crate::vector::{Tensor, apply, cofactor, with_identity};
 
 /// Traction history: Pa (N per area of the reference configuration, in fixed directions) at time t in s.
 pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 /// History of a displacement, m, or velocity, m/s, at time t in s; `None` leaves a component free.
 pub type FaceHistory<const D: usize> = Arc<dyn Fn(f64) -> [Option<f64>; D] + Send + Sync>;
 
+/// Pressure history: Pa, compression positive, at time t in s.
+pub type PressureHistory = Arc<dyn Fn(f64) -> f64 + Send + Sync>;
+
 #[derive(Clone)]
 enum Kind<const D: usize> {
     Traction(TractionHistory<D>),
+    Pressure(PressureHistory),
     Displacement(FaceHistory<D>),
     Velocity(FaceHistory<D>),
 }
@@ -30,6 +34,8 @@ pub(crate) struct FaceLoad<const D: usize> {
     now: [f64; D],
     before: [f64; D],
     given: [bool; D],
+    /// Account of the boundary condition that the load enforces ([`impactite_scene::BoundaryEntry::with_account`]).
+    pub account: Option<usize>,
 }
 
 /// Work and penalty energy of loads on the surface in a step.
@@ -45,6 +51,9 @@ impl<const D: usize> FaceLoad<D> {
     pub fn traction(of: TractionHistory<D>, faces: String) -> Self {
         FaceLoad::new(Kind::Traction(of), faces)
     }
+    pub fn pressure(of: PressureHistory, faces: String) -> Self {
+        FaceLoad::new(Kind::Pressure(of), faces)
+    }
     pub fn displacement(of: FaceHistory<D>, faces: String) -> Self {
         FaceLoad::new(Kind::Displacement(of), faces)
     }
@@ -52,12 +61,17 @@ impl<const D: usize> FaceLoad<D> {
         FaceLoad::new(Kind::Velocity(of), faces)
     }
     fn new(kind: Kind<D>, faces: String) -> Self {
-        FaceLoad { kind, faces, now: [0.0; D], before: [0.0; D], given: [false; D] }
+        FaceLoad { kind, faces, now: [0.0; D], before: [0.0; D], given: [false; D], account: None }
+    }
+
+    /// Book the load to an account, too.
+    pub fn booked_to(self, account: Option<usize>) -> Self {
+        FaceLoad { account, ..self }
     }
 
     /// True for a prescribed displacement or velocity.
     pub fn holds(&self) -> bool {
-        !matches!(self.kind, Kind::Traction(_))
+        !matches!(self.kind, Kind::Traction(_) | Kind::Pressure(_))
     }
 
     /// Check that the histories are finite.
@@ -65,6 +79,7 @@ impl<const D: usize> FaceLoad<D> {
         for t in [time, time + 0.5 * dt, time + dt] {
             let (what, values): (_, [Option<f64>; D]) = match &self.kind {
                 Kind::Traction(of) => ("traction on a face", of(t).map(Some)),
+                Kind::Pressure(of) => ("pressure on a face", [Some(of(t)); D]),
                 Kind::Displacement(of) => ("displacement of a face", of(t)),
                 Kind::Velocity(of) => ("velocity of a face", of(t)),
             };
@@ -80,6 +95,7 @@ impl<const D: usize> FaceLoad<D> {
         self.before = self.now;
         match &self.kind {
             Kind::Traction(of) => self.now = of(time),
+            Kind::Pressure(of) => self.now = [of(time); D],
             Kind::Displacement(of) => self.hold(of(time)),
             Kind::Velocity(of) => {
                 let rate = of(time - 0.5 * dt);
@@ -126,6 +142,13 @@ impl<const D: usize> FaceLoad<D> {
                 given.penalty += 0.5 * outer.stiffness * jump[d] * jump[d];
                 given.work += 0.5 * (force[d] + outer.force[d]) * (self.now[d] - self.before[d]);
             }
+        } else if let Kind::Pressure(_) = self.kind {
+            // Nanson: the present area vector is cof(F) times that of the reference configuration.
+            let area = apply(&cofactor(&with_identity(&trace.h)), &outer.area);
+            for d in 0..D {
+                force[d] = -self.now[d] * area[d];
+                given.work += 0.5 * (force[d] + outer.force[d]) * (moved[d] - outer.moved[d]);
+            }
         } else {
             let size = outer.area.iter().map(|a| a * a).sum::<f64>().sqrt();
             for d in 0..D {
@@ -156,6 +179,7 @@ impl<const D: usize> FaceLoad<D> {
         let times = [0.0, time];
         let history = match &self.kind {
             Kind::Traction(of) => format!("traction {}", over(times, |t| of(t))),
+            Kind::Pressure(of) => format!("pressure {}", over(times, |t| of(t))),
             Kind::Displacement(of) => format!("displacement {}", over(times, |t| of(t))),
             Kind::Velocity(of) => format!("velocity {}", over(times, |t| of(t))),
         };

@@ -2,14 +2,15 @@
 
 use std::sync::{Arc, Mutex};
 
-use impactite_scene::boundary::{BodyForce, check_at};
+use impactite_scene::boundaries::check_at;
+use impactite_scene::boundary::BodyForce;
 use impactite_scene::control::ControlError;
 use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, LocalDamping, SceneError, Solver,
-    StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundaries, Boundary, BoundaryEntry, CheckpointError, Clock, Exchange,
+    LocalDamping, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -19,7 +20,7 @@ use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
 use crate::cells::{Cells, Face, OuterFace};
 use crate::flux::Flux;
-use crate::loads::{FaceHistory, FaceLoad, TractionHistory};
+use crate::loads::{FaceHistory, FaceLoad, PressureHistory, TractionHistory};
 use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::rest::Rest;
@@ -85,7 +86,7 @@ pub struct Fpm<const D: usize, M> {
     /// Softening faces.
     pub(crate) softening: Softening<D>,
     pub(crate) friction: f64,
-    pub(crate) boundaries: Vec<Boundary<D>>,
+    pub(crate) boundaries: Boundaries<D>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) damping: LocalDamping,
     pub(crate) team: Team,
@@ -167,7 +168,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             cracks: Vec::new(),
             softening: Softening::default(),
             friction: 0.0,
-            boundaries: Vec::new(),
+            boundaries: Boundaries::default(),
             body_force: None,
             damping: LocalDamping::default(),
             team: Team::one(),
@@ -297,32 +298,38 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     ///
     /// # Errors
     /// Invalid numbers of a condition; periodic planes; a plane of symmetry that cuts the body, or has all of it behind.
-    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+    pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
+        let entry = boundary.into();
+        let (boundary, account) = (entry.boundary(), entry.account());
         boundary.check_moving("with cells that keep their neighbours; take planes of symmetry")?;
-        if let Boundary::Symmetry { axis, at, side } = boundary {
+        if let Boundary::Symmetry { axis, at, side } = *boundary {
             let on = |f: &OuterFace<D>| {
                 (f.centroid[axis] - at).abs() <= 1e-6 * f.area.powf(1.0 / (D as f64 - 1.0))
             };
             let in_front = |x: &[f64; D]| (x[axis] - at) * side.sign() > 0.0;
             if !self.surface.iter().any(on) && self.reference.iter().all(in_front) {
                 // The body may reach the plane later.
-                boundary.add_to(&mut self.boundaries);
+                self.boundaries.add(entry);
                 return Ok(());
             }
             let across = move |_| std::array::from_fn(|d| (d == axis).then_some(0.0));
-            return self.hold_faces(|f| on(f) && f.normal[axis].abs() > 0.999, Arc::new(across)).map(|_| ());
+            let on = |f: &OuterFace<D>| on(f) && f.normal[axis].abs() > 0.999;
+            let load = |faces| FaceLoad::displacement(Arc::new(across), faces).booked_to(account);
+            return self.act(on, load).map(|_| ());
         }
-        if let Boundary::Fixed { axis, at, side } = boundary {
+        if let Boundary::Fixed { axis, at, side } = *boundary {
             let behind = |x: &[f64; D]| (x[axis] - at) * side.sign() <= 0.0;
             let on = |f: &OuterFace<D>| {
                 (f.centroid[axis] - at).abs() <= 1e-6 * f.area.powf(1.0 / (D as f64 - 1.0))
                     && f.normal[axis].abs() > 0.999
             };
             if !self.reference.iter().any(behind) && self.surface.iter().any(on) {
-                return self.hold_faces(on, Arc::new(|_| [Some(0.0); D])).map(|_| ());
+                let still = Arc::new(|_| [Some(0.0); D]);
+                let load = |faces| FaceLoad::displacement(still, faces).booked_to(account);
+                return self.act(on, load).map(|_| ());
             }
         }
-        if let Boundary::Prescribed { region, velocity } = &boundary {
+        if let Boundary::Prescribed { region, velocity } = boundary {
             let on = |f: &OuterFace<D>| region.contains(f.centroid);
             if !self.reference.iter().any(|x| region.contains(*x)) && self.surface.iter().any(on) {
                 let (region, velocity) = (region.clone(), velocity.clone());
@@ -330,10 +337,11 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                     let v = velocity(time);
                     std::array::from_fn(|d| v[d])
                 };
-                return self.drive_faces(|f| region.contains(f.centroid), Arc::new(along)).map(|_| ());
+                let load = |faces| FaceLoad::velocity(Arc::new(along), faces).booked_to(account);
+                return self.act(|f| region.contains(f.centroid), load).map(|_| ());
             }
         }
-        boundary.add_to(&mut self.boundaries);
+        self.boundaries.add(entry);
         Ok(())
     }
 
@@ -348,6 +356,19 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         traction: TractionHistory<D>,
     ) -> Result<usize, SceneError> {
         self.act(on, |faces| FaceLoad::traction(traction, faces))
+    }
+
+    /// Apply a pressure to the faces of the surface selected by `on`, Pa over time, compression positive: along the present normals on the
+    /// present areas, by the deformation gradient of the cell of each face. Return the number of faces.
+    ///
+    /// # Errors
+    /// No such face; a pressure that is not finite at the start.
+    pub fn press_faces(
+        &mut self,
+        on: impl Fn(&OuterFace<D>) -> bool,
+        pressure: PressureHistory,
+    ) -> Result<usize, SceneError> {
+        self.act(on, |faces| FaceLoad::pressure(pressure, faces))
     }
 
     /// Prescribe the displacement of the faces of the surface selected by `on`, m over time, weakly by the flux that joins cells:
@@ -557,7 +578,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
 
     pub(crate) fn check_loads(&self, dt: f64) -> Result<(), SceneError> {
         let time = self.clock.time;
-        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])?;
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time, time + dt])?;
         self.acting.iter().try_for_each(|load| load.check(time, dt))
     }
 }

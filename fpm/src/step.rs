@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use impactite_scene::{Boundary, Cause, Exchange, MovingPoint, PointKind, StepError, Stopped};
+use impactite_scene::{ACCOUNTS, Boundary, Cause, Exchange, MovingPoint, PointKind, StepError, Stopped};
 use impactite_simd::Float;
 use mpm_contact::particles::press_on_walls;
 use mpm_materials::Breakdown;
@@ -40,6 +40,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Update velocities by leapfrog, from the middle of the last step to that of this one.
     pub(crate) fn accelerate(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
+        self.boundaries.advance(self.clock.time, dt);
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let Fpm { velocity, acceleration, mass, batches, acting, team, .. } = self;
         team.each_piece(velocity, BATCH, batches, |b, velocities, batch| {
@@ -54,9 +55,12 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 }
             }
             for outer in &batch.outer {
-                let held = acting[outer.load as usize].holds();
-                let to = if held { &mut given.impulse } else { &mut given.load };
+                let load = &acting[outer.load as usize];
+                let to = if load.holds() { &mut given.impulse } else { &mut given.load };
                 (0..D).for_each(|d| to[d] += kick * outer.force[d]);
+                if let Some(account) = load.account {
+                    (0..D).for_each(|d| given.accounts[account].impulse[d] += kick * outer.force[d]);
+                }
             }
             batch.report.given = given;
         });
@@ -143,9 +147,9 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 };
                 let mut prescribed = 0;
                 // `press_on_walls` keeps the surface in front of walls; here only points are stopped.
-                for boundary in boundaries.iter() {
+                for (number, boundary) in boundaries.iter().enumerate() {
                     let before = point.velocity;
-                    boundary.hold(&mut point, (time, dt), &mut batch.report.given);
+                    boundaries.hold(number, &mut point, (time, dt), &mut batch.report.given);
                     for d in (0..D).filter(|d| !boundary.is_wall() && point.velocity[*d] != before[*d]) {
                         prescribed |= PRESCRIBED << d;
                     }
@@ -374,6 +378,9 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     fn enter_books(&mut self) {
         for batch in &self.batches {
             self.exchange.work += batch.report.work;
+            for (booking, work) in self.exchange.accounts.iter_mut().zip(batch.report.work_of) {
+                booking.work += work;
+            }
             self.exchange.impacts -= batch.report.flux;
             self.exchange.conversion += batch.report.jumped;
             self.dissipated -= batch.report.jumped;
@@ -429,12 +436,15 @@ impl<const D: usize, M: Composition<D>> Around<'_, D, M> {
             candidates,
             method,
         });
-        report.work = 0.0;
+        (report.work, report.work_of) = (0.0, [0.0; ACCOUNTS]);
         for outer in outer {
             let n = outer.cell as usize;
             let (load, p) = (&mut loads[n], &stress[first + n]);
             let given = self.acting[outer.load as usize].act(outer, &traces[first + n], p, load, books);
             report.work += given.work;
+            if let Some(account) = self.acting[outer.load as usize].account {
+                report.work_of[account] += given.work;
+            }
             report.penalty += given.penalty;
         }
         for &(n, crack, end) in cracks.iter() {

@@ -1,14 +1,14 @@
 //! Observer interface of a body, and checkpoints.
 
 use impactite_scene::constants::over;
-use impactite_scene::{Archive, Body, CheckpointError, Condition, Parts, PointView, Totals};
+use impactite_scene::{Archive, Body, CheckpointError, Parts, PointView, Totals};
 
 use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::solver::{Fpm, HELD, TOUCHED};
 use crate::step::wide;
 use crate::sums::{BATCH, Batch};
-use crate::vector::{along, difference, with_identity, zero};
+use crate::vector::{along, apply, cofactor, difference, norm, scaled, with_identity, zero};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Return sums over cells: balanced totals, and their difference to totals at the time of the positions ([`Totals::staggered`]). The
@@ -138,10 +138,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same(&of("body force"), &force.unwrap_or_default())?;
         file.same(&of("local damping"), &format!("{:?}", self.damping.coefficient()))?;
-        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
-        for (n, boundary) in self.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
-        }
+        self.boundaries.archive(file, times, &of)?;
         file.same(&of("number of loads"), &self.acting.len().to_string())?;
         for (n, load) in self.acting.iter_mut().enumerate() {
             load.archive(file, &format!("load {n} of body `{name}`"), self.clock.time)?;
@@ -220,6 +217,16 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     }
     fn totals(&self) -> Totals {
         Fpm::totals(self)
+    }
+    /// Area of the outer faces, and of both sides of open ones: Nanson's formula with the deformation gradients of their cells.
+    fn surface_area(&self) -> Option<f64> {
+        let area = |cell: u32, of: &[f64; D]| {
+            norm(&apply(&cofactor(&with_identity(&self.traces[cell as usize].h)), of))
+        };
+        let outer: f64 = self.surface.iter().map(|f| area(f.cell, &scaled(&f.normal, f.area))).sum();
+        let open = self.cracks.iter().filter(|crack| !crack.softens);
+        let sides = open.flat_map(|crack| crack.cells.map(|cell| area(cell, &crack.surface.area)));
+        Some(outer + sides.sum::<f64>())
     }
     /// Visit the cells in sorted order, with the numbers of their [`Cells`](crate::Cells).
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {

@@ -19,6 +19,8 @@ pub const LOCK: &str = ".lock";
 /// Folders of pictures and of frames for ParaView, and the name of both series.
 pub(crate) const PICTURES: &str = "pictures";
 pub(crate) const FRAMES: &str = "paraview";
+/// Folder of profiles, a CSV file each.
+pub(crate) const PROFILES: &str = "profiles";
 pub(crate) const SERIES: &str = "scene";
 
 /// Exclusive lock on the folder of a run. The operating system releases it at any end of the process.
@@ -76,6 +78,7 @@ impl FolderLock {
                 name.starts_with(&format!("{SERIES}_")) || name.starts_with(&format!("{SERIES}."))
             })?;
         }
+        self.each(PROFILES, &|name| name.ends_with(".csv"))?;
         self.clear_parts()
     }
 
@@ -84,7 +87,7 @@ impl FolderLock {
     /// # Errors
     /// File that cannot be removed.
     pub fn clear_parts(&self) -> Result<(), CliError> {
-        ["", PICTURES, FRAMES]
+        ["", PICTURES, FRAMES, PROFILES]
             .iter()
             .try_for_each(|folder| self.each(folder, &|name| name.ends_with(".part")))
     }

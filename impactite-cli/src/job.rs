@@ -266,6 +266,7 @@ impl Job {
         let error = recorder.latest_energy_error();
         let mut history =
             history(scene, &measures, folder, pace(histories, ROWS)?, recorder.latest_energy_error())?;
+        let mut profiles = crate::profiles::histories(scene, solver, folder)?;
         let bar =
             Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
                 LineKind::Warning => {
@@ -300,6 +301,7 @@ impl Job {
         if let Some(history) = &mut history {
             observers.push(history);
         }
+        observers.extend(profiles.iter_mut().map(|profile| profile as &mut dyn Observer));
         if self.pictures {
             observers.push(&mut pictures);
             observers.push(&mut frames);
@@ -327,6 +329,9 @@ impl Job {
         }
         if ended.is_ok() && looks.ended.is_none() {
             measures.borrow().missing(solver)?.iter().for_each(|line| tracing::warn!("{line}"));
+        }
+        if ended.is_ok() {
+            report_inertia(scene, solver);
         }
         if let Err(RunError::Interrupted { time, .. }) = &ended {
             tracing::warn!(
@@ -504,6 +509,30 @@ fn checks(scene: &SceneFile, columns: &[(String, String)], values: &[f64]) -> Ve
         Some(Check::within(name, values[place], unit, reference, check.tolerance.value, &check.source))
     };
     scene.checks.iter().enumerate().filter_map(judged).collect()
+}
+
+/// Largest kinetic over internal energy of a slow process.
+const SLOW: f64 = 0.05;
+
+/// Report the kinetic over the internal energy at the end of a run with scaled masses; warn where inertia matters.
+fn report_inertia(scene: &SceneFile, solver: &dyn Solver) {
+    let Some(factor) = scene.mass_scaling else { return };
+    let totals = solver.totals();
+    let share = totals.kinetic_now() / totals.internal;
+    let said = format!(
+        "with {} times the mass the kinetic energy is {:.2} % of the internal energy at the end",
+        factor.value,
+        100.0 * share
+    );
+    // False for a share that is no number: nothing moved.
+    if share > SLOW {
+        tracing::warn!(
+            "{said}; above {} % inertia matters: take a smaller `mass_scaling`, or load more slowly",
+            100.0 * SLOW
+        );
+    } else {
+        tracing::info!("{said}");
+    }
 }
 
 /// Number of symmetry planes that halve the model; the axis of revolution does not count.

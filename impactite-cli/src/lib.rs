@@ -6,6 +6,7 @@ pub mod folder;
 pub mod job;
 pub mod lists;
 pub mod pictures;
+mod profiles;
 pub mod resume;
 pub mod shared_progress;
 pub mod sweep;

@@ -297,6 +297,11 @@ pub trait Body {
         all.sort_by_key(|p| p.number);
         all
     }
+    /// Return the area of the present surface, m^2 (per metre of depth, or per radian), faces on planes of symmetry included. None for
+    /// bodies without faces, as particles, or without elements that have a surface, as bars.
+    fn surface_area(&self) -> Option<f64> {
+        None
+    }
     /// Memory in bytes, scratch included.
     fn bytes(&self) -> usize;
 }

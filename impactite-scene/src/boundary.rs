@@ -7,7 +7,6 @@ use impactite_geometry::{Lattice, Shape};
 pub use crate::condition::{BoundaryError, Side};
 use crate::condition::{Condition, Place, Reaction, require};
 use crate::constants::{over, region};
-use crate::error::SceneError;
 
 /// Velocity history: `[v_x, v_y, v_z]` in m/s at time t in s; `None` leaves a component free.
 pub type VelocityHistory = Arc<dyn Fn(f64) -> [Option<f64>; 3] + Send + Sync>;
@@ -493,30 +492,3 @@ fn behind(low: f64, high: f64, at: f64, side: Side, tolerance: f64) -> bool {
 
 /// Acceleration of all material over time, m/s^2.
 pub type BodyForce<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
-
-/// Check that a body force at `time`, s, and prescribed velocities at `times`, s, are finite.
-///
-/// # Errors
-/// [`SceneError::NotFinite`].
-pub fn check_at<const D: usize>(
-    body_force: Option<&BodyForce<D>>,
-    boundaries: &[Boundary<D>],
-    time: f64,
-    times: &[f64],
-) -> Result<(), SceneError> {
-    let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
-        let wrong = values.iter().find(|x| !x.is_finite());
-        wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
-    };
-    if let Some(force) = body_force {
-        check(&|| "body force".into(), &force(time), time)?;
-    }
-    for (n, boundary) in boundaries.iter().enumerate() {
-        let Boundary::Prescribed { velocity, .. } = boundary else { continue };
-        for &time in times {
-            let prescribed = velocity(time).map(|v| v.unwrap_or_default());
-            check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time)?;
-        }
-    }
-    Ok(())
-}

@@ -2,6 +2,8 @@
 
 use std::fmt::Debug;
 
+use crate::exchange::ACCOUNTS;
+
 /// Side of a plane on which the material is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -70,6 +72,20 @@ pub enum BoundaryError {
         axis: usize,
         /// Restriction and alternative, which end the message.
         why: &'static str,
+    },
+    /// Motion over time of a condition that has none.
+    #[error("{course} is not allowed here; it must be {allowed}")]
+    Course {
+        /// Motion given.
+        course: &'static str,
+        /// Conditions that may have it, in words.
+        allowed: &'static str,
+    },
+    /// Account of a condition that does not exist.
+    #[error("account = {account} of a boundary is not allowed; it must be below {ACCOUNTS}")]
+    Account {
+        /// Account given.
+        account: usize,
     },
     /// Value that is not finite.
     #[error("boundary {field} = {value} is not allowed; it must be finite")]

@@ -2,6 +2,18 @@
 
 use crate::archive::{Archive, CheckpointError};
 
+/// Number of accounts of single boundary conditions in an [`Exchange`].
+pub const ACCOUNTS: usize = 8;
+
+/// Impulse and work of a boundary condition on the material since the start of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Booking {
+    /// Impulse on the material, N s.
+    pub impulse: [f64; 3],
+    /// Work on the material, J.
+    pub work: f64,
+}
+
 /// Momentum and energy that a scene exchanged with its surroundings since the start of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Exchange {
@@ -27,6 +39,10 @@ pub struct Exchange {
     /// Kinetic energy of grid nodes dissipated by contact beside friction, J. Forces separate the velocities of the bodies at a node in
     /// every step and contact equalises them, so that this is more than the loss of the points. It is in no balance.
     pub node_contact: f64,
+    /// Parts of `impulse` and `work` by the boundary conditions with an account ([`BoundaryEntry::with_account`]).
+    ///
+    /// [`BoundaryEntry::with_account`]: crate::BoundaryEntry::with_account
+    pub accounts: [Booking; ACCOUNTS],
 }
 
 impl Exchange {
@@ -44,6 +60,15 @@ impl Exchange {
         self.viscosity += o.viscosity;
         self.conversion += o.conversion;
         self.node_contact += o.node_contact;
+        self.add_accounts(1.0, o);
+    }
+
+    /// Add a share of the accounts of another exchange.
+    pub fn add_accounts(&mut self, share: f64, o: &Exchange) {
+        for (booking, other) in self.accounts.iter_mut().zip(&o.accounts) {
+            (0..3).for_each(|d| booking.impulse[d] += share * other.impulse[d]);
+            booking.work += share * other.work;
+        }
     }
 
     /// Return the sum with another exchange.
@@ -69,8 +94,12 @@ impl Exchange {
             viscosity,
             conversion,
             node_contact,
+            accounts,
         } = self;
         let vectors = impulse.iter_mut().chain(load).chain(dropped);
-        file.reals(vectors.chain([work, friction, impacts, damping, viscosity, conversion, node_contact]))
+        file.reals(vectors.chain([work, friction, impacts, damping, viscosity, conversion, node_contact]))?;
+        accounts
+            .iter_mut()
+            .try_for_each(|booking| file.reals(booking.impulse.iter_mut().chain([&mut booking.work])))
     }
 }

@@ -12,6 +12,7 @@
 //! | [`balance`], [`watch`] | balances of mass, momentum and energy; warnings and stop criteria |
 //! | [`archive`], [`constants`] | checkpoints |
 //! | [`boundary`], [`condition`], [`embedding`] | boundary conditions, custom conditions, embedding of `D` dimensions in space |
+//! | [`boundaries`] | list of the conditions of a scene: order, motion over time, accounts |
 //! | [`moving`] | boundary conditions on points with velocities of their own |
 //! | [`error`] | invalid scene definitions and errors of steps |
 //!
@@ -20,6 +21,7 @@
 pub mod archive;
 pub mod balance;
 pub mod body;
+pub mod boundaries;
 pub mod boundary;
 mod centre;
 pub mod clock;
@@ -45,6 +47,7 @@ pub mod watch;
 pub use archive::{Archive, CheckpointError};
 pub use balance::Account;
 pub use body::{Body, Bounds, Parts, PointView, Staggered, Totals};
+pub use boundaries::{Boundaries, BoundaryEntry};
 pub use boundary::{Boundary, Side};
 pub use centre::CentreLead;
 pub use clock::Clock;
@@ -54,7 +57,7 @@ pub use control::{StepLimit, TimeControl};
 pub use damping::LocalDamping;
 pub use embedding::{Axisymmetric, Embedding, FullSpace, Line, PlaneStrain};
 pub use error::{Cause, PointKind, SceneError, StepError, Stopped};
-pub use exchange::Exchange;
+pub use exchange::{ACCOUNTS, Booking, Exchange};
 pub use moving::MovingPoint;
 pub use run::{Run, RunError};
 pub use snapshot::snapshot_fields;

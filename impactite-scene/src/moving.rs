@@ -51,14 +51,19 @@ impl<const D: usize> Boundary<D> {
     /// then those that react (friction, dashpots, custom conditions), each in the order of addition. Where conditions overlap, prescribed
     /// velocities thus prevail over fixed ones, and friction acts on the constrained motion.
     pub fn add_to(self, list: &mut Vec<Self>) {
+        let place = self.place_in(list);
+        list.insert(place, self);
+    }
+
+    /// Return the index at which [`Boundary::add_to`] adds the condition to a list.
+    pub(crate) fn place_in(&self, list: &[Self]) -> usize {
         let rank = |boundary: &Self| match boundary {
             Boundary::Fixed { .. } => 1,
             Boundary::Prescribed { .. } => 2,
             other => 3 * u8::from(other.reacts()),
         };
-        let own = rank(&self);
-        let place = list.partition_point(|other| rank(other) <= own);
-        list.insert(place, self);
+        let own = rank(self);
+        list.partition_point(|other| rank(other) <= own)
     }
 
     /// Adapt a fixed plane or a prescribed region at a face of a body of particles with `points`, m, and half sizes, m: if no particle is

@@ -219,6 +219,6 @@ pub(crate) fn archive_body<S: Solver + ?Sized>(
 }
 
 /// Header of checkpoints.
-pub(crate) const TITLE: &str = "impactite checkpoint 10";
+pub(crate) const TITLE: &str = "impactite checkpoint 11";
 /// Header of checkpoints of runs with a preface.
-pub(crate) const PREFACED: &str = "impactite checkpoint 10 with a preface";
+pub(crate) const PREFACED: &str = "impactite checkpoint 11 with a preface";

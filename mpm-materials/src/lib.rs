@@ -17,6 +17,7 @@ pub mod failure;
 pub mod fluid;
 pub mod ground;
 pub mod library;
+mod mass_scaled;
 pub mod material;
 pub mod parameter;
 pub mod plane_stress;
@@ -45,6 +46,7 @@ pub use failure::{
 pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};
 pub use impactite_simd::lane::{self, Lane, Mask, Real, Wide};
+pub use mass_scaled::MassScaled;
 pub use material::{AnyLaw, Compiled, IntoMaterial, Material, MaySplit};
 pub use parameter::{Check, ParameterError};
 pub use plane_stress::{PlaneStress, PlaneStressState};

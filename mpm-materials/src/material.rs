@@ -151,6 +151,13 @@ impl<T: Float> Response<T> {
         self.have(groups);
         self.outputs.fill(output);
     }
+    /// Multiply the step speeds by a factor.
+    pub fn scale_speeds(&mut self, factor: T) {
+        let outputs = &mut self.outputs[..self.groups.div_ceil(2)];
+        for row in outputs.iter_mut().flat_map(|out| &mut out.step_speed.0) {
+            row.as_mut().iter_mut().for_each(|speed| *speed *= factor);
+        }
+    }
     /// Return the points that broke down, in the order of the list. Lanes without a point may be included.
     #[inline(always)]
     pub fn faults(&self) -> &[BrokenPoint] {

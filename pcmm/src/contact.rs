@@ -1,6 +1,6 @@
 //! Contact interface of a body.
 
-use impactite_scene::boundary::check_at;
+use impactite_scene::boundaries::check_at;
 use impactite_scene::{
     Archive, Boundary, CheckpointError, Embedding, Exchange, SceneError, Side, Solver, StepError,
 };
@@ -132,7 +132,7 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Pcmm<D, M> {
     }
     fn check(&self, dt: f64) -> Result<(), SceneError> {
         let time = self.clock.time;
-        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time, time + dt])
     }
     fn speed(&self) -> f64 {
         Pcmm::speed(self)

@@ -99,6 +99,21 @@ pub fn volume<const D: usize>(x: &Corners<D>, hoop: bool) -> f64 {
     if hoop { measure * mean_radius(x) } else { measure }
 }
 
+/// Area of a facet, m^2: of the triangle of three corners; length of the edge of two, or, if `hoop`, the area that it sweeps per radian.
+pub fn area<const D: usize>(x: &[[f64; D]; D], hoop: bool) -> f64 {
+    let edge = |k: usize| {
+        let mut edge = [0.0; 3];
+        (0..D).for_each(|d| edge[d] = x[k][d] - x[0][d]);
+        edge
+    };
+    let length = |v: [f64; 3]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    match D {
+        3 => 0.5 * length(cross(&edge(1), &edge(2))),
+        _ if hoop => 0.5 * (x[0][0] + x[1][0]) * length(edge(1)),
+        _ => length(edge(1)),
+    }
+}
+
 /// Mean of the first coordinate over the corners.
 pub fn mean_radius<const D: usize>(x: &Corners<D>) -> f64 {
     x[..=D].iter().map(|c| c[0]).sum::<f64>() / (D + 1) as f64

@@ -2,15 +2,15 @@
 
 use std::sync::{Arc, Mutex, OnceLock};
 
+use impactite_scene::boundaries::check_at;
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::boundary::check_at;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
 use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CentreLead, CheckpointError, Clock, Condition, Embedding, Exchange,
-    SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundaries, BoundaryEntry, CentreLead, CheckpointError, Clock, Embedding,
+    Exchange, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -65,7 +65,7 @@ pub struct Pcmm<const D: usize, M> {
     /// Reference volume and internal energy of material outside elements, by particle; empty before the first deletion.
     pub(crate) stores: Vec<[f64; 2]>,
     pub(crate) neighbours: Neighbours<D>,
-    pub(crate) boundaries: Vec<Boundary<D>>,
+    pub(crate) boundaries: Boundaries<D>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
@@ -210,7 +210,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             weights: Vec::new(),
             virgin,
             stores: Vec::new(),
-            boundaries: Vec::new(),
+            boundaries: Boundaries::default(),
             body_force: None,
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
@@ -362,11 +362,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// # Errors
     /// An invalid axis, a position or velocity that is not finite, invalid numbers of a condition; periodic planes, which particles do not
     /// support.
-    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
-        boundary.check_moving(
+    pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
+        let entry = boundary.into();
+        entry.boundary().check_moving(
             "in the particle-contact method; take planes of symmetry, or the material point method",
         )?;
-        boundary.add_to(&mut self.boundaries);
+        self.boundaries.add(entry);
         Ok(())
     }
 
@@ -466,10 +467,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         let times = [0.0, self.clock.time];
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same(&of("body force"), &force.unwrap_or_default())?;
-        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
-        for (n, boundary) in self.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
-        }
+        self.boundaries.archive(file, times, &of)?;
         for Particle { position, velocity, mass, radius } in &mut self.particles {
             file.reals(position.iter_mut().chain(velocity).chain([mass, radius]))?;
         }
@@ -528,7 +526,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
         let dt = self.clock.step_within(self.next_time_step(), left)?;
         let (time, force) = (self.clock.time, self.body_force.as_ref());
-        let checked = check_at(force, &self.boundaries, time, &[time + dt]);
+        let checked = check_at(force, &self.boundaries, time, &[time, time + dt]);
         checked.map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
         if self.watcher.opens() {
             let (totals, exchange) = (self.totals(), Solver::exchange(self));

@@ -1,7 +1,7 @@
 //! Time step: stages in the order of the flow chart of \[Feng2014\].
 
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::{Boundary, Cause, CentreLead, Embedding, Exchange, MovingPoint, PointKind};
+use impactite_scene::{Boundaries, Cause, CentreLead, Embedding, Exchange, MovingPoint, PointKind};
 use impactite_scene::{Solver, StepError, Stopped};
 use mpm_contact::vector::wide;
 
@@ -53,6 +53,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// Run step 11: sum of forces at each particle, F/m, velocity update, boundaries, position update.
     fn move_particles(&mut self, dt: f64) -> Result<(), StepError> {
+        self.boundaries.advance(self.clock.time, dt);
         self.open_lead();
         let chunks = self.each_particle(dt, |motion, n, p, found| {
             let start = p.velocity;
@@ -74,6 +75,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// Run the first half of step 11: velocity update.
     pub(crate) fn accelerate(&mut self, dt: f64) {
+        self.boundaries.advance(self.clock.time, dt);
         self.open_lead();
         self.each_particle(dt, |motion, n, p, _| motion.accelerate(n, p));
     }
@@ -238,7 +240,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 struct Motion<'a, const D: usize> {
     incidence: &'a Incidence,
     forces: &'a [[f64; D]],
-    boundaries: &'a [Boundary<D>],
+    boundaries: &'a Boundaries<D>,
     acceleration: [f64; D],
     /// Distance from the outermost centres to the surface, in radii.
     surface: f64,
@@ -279,8 +281,8 @@ impl<const D: usize> Motion<'_, D> {
     fn advance(&self, n: usize, p: &mut Particle<D>, start: &[f64; D], found: &mut Moved) {
         if !self.boundaries.is_empty() {
             let mut point = self.point(p, start);
-            for boundary in self.boundaries {
-                boundary.hold(&mut point, (self.time, self.dt), &mut found.given);
+            for boundary in 0..self.boundaries.len() {
+                self.boundaries.hold(boundary, &mut point, (self.time, self.dt), &mut found.given);
             }
             p.velocity = point.velocity;
         }

@@ -6,7 +6,7 @@ use mpm_materials::material::Described;
 use crate::audit::Coverage;
 use crate::method::Composition;
 use crate::particles::Particle;
-use crate::simplex::volume;
+use crate::simplex::{area, volume};
 use crate::solver::Pcmm;
 use crate::tessellation::corners;
 
@@ -90,6 +90,21 @@ impl<const D: usize, M: Composition<D>> Body for Pcmm<D, M> {
     }
     fn totals(&self) -> Totals {
         Pcmm::totals(self)
+    }
+    /// Area of the facets of exactly one element: the surface runs through the centres of the outermost particles.
+    fn surface_area(&self) -> Option<f64> {
+        let mut facets: Vec<[u32; D]> = Vec::new();
+        for nodes in self.elements.nodes.chunks_exact(D + 1) {
+            for left_out in 0..=D {
+                let mut facet = std::array::from_fn(|k| nodes[k + usize::from(k >= left_out)]);
+                facet.sort_unstable();
+                facets.push(facet);
+            }
+        }
+        facets.sort_unstable();
+        let single = facets.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+        let place = |n: &u32| self.particles[*n as usize].position;
+        Some(single.map(|facet| area(&facet[0].each_ref().map(place), M::Embedding::HOOP)).sum())
     }
     /// Visit the particles in their order, with the mean of the states of their elements.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {

@@ -3,14 +3,15 @@
 use std::sync::{Arc, Mutex};
 
 use impactite_geometry::search::{Reach, SearchMethod, VerletLists};
-use impactite_scene::boundary::{BodyForce, check_at};
+use impactite_scene::boundaries::check_at;
+use impactite_scene::boundary::BodyForce;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
 use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, LocalDamping,
-    SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundaries, Boundary, BoundaryEntry, CheckpointError, Clock, Embedding, Exchange,
+    LocalDamping, SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -80,7 +81,7 @@ pub struct Sph<const D: usize, M> {
     pub(crate) points: Vec<[f64; D]>,
     pub(crate) images: Images<D>,
     pub(crate) mirrors: Vec<Mirror>,
-    pub(crate) boundaries: Vec<Boundary<D>>,
+    pub(crate) boundaries: Boundaries<D>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) loads: Vec<SurfaceLoad<D>>,
     pub(crate) damping: LocalDamping,
@@ -200,7 +201,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             points: Vec::new(),
             images: Images::default(),
             mirrors: Vec::new(),
-            boundaries: Vec::new(),
+            boundaries: Boundaries::default(),
             body_force: None,
             loads: Vec::new(),
             damping: LocalDamping::default(),
@@ -320,20 +321,22 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     ///
     /// # Errors
     /// Invalid numbers of a condition; periodic planes; a particle behind a plane of symmetry.
-    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
-        boundary
+    pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
+        let entry = boundary.into();
+        entry
+            .boundary()
             .check_moving("with smoothed particles; take planes of symmetry, or the material point method")?;
-        if let Boundary::Symmetry { axis, at, side } = boundary {
+        if let Boundary::Symmetry { axis, at, side } = *entry.boundary() {
             let is_axis = Self::HOOP && axis == 0 && at == 0.0;
-            boundary.add_to(&mut self.boundaries);
+            self.boundaries.add(entry);
             if !is_axis {
                 return self.mirror(axis, at, side, MirrorKind::Symmetry);
             }
             return Ok(());
         }
         let points = self.positions.iter().zip(&self.spacing).map(|(x, s)| (*x, 0.5 * self.surface * s));
-        let boundary = boundary.on_face(points);
-        boundary.add_to(&mut self.boundaries);
+        let entry = entry.map(|boundary| boundary.on_face(points));
+        self.boundaries.add(entry);
         Ok(())
     }
 
@@ -531,10 +534,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             file.same(&of("traction"), &format!("{history} Pa on {:?} m^2", load.area()))?;
         }
         file.same(&of("local damping"), &format!("{:?}", self.damping.coefficient()))?;
-        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
-        for (n, boundary) in self.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
-        }
+        self.boundaries.archive(file, times, &of)?;
         let particles = self.positions.len();
         file.reals(self.positions.iter_mut().flatten())?;
         file.reals(self.records.velocity[..particles].iter_mut().flatten())?;
@@ -593,7 +593,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     pub(crate) fn check_loads(&self, dt: f64) -> Result<(), SceneError> {
         let time = self.clock.time;
-        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time, time + dt])
     }
 }
 

@@ -66,6 +66,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     fn new_velocities(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
+        self.boundaries.advance(self.clock.time, dt);
         self.held.iter_mut().for_each(|held| *held &= !(7 * TOUCHED));
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let outer = Outer::new(force, &self.loads, &self.numbers, self.clock.time);
@@ -75,6 +76,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         for mirror in self.mirrors.iter().filter(|m| m.kind != MirrorKind::Axis) {
             mirrored[mirror.axis] = true;
         }
+        let symmetries: [_; D] = std::array::from_fn(|d| self.boundaries.symmetry_account(d));
         let velocities = &mut self.records.velocity[..particles];
         self.team.each_piece(velocities, BATCH, &mut self.batches, |b, velocities, batch| {
             batch.report.given = Default::default();
@@ -85,7 +87,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 let force = outer.at(b * BATCH + n, mass);
                 for d in 0..D {
                     if mirrored[d] {
-                        batch.report.given.impulse[d] += kick * mass * a[d];
+                        let impulse = kick * mass * a[d];
+                        batch.report.given.impulse[d] += impulse;
+                        if let Some(account) = symmetries[d] {
+                            batch.report.given.accounts[account].impulse[d] += impulse;
+                        }
                     }
                     batch.report.given.load[d] += kick * mass * force[d];
                     v[d] += kick * (a[d] + force[d]);
@@ -189,7 +195,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     tolerance: 0.5 * (0.5 + surface) * spacing[i],
                 };
                 let mut prescribed = 0;
-                for boundary in boundaries.iter() {
+                for (number, boundary) in boundaries.iter().enumerate() {
                     let before = point.velocity;
                     // Walls are in contact with the surface.
                     let behind = match *boundary {
@@ -207,7 +213,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                         point.position[axis] -= 0.5 * spacing[i] * side.sign();
                         (point.depth, point.tolerance) = (spacing[i], 0.25 * spacing[i]);
                     }
-                    boundary.hold(&mut point, (time, dt), &mut batch.report.given);
+                    boundaries.hold(number, &mut point, (time, dt), &mut batch.report.given);
                     point = MovingPoint { velocity: point.velocity, ..whole };
                     if let Some((axis, half)) = behind {
                         point.position[axis] += half;
@@ -384,6 +390,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 self.exchange.viscosity -= stabilising.map_or(0.0, |a| lag * mass * a[d] * mean);
                 if self.mirrors.iter().any(|m| m.kind != MirrorKind::Axis && m.axis == d) {
                     self.exchange.impulse[d] += lag * mass * a;
+                    if let Some(account) = self.boundaries.symmetry_account(d) {
+                        self.exchange.accounts[account].impulse[d] += lag * mass * a;
+                    }
                 }
             }
         }

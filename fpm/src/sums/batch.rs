@@ -1,6 +1,6 @@
 //! Batch of cells, the work of one task, with their states.
 
-use impactite_scene::Exchange;
+use impactite_scene::{ACCOUNTS, Exchange};
 use impactite_simd::Float;
 use mpm_materials::Breakdown;
 
@@ -78,6 +78,8 @@ pub(crate) struct Report {
     pub flux: f64,
     /// Work of loads on the surface, J.
     pub work: f64,
+    /// Parts of it by the accounts of boundary conditions, J.
+    pub work_of: [f64; ACCOUNTS],
     /// Energy change by new neighbours, J.
     pub jumped: f64,
     /// Candidate faces for opening.

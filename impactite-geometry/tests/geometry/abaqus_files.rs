@@ -274,6 +274,34 @@ fn an_element_is_in_every_set_that_names_it() {
     assert_eq!(said, "mesh: there is no element; a choice of groups needs one at least");
 }
 
+/// Surfaces by faces of elements and by node sets become node sets.
+#[test]
+fn surfaces_are_sets_of_nodes() {
+    for (line, at) in [
+        ("STEEL, S6", (0, 0.0)),
+        ("2, s4", (0, 2.0)),
+        ("STEEL, S1\nRUBBER, S1", (2, 0.0)),
+        ("STEEL, S2\n2, S2", (2, 1.0)),
+        ("STEEL, S3\nRUBBER, S3", (1, 0.0)),
+        ("1, S5\n2, S5", (1, 1.0)),
+    ] {
+        let mesh = solid(&format!("{ROW}*SURFACE, NAME=LOADED, TYPE=ELEMENT\n{line}\n"));
+        let (axis, place) = at;
+        assert_eq!(mesh.node_sets["LOADED"], mesh.nodes_where(|x| x[axis] == place), "{line}");
+    }
+    let mesh =
+        solid(&format!("{ROW}*NSET, NSET=ENDS\n1, 4\n*SURFACE, NAME=LINE, TYPE=NODE\nENDS, 1.\n11,\n"));
+    assert_eq!(mesh.node_sets["LINE"], [0, 3, 6]);
+    // A surface without faces, and one that has the name of a node set.
+    let others = solid(&format!("{ROW}*SURFACE, NAME=FREE\nSTEEL,\n*SURFACE, NAME=ALL\nSTEEL, S1\n"));
+    assert!(!others.node_sets.contains_key("FREE") && others.node_sets["ALL"].len() == 12);
+    let tetra = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n4, 0, 0, 1\n*ELEMENT, TYPE=C3D4, ELSET=TIP\n1, 1, 2, 3, 4\n";
+    for (face, nodes) in [("S1", [0, 1, 2]), ("S2", [0, 1, 3]), ("S3", [1, 2, 3]), ("S4", [0, 2, 3])] {
+        let mesh = solid(&format!("{tetra}*SURFACE, NAME=F\nTIP, {face}\n"));
+        assert_eq!(mesh.node_sets["F"], nodes, "{face}");
+    }
+}
+
 /// Surface elements of shells, membranes and rigid bodies in a file of bricks become node sets.
 #[test]
 fn surface_elements_of_a_volume_mesh_are_sets_of_nodes() {

@@ -6,14 +6,15 @@ use std::sync::Arc;
 
 use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
 use impactite::geometry::{Filling, Metric, Shape};
-use impactite::mpm::{Boundary, Side, TimeControl, Watch};
-use impactite::scene::boundary::{BodyForce, VelocityHistory};
+use impactite::materials::MassScaled;
+use impactite::mpm::{TimeControl, Watch};
+use impactite::scene::boundary::BodyForce;
 
 use super::material::{self, Velocity};
 use super::wrong::{At, Folder, Made, Wrong, known, wrong};
 use super::{describe, kinds, shape};
-use crate::model::body::{Body, MeetBy, Traction};
-use crate::model::condition::{self, Condition};
+use crate::measured::profile;
+use crate::model::body::{Body, MeetBy};
 use crate::model::contact::{Law, Pair};
 use crate::model::method::{Method, TimeStep};
 use crate::model::{SceneFile, Space, fixed, formulas};
@@ -24,16 +25,6 @@ pub(crate) struct World<'a, const D: usize> {
     pub folder: &'a Folder,
     /// Shapes of bodies by key, cached so that each surface file is read once.
     shapes: RefCell<BTreeMap<String, Arc<dyn Shape<D>>>>,
-}
-
-/// Traction on a part of a surface.
-pub(super) struct Surface<const D: usize> {
-    /// Region that contains the loaded points or faces initially.
-    pub region: Arc<dyn Shape<D>>,
-    /// Axis normal to the loaded faces.
-    pub axis: usize,
-    /// Traction vector, Pa, as a function of time, s.
-    pub history: Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>,
 }
 
 /// Check names and incompatible keys, independently of the method.
@@ -55,6 +46,11 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
             return wrong(key, "`speed` and `direction` go together");
         }
     }
+    let scales = scene.mass_scaling.map(|factor| factor.value);
+    if let Some(factor) = scales.filter(|factor| *factor < 1.0) {
+        return wrong("mass_scaling", format!("{factor} is not allowed; it must be at least 1"));
+    }
+    profile::check(scene)?;
     for (name, measure) in &scene.measures {
         describe::check(scene, &format!("measures.{name}"), measure)?;
     }
@@ -103,7 +99,18 @@ impl<'a, const D: usize> World<'a, D> {
         let Some(spec) = self.scene.materials.get(name) else {
             return wrong(format!("{key}.material"), format!("no material has the name `{name}`"));
         };
-        material::build(&format!("materials.{name}"), spec, self.space() == Space::PlaneStress)
+        let law = material::build(&format!("materials.{name}"), spec, self.space() == Space::PlaneStress)?;
+        let Some(factor) = self.scene.mass_scaling else { return Ok(law) };
+        if law.explosive.is_some() {
+            return wrong("mass_scaling", "is not with explosives, whose detonation is a matter of inertia");
+        }
+        let material = MassScaled::new(law.material, factor.value).at("mass_scaling")?;
+        Ok(material::Law { material: Arc::new(material), explosive: None })
+    }
+
+    /// Factor on masses.
+    pub fn mass_factor(&self) -> f64 {
+        self.scene.mass_scaling.map_or(1.0, |factor| factor.value)
     }
 
     /// Return the shape of a body.
@@ -175,90 +182,6 @@ impl<'a, const D: usize> World<'a, D> {
         }
     }
 
-    /// Return the boundary conditions, each with its key.
-    pub fn conditions(&self) -> Made<Vec<(String, Boundary<D>)>> {
-        let list = self.scene.conditions.iter().enumerate();
-        list.map(|(n, condition)| {
-            let key = format!("conditions[{n}]");
-            let boundary = self.condition(&key, condition)?;
-            Ok((key, boundary))
-        })
-        .collect()
-    }
-
-    fn condition(&self, key: &str, condition: &Condition) -> Made<Boundary<D>> {
-        let axis = |axis, word: &str| self.space().axis(axis).at(format!("{key}.{word}.axis"));
-        Ok(match condition {
-            Condition::Symmetry(plane) => Boundary::Symmetry {
-                axis: axis(plane.axis, "symmetry")?,
-                at: plane.at.value,
-                side: side(plane.side),
-            },
-            Condition::Fixed(plane) => Boundary::Fixed {
-                axis: axis(plane.axis, "fixed")?,
-                at: plane.at.value,
-                side: side(plane.side),
-            },
-            Condition::Wall(wall) => {
-                let (axis, at, side) = (axis(wall.axis, "wall")?, wall.at.value, side(wall.side));
-                let velocity = match &wall.velocity {
-                    Some(list) => fixed(list).at(format!("{key}.wall.velocity"))?,
-                    None => [0.0; D],
-                };
-                let drags = (0..D).any(|d| d != axis && velocity[d] != 0.0);
-                match &wall.friction {
-                    Some(friction) => {
-                        Boundary::FrictionWall { axis, at, side, velocity, friction: friction.value }
-                    }
-                    None if drags => {
-                        return wrong(
-                            format!("{key}.wall.velocity"),
-                            "a wall without `friction` drags nothing along",
-                        );
-                    }
-                    None => Boundary::Wall { axis, at, side, velocity: velocity[axis] },
-                }
-            }
-            Condition::Absorbing(plane) => Boundary::Absorbing {
-                axis: axis(plane.axis, "absorbing")?,
-                at: plane.at.value,
-                side: side(plane.side),
-                longitudinal: plane.longitudinal.value,
-                shear: plane.shear.value,
-            },
-            Condition::Periodic(period) => Boundary::Periodic {
-                axis: axis(period.axis, "periodic")?,
-                low: period.low.value,
-                high: period.high.value,
-            },
-            Condition::Prescribed(prescribed) => {
-                let list = &prescribed.velocity;
-                if list.len() != D {
-                    let message = format!("has {} components; the scene has {D} dimensions", list.len());
-                    return wrong(format!("{key}.prescribed.velocity"), message);
-                }
-                for (n, part) in list.iter().enumerate() {
-                    if let Some(formula) = &part.0 {
-                        let key = format!("{key}.prescribed.velocity[{n}]");
-                        formula.check(self.space().coordinates(), false, true).at(key)?;
-                    }
-                }
-                let list = list.clone();
-                let velocity: VelocityHistory = Arc::new(move |t| {
-                    std::array::from_fn(|d| Some(list.get(d)?.0.as_ref()?.at(&[0.0; D], false, t)))
-                });
-                Boundary::Prescribed {
-                    region: shape::build(
-                        &format!("{key}.prescribed.region"),
-                        &prescribed.region,
-                        self.folder,
-                    )?,
-                    velocity,
-                }
-            }
-        })
-    }
-
     /// Return the acceleration of gravity.
     pub fn gravity(&self) -> Made<Option<BodyForce<D>>> {
         let Some(list) = &self.scene.gravity else { return Ok(None) };
@@ -266,7 +189,9 @@ impl<'a, const D: usize> World<'a, D> {
         for (n, formula) in list.iter().enumerate() {
             formula.check(self.space().coordinates(), false, true).at(format!("gravity[{n}]"))?;
         }
-        Ok(Some(Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))))
+        // Weights stay, whatever the factor on masses.
+        let factor = self.mass_factor();
+        Ok(Some(Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t) / factor))))
     }
 
     /// Return the time control of the scene, or `None` for the default of the method.
@@ -360,19 +285,6 @@ impl<'a, const D: usize> World<'a, D> {
         if self.scene.only_warn { Watch::default().only_warn() } else { Watch::default() }
     }
 
-    /// Return the traction on a part of a surface.
-    pub fn load(&self, key: &str, load: &Traction) -> Made<Surface<D>> {
-        let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
-        for (n, formula) in list.iter().enumerate() {
-            formula.check(self.space().coordinates(), false, true).at(format!("{key}.traction[{n}]"))?;
-        }
-        Ok(Surface {
-            region: shape::build(&format!("{key}.region"), &load.region, self.folder)?,
-            axis: self.space().axis(load.normal).at(format!("{key}.normal"))?,
-            history: Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t))),
-        })
-    }
-
     /// Return the contact laws of pairs of bodies, which are numbered in the order of `names`.
     pub fn laws(&self, names: &[&str]) -> Made<Option<Pairs<f64>>> {
         let Some(contact) = self.scene.contact() else { return Ok(None) };
@@ -411,13 +323,6 @@ fn of_law(key: &str, law: &Law, pair: Option<[usize; 2]>, pairs: Pairs<f64>) -> 
         Law::Stick(_) => with!(Stick),
         Law::Adhesion(a) => with!(Adhesion::new(a.strength.value, a.shear.value, a.friction.value).at(key)?),
     })
-}
-
-fn side(side: condition::Side) -> Side {
-    match side {
-        condition::Side::Above => Side::Above,
-        condition::Side::Below => Side::Below,
-    }
 }
 
 fn sum<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {

@@ -1,5 +1,6 @@
 //! Measures: names, units and validity in the scene.
 
+use super::accounts;
 use super::wrong::{At, Made, known, wrong};
 use crate::model::body::MeetBy;
 use crate::model::measure::{Measurement, OverTime, Reference, Statistic, Until};
@@ -100,14 +101,28 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
             Ok(())
         }
         M::ConditionForce(of) | M::ConditionImpulse(of) => {
+            let whole = key;
             let key = format!("{key}.{}", word(measure));
             if scene.conditions.is_empty() {
                 return wrong(key, "needs `conditions`; the scene has none");
             }
+            accounts::check(scene, whole, measure)?;
             scene.space.axis(of.axis).at(format!("{key}.axis")).map(|_| ())
         }
+        M::ConditionWork(_) => accounts::check(scene, key, measure),
+        M::SurfaceArea(of) => body(&of.body, word(measure)),
+        M::Profile(of) => {
+            let key = format!("{key}.profile");
+            known(&format!("{key}.of"), "profile", &of.of, scene.profiles.keys().map(String::as_str))?;
+            let bins = scene.profiles.get(&of.of).map_or(0, |profile| profile.bins);
+            if (1..=bins).contains(&of.bin) {
+                return Ok(());
+            }
+            let message = format!("{} is not allowed; it must be 1 to {bins}", of.bin);
+            wrong(format!("{key}.bin"), message)
+        }
         M::OverTime(of) => over_time(scene, &format!("{key}.over_time"), of),
-        M::Balance(_) | M::EnergyError(_) => Ok(()),
+        M::Balance(_) | M::EnergyError(_) | M::KineticShare(_) => Ok(()),
     }
 }
 
@@ -188,6 +203,10 @@ pub fn word(measure: &Measurement) -> &'static str {
         M::ContactForce(_) => "contact_force",
         M::ConditionForce(_) => "condition_force",
         M::ConditionImpulse(_) => "condition_impulse",
+        M::ConditionWork(_) => "condition_work",
+        M::SurfaceArea(_) => "surface_area",
+        M::Profile(_) => "profile",
+        M::KineticShare(_) => "kinetic_share",
         M::FailedShare(_) => "failed_share",
         M::Balance(_) => "balance",
         M::EnergyError(_) => "energy_error",
@@ -206,12 +225,14 @@ pub fn unit(scene: &SceneFile, measure: &Measurement) -> &'static str {
         M::ConditionImpulse(_) => "N s",
         M::Momentum(_) => "kg m/s",
         M::AngularMomentum(_) => "kg m^2/s",
-        M::Kinetic(_) | M::Internal(_) | M::Balance(_) => "J",
+        M::Kinetic(_) | M::Internal(_) | M::Balance(_) | M::ConditionWork(_) => "J",
+        M::SurfaceArea(_) => "m^2",
+        M::Profile(of) => scene.profiles.get(&of.of).map_or("-", |profile| field_unit(&profile.field)),
         M::Mass(_) => "kg",
         M::Volume(_) => "m^3",
         M::Largest(of) | M::Smallest(of) | M::Mean(of) => field_unit(&of.field),
         M::ValueAt(of) => field_unit(&of.field),
-        M::FailedShare(_) | M::EnergyError(_) => "-",
+        M::FailedShare(_) | M::EnergyError(_) | M::KineticShare(_) => "-",
         M::OverTime(of) => {
             let unit = match scene.measures.get(&of.of) {
                 // An `over_time` of an `over_time` is invalid.
@@ -238,7 +259,9 @@ fn times_seconds(unit: &'static str) -> &'static str {
         "kg m^2/s" => "kg m^2",
         "J" => "J s",
         "kg" => "kg s",
+        "m^2" => "m^2 s",
         "m^3" => "m^3 s",
+        "kg/m^3" => "kg s/m^3",
         "Pa" => "Pa s",
         "K" => "K s",
         _ => "s",
@@ -247,18 +270,21 @@ fn times_seconds(unit: &'static str) -> &'static str {
 
 /// Return the unit of a measure in a space: extensive quantities are per radian or per metre of depth.
 pub fn unit_in(space: Space, unit: &str) -> String {
-    let extensive = ["kg", "J", "N", "m^3"].iter().any(|of| unit.split(' ').next() == Some(of));
+    let extensive = ["kg", "J", "N", "m^2", "m^3"].iter().any(|of| unit.split(' ').next() == Some(of));
     if !extensive {
         return unit.into();
     }
     impactite::scene::embedding::unit_of_part(unit, space.dimensions(), space == Space::Axisymmetric)
 }
 
-fn field_unit(field: &str) -> &'static str {
+/// Return the SI unit of a field.
+pub fn field_unit(field: &str) -> &'static str {
     match field {
         "pressure" | "von_mises" => "Pa",
         "speed" => "m/s",
         "temperature" => "K",
+        "density" => "kg/m^3",
+        _ if field.starts_with("position_") => "m",
         _ if field.starts_with("velocity_") => "m/s",
         _ if field.starts_with("stress_") => "Pa",
         _ => "-",

@@ -1,14 +1,68 @@
 //! Scenes of the finite element method.
 
 use impactite::fem::{Fem as Scene, SurfaceFacet};
-use impactite::scene::Solver;
+use impactite::scene::{SceneError, Solver};
 
-use super::common::{Surface, World};
+use super::common::World;
 use super::kernels::Setting;
+use super::loads::{Load, Part, Surface};
 use super::wrong::{At, Made, known, of_body, wrong};
 use super::{mesh, placement};
+use crate::model::body::Traction;
 use crate::model::contact::Detector;
 use crate::model::method::{Fem, SUBCYCLES};
+
+/// Apply a load to the surface of a body.
+fn load<const D: usize>(
+    world: &World<'_, D>,
+    fem: &mut Scene<D>,
+    number: usize,
+    key: &str,
+    spec: &Traction,
+) -> Made<()> {
+    let Surface { part, axis, load } = world.load(key, spec)?;
+    let across = |facet: &SurfaceFacet<D>| axis.is_none_or(|axis| facet.normal[axis].abs() > 0.5);
+    let normal = axis.map_or(String::new(), |axis| format!(" across axis {axis}"));
+    match part {
+        Part::Region(region) => {
+            let picked = |facet: &SurfaceFacet<D>| across(facet) && region.contains(facet.centre);
+            let key = format!("{key}.region");
+            apply(fem, number, &format!("faces{normal} in a region"), picked, load).at(key)?;
+        }
+        Part::Named(name) => {
+            let key = format!("{key}.surface");
+            let sets = &fem.body(number).mesh().node_sets;
+            let alike = || sets.keys().find(|set| set.eq_ignore_ascii_case(&name));
+            let there = sets.keys().map(String::as_str);
+            let place = match sets.get_key_value(&name).map(|(set, _)| set).or_else(alike) {
+                Some(set) => set.clone(),
+                None => {
+                    known(&key, "surface", &name, there)?;
+                    name.clone()
+                }
+            };
+            let nodes = sets.get(&place).cloned().unwrap_or_default();
+            let within = |node: &u32| nodes.binary_search(node).is_ok();
+            let picked = |facet: &SurfaceFacet<D>| across(facet) && facet.nodes.iter().flatten().all(within);
+            apply(fem, number, &format!("faces{normal} of `{place}`"), picked, load).at(key)?;
+        }
+    }
+    Ok(())
+}
+
+/// Apply a load over time to the picked facets.
+fn apply<const D: usize>(
+    fem: &mut Scene<D>,
+    number: usize,
+    facets: &str,
+    picked: impl Fn(&SurfaceFacet<D>) -> bool,
+    load: Load<D>,
+) -> Result<usize, SceneError> {
+    match load {
+        Load::Traction(history) => fem.load(number, facets, picked, history),
+        Load::Pressure(history) => fem.press(number, facets, picked, history),
+    }
+}
 
 pub(super) fn build<E: Setting<D>, const D: usize>(
     embedding: E,
@@ -21,11 +75,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         let number =
             fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
         for (key, load) in body.traction.keyed(&format!("bodies.{name}.traction")) {
-            let Surface { region, axis, history } = world.load(&key, load)?;
-            let picked =
-                |facet: &SurfaceFacet<D>| facet.normal[axis].abs() > 0.5 && region.contains(facet.centre);
-            fem.load(number, &format!("faces across axis {axis} in a region"), picked, history)
-                .at(format!("{key}.region"))?;
+            self::load(world, &mut fem, number, &key, load)?;
         }
     }
     if world.scene.contact().is_some_and(|c| c.detector != Detector::default()) {

@@ -2,12 +2,13 @@
 
 use impactite::fpm::{
     AnyCriterion, Cells, CellsError, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
-    MixedTensionShear, NoCracks, Notch, Penalty, Space, Symmetric, relaxed, scattered,
+    MixedTensionShear, NoCracks, Notch, OuterFace, Penalty, Space, Symmetric, relaxed, scattered,
 };
 use impactite::geometry::{Bounds, Cuboid, Lattice, Polygon};
 use impactite::scene::{Embedding, Solver};
 
-use super::common::{Surface, World, centre_of_mass};
+use super::common::{World, centre_of_mass};
+use super::loads::{Load, Part, Surface};
 use super::shape::Motion;
 use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, particles, placement, seeds};
@@ -66,9 +67,16 @@ where
             body.bound(boundary).at(key)?;
         }
         for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
-            let Surface { region, axis, history } = world.load(&key, load)?;
-            body.load_faces(|f| f.normal[axis].abs() > 0.5 && region.contains(f.centroid), history)
-                .at(key)?;
+            let Surface { part, axis, load } = world.load(&key, load)?;
+            let Part::Region(region) = part else {
+                return wrong(format!("{key}.surface"), "is of the method `fem`; cells have a `region`");
+            };
+            let across = |f: &OuterFace<D>| axis.is_none_or(|axis| f.normal[axis].abs() > 0.5);
+            let on = |f: &OuterFace<D>| across(f) && region.contains(f.centroid);
+            match load {
+                Load::Traction(history) => body.load_faces(on, history).at(key)?,
+                Load::Pressure(history) => body.press_faces(on, history).at(key)?,
+            };
         }
         if let Some(gravity) = world.gravity()? {
             body.set_body_force(gravity);

@@ -9,12 +9,12 @@ use impactite::coupling::Elements;
 use impactite::fem::Fem;
 use impactite::geometry::Lattice;
 use impactite::mpm::{
-    BlockGrid, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene, OneField, Rigid,
-    Splitting, Traction, Twist,
+    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
+    OneField, Rigid, Splitting, Traction, Twist,
 };
 use impactite::scene::Solver;
 
-use super::common::{Surface, World};
+use super::common::World;
 use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
@@ -38,7 +38,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let conditions = world.conditions()?;
     // A period begins with a block of nodes, so that positions are between its planes. The nodes are the same.
     for (_, boundary) in &conditions {
-        if let impactite::mpm::Boundary::Periodic { axis, low, .. } = *boundary {
+        if let Boundary::Periodic { axis, low, .. } = *boundary.boundary() {
             let cells = (low - origin[axis]) / options.cell.value;
             if (cells - cells.round()).abs() <= 1e-6 && cells.round() % 4.0 != 0.0 {
                 origin[axis] = low;
@@ -74,7 +74,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     };
     // Apply periods before the bodies, whose positions depend on them.
     let (periods, others): (Vec<_>, Vec<_>) =
-        conditions.into_iter().partition(|(_, b)| matches!(b, impactite::mpm::Boundary::Periodic { .. }));
+        conditions.into_iter().partition(|(_, b)| matches!(b.boundary(), Boundary::Periodic { .. }));
     for (key, boundary) in periods {
         mpm.bound(boundary).at(key)?;
     }
@@ -156,9 +156,10 @@ fn body_force<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> M
     for (n, formula) in list.iter().enumerate() {
         formula.check(world.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
     }
-    let revolved = world.revolved();
+    // Forces stay, whatever the factor on masses.
+    let (revolved, factor) = (world.revolved(), world.mass_factor());
     let acceleration = Arc::new(move |x: &[f64; D], t: f64| -> [f64; D] {
-        std::array::from_fn(|d| list[d].at(x, revolved, t))
+        std::array::from_fn(|d| list[d].at(x, revolved, t) / factor)
     });
     Ok(Some(FieldForce { acceleration }))
 }
@@ -330,7 +331,7 @@ fn add_particles<const D: usize>(
 
 /// Build a traction on particles.
 pub(super) fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
-    let Surface { region, axis, history } = world.load(key, load)?;
+    let (region, axis, history) = world.traction_on_particles(key, load)?;
     Ok(Traction { region, axis, history, revolved: world.revolved() })
 }
 
@@ -372,10 +373,11 @@ fn rigid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<R
     let velocity = move |t: f64| -> [f64; D] {
         list.as_ref().map_or(along, |list| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))
     };
+    let density = world.mass_factor() * spec.density.value;
     let mut rigid = if spec.prescribed {
-        Rigid::prescribed(spec.density.value, move |t| Twist { velocity: velocity(t), spin }).at(at.clone())?
+        Rigid::prescribed(density, move |t| Twist { velocity: velocity(t), spin }).at(at.clone())?
     } else {
-        Rigid::free(spec.density.value).at(at.clone())?.with_velocity(velocity(0.0)).with_spin(spin)
+        Rigid::free(density).at(at.clone())?.with_velocity(velocity(0.0)).with_spin(spin)
     };
     let mut held = [false; D];
     for (n, axis) in spec.hold.iter().enumerate() {

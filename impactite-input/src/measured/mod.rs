@@ -1,6 +1,7 @@
 //! Measures of a scene at the current time.
 
 mod past;
+pub(crate) mod profile;
 mod value;
 
 use std::fmt;
@@ -9,9 +10,9 @@ use std::sync::Arc;
 use impactite::scene::{Archive, Body, CheckpointError, Solver};
 
 use crate::build::wrong::Folder;
-use crate::build::{describe, shape};
+use crate::build::{accounts, describe, shape};
 use crate::document::Source;
-use crate::model::measure::Measurement;
+use crate::model::measure::{Measurement, Profile};
 use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 use crate::quantity::{Length, Quantity, Time};
@@ -27,12 +28,43 @@ pub struct MeasureError {
     pub why: String,
 }
 
+/// Profile that cannot be evaluated in the scene.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("profiles.{name}: {why}")]
+pub struct ProfileError {
+    /// Name of the profile.
+    pub name: String,
+    /// Reason.
+    pub why: String,
+}
+
 /// Return names and SI units of the measures of a scene, in their order. Masses, momenta, forces and energies are per radian in
 /// axisymmetric scenes, `kg/rad`, and per metre of depth in the plane, `kg/m`.
 #[must_use]
 pub fn columns(scene: &SceneFile) -> Vec<(String, String)> {
     let unit = |measure| describe::unit_in(scene.space, describe::unit(scene, measure));
     scene.measures.iter().map(|(name, measure)| (name.clone(), unit(measure))).collect()
+}
+
+/// Return the columns of a profile: the distances of the centres of its bins from the start of its line, m, and the SI unit of its field.
+#[must_use]
+pub fn profile_columns(profile: &Profile) -> Vec<(String, String)> {
+    let unit = describe::field_unit(&profile.field).to_string();
+    profile::centres(profile).map(|s| (format!("{s:.4e} m"), unit.clone())).collect()
+}
+
+/// Evaluate a profile: a value a bin, in SI units; NaN for a bin without points.
+///
+/// # Errors
+/// Field that the law of the body does not have.
+pub fn profile_values(
+    scene: &SceneFile,
+    name: &str,
+    profile: &Profile,
+    solver: &dyn Solver,
+) -> Result<Vec<f64>, ProfileError> {
+    let values = value::profile_values(&value::Now::new(scene.space, solver), profile);
+    values.map_err(|why| ProfileError { name: name.into(), why })
 }
 
 /// Measures of a scene after set-up, with their history over the steps so far.
@@ -54,6 +86,10 @@ struct Taken {
     point: Option<usize>,
     /// Region that restricts the points.
     region: Option<Region>,
+    /// Accounts of the boundary conditions that it names; `None` for all conditions.
+    accounts: Option<Vec<usize>>,
+    /// Profile of which it has a bin.
+    profile: Option<Profile>,
     past: Past,
 }
 
@@ -109,6 +145,11 @@ impl Measures {
                 what: what.clone(),
                 point: point.map_err(wrong)?,
                 region: region.map_err(wrong)?,
+                accounts: accounts(scene, what),
+                profile: match what {
+                    Measurement::Profile(of) => scene.profiles.get(&of.of).cloned(),
+                    _ => None,
+                },
                 past: Past::default(),
             })
         });
@@ -145,7 +186,8 @@ impl Measures {
         for taken in &mut self.list {
             if let Measurement::ConditionForce(of) = &taken.what {
                 let axis = self.space.axis(of.axis).unwrap_or_default();
-                taken.past.enter_rate(Sample { time, value: solver.exchange().impulse[axis] });
+                let value = value::impulse(solver, taken, axis);
+                taken.past.enter_rate(Sample { time, value });
             }
         }
         for n in 0..self.list.len() {
@@ -241,6 +283,17 @@ impl Measures {
         self.list.iter_mut().try_for_each(|taken| taken.past.archive(file))?;
         self.ends.iter_mut().flat_map(|end| &mut end.armed).try_for_each(|armed| file.flag(armed))
     }
+}
+
+/// Return the accounts of the conditions that a measure names.
+fn accounts(scene: &SceneFile, what: &Measurement) -> Option<Vec<usize>> {
+    let name = match what {
+        Measurement::ConditionForce(of) | Measurement::ConditionImpulse(of) => of.condition.as_ref()?,
+        Measurement::ConditionWork(of) => &of.condition,
+        _ => return None,
+    };
+    let (all, places) = (accounts::of(scene), accounts::places(scene, name).unwrap_or_default());
+    Some(places.iter().filter_map(|place| all.binary_search(place).ok()).collect())
 }
 
 /// Build the region of a shape.

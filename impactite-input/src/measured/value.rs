@@ -4,9 +4,10 @@ use std::cell::{OnceCell, RefCell};
 
 use impactite::scene::{Account, Body, Parts, PointView, Solver, Totals};
 
+use super::profile::Bins;
 use super::{Taken, find};
 use crate::model::Space;
-use crate::model::measure::{AngularMomentum, Entry, Measurement};
+use crate::model::measure::{AngularMomentum, Entry, Measurement, Profile};
 
 /// Cached quantities of bodies, by name.
 type Known<'a, X> = RefCell<Vec<(&'a str, X)>>;
@@ -168,11 +169,47 @@ pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
             pair.map_or(0.0, |pair| sign * pair.force[axis])
         }
         M::ConditionForce(_) => taken.past.force(),
-        M::ConditionImpulse(m) => solver.exchange().impulse[space.axis(m.axis)?],
+        M::ConditionImpulse(m) => impulse(solver, taken, space.axis(m.axis)?),
+        M::ConditionWork(_) => {
+            let exchange = solver.exchange();
+            taken.accounts.iter().flatten().map(|&account| exchange.accounts[account].work).sum()
+        }
+        M::SurfaceArea(m) => {
+            let body = find(&m.body)?;
+            body.surface_area().ok_or_else(|| {
+                let why = "has no faces: particles have a `volume` and an `extent`; bodies of `fem`, `fpm` and `pcmm` have a surface";
+                format!("`{}` {why}", body.name())
+            })?
+        }
+        M::Profile(m) => {
+            let profile = taken.profile.as_ref().ok_or_else(|| format!("there is no profile `{}`", m.of))?;
+            let values = profile_values(now, profile)?;
+            values.get((m.bin as usize).wrapping_sub(1)).copied().unwrap_or(f64::NAN)
+        }
+        M::KineticShare(_) => {
+            let totals = solver.totals();
+            totals.kinetic_now() / totals.internal
+        }
         M::Balance(entry) => balance(now.account(), *entry),
         M::EnergyError(_) => now.account().energy_error(),
         M::OverTime(m) => taken.past.value(m),
     })
+}
+
+/// Evaluate a profile: a value a bin; NaN for a bin without points.
+pub(super) fn profile_values(now: &Now<'_>, profile: &Profile) -> Result<Vec<f64>, String> {
+    let mut bins = Bins::new(profile);
+    each(now.space, now.find(&profile.body)?, &profile.field, &mut |p, value| bins.add(p, value(p)))?;
+    Ok(bins.values())
+}
+
+/// Return the impulse of the conditions of a measure along an axis, N s.
+pub(super) fn impulse(solver: &dyn Solver, taken: &Taken, axis: usize) -> f64 {
+    let exchange = solver.exchange();
+    match &taken.accounts {
+        None => exchange.impulse[axis],
+        Some(list) => list.iter().map(|&account| exchange.accounts[account].impulse[axis]).sum(),
+    }
 }
 
 /// Sum a quantity over the points of a body.
@@ -240,6 +277,7 @@ type OfPoint<'a> = dyn Fn(&PointView) -> f64 + 'a;
 #[derive(Clone, Copy)]
 enum Component {
     Velocity(usize),
+    Position(usize),
     Stress(usize),
 }
 
@@ -250,10 +288,14 @@ fn component(space: Space, field: &str) -> Option<Component> {
     let (name, word) = field.rsplit_once('_')?;
     match (name, &places(word)?[..]) {
         ("velocity", &[d]) if d < space.dimensions() => Some(Component::Velocity(d)),
+        ("position", &[d]) if d < space.dimensions() => Some(Component::Position(d)),
         ("stress", &[i, j]) => Some(Component::Stress(if i == j { i } else { 6 - i - j })),
         _ => None,
     }
 }
+
+/// Fields of the points of every law.
+const PLAIN: [&str; 4] = ["pressure", "von_mises", "speed", "density"];
 
 /// Visit every point of a body with the value of a field.
 fn each(
@@ -264,32 +306,34 @@ fn each(
 ) -> Result<(), String> {
     let names = body.state_names();
     let (place, component) = (names.iter().position(|n| n == field), component(space, field));
-    if place.is_none() && component.is_none() && !["pressure", "von_mises", "speed"].contains(&field) {
+    if place.is_none() && component.is_none() && !PLAIN.contains(&field) {
         let kept = if names.is_empty() { "no state".into() } else { names.join(", ") };
         let components = match space {
             Space::Axisymmetric => "velocity_r, stress_rz",
             _ => "velocity_x, stress_xy",
         };
         return Err(format!(
-            "the law of `{}` keeps no `{field}`; there are pressure, von_mises, speed, components as {components}, {kept}",
-            body.name()
+            "the law of `{}` keeps no `{field}`; there are {}, components as {components}, {kept}",
+            body.name(),
+            PLAIN.join(", ")
         ));
     }
     let value = |p: &PointView| match (component, place, field) {
         (Some(Component::Velocity(d)), ..) => p.velocity[d],
+        (Some(Component::Position(d)), ..) => p.position[d],
         (Some(Component::Stress(n)), ..) => p.stress[n],
         (None, Some(n), _) => p.state[n],
         (None, None, "pressure") => p.pressure(),
         (None, None, "von_mises") => p.von_mises(),
+        (None, None, "density") => p.mass / p.volume,
         (None, None, _) => p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
     };
     // Mean values are mass-weighted.
-    let parts = if component.is_some_and(|c| matches!(c, Component::Velocity(_)))
-        || place.is_none() && field == "speed"
-    {
-        Parts::MASS
-    } else {
-        Parts { size: false, ..Parts::ALL }
+    let moves = component.is_some_and(|c| !matches!(c, Component::Stress(_)));
+    let parts = match field {
+        _ if moves || place.is_none() && field == "speed" => Parts::MASS,
+        "density" if place.is_none() => Parts { law: false, ..Parts::ALL },
+        _ => Parts { size: false, ..Parts::ALL },
     };
     body.for_each_with(parts, &mut |p| visit(p, &value));
     Ok(())

@@ -68,7 +68,7 @@ pub struct Body {
     /// Integration of elements (`fem`, and elements in `mpm`). If not given, by kind: one point with hourglass stiffness for bricks and quadrilaterals of the plane, mean dilatation for quadrilaterals around an axis, averaged volumes for triangles and tetrahedra.
     #[serde(default)]
     pub integration: Option<Integration>,
-    /// Traction on a part of the surface (not of `pcmm`): a table, or a list of tables.
+    /// Traction or pressure on a part of the surface (not of `pcmm`): a table, or a list of tables.
     #[serde(default)]
     pub traction: Several<Traction>,
     /// Stress at the start, Pa, tension positive: formulas of place, a key a component (`mpm` and `sph`); components that are not given are zero. Points are in
@@ -109,16 +109,29 @@ parts! {
         #[serde(default)]
         no_turning: bool,
     }
-    /// A dead load.
+    /// A load on the surface: a `traction` in a fixed direction on the initial area, or a `pressure` that follows the surface.
     Traction {
         /// The region of the loaded surface: particles, or faces, that start in it. For particles it should contain one layer.
-        region: Shape,
-        /// Axis normal to the loaded faces.
+        #[serde(default)]
+        region: Option<Shape>,
+        /// Named surface of a mesh from a file, instead of `region` (`fem`): a physical group of Gmsh, a set of nodes or a `*SURFACE` of
+        /// Abaqus. It has the faces all of whose nodes are in it.
+        #[serde(default)]
+        #[schemars(example = &"top")]
+        surface: Option<String>,
+        /// Axis normal to the loaded faces; needed with `region` and `traction`, else faces of any direction are loaded.
+        #[serde(default)]
         #[schemars(example = &"y")]
-        normal: Axis,
+        normal: Option<Axis>,
         /// Traction vector, a component an axis: numbers, or formulas of time.
+        #[serde(default)]
         #[schemars(example = (0, "-10 MPa"))]
-        traction: Vec<Formula<Pressure>>,
+        traction: Option<Vec<Formula<Pressure>>>,
+        /// Pressure, positive inwards, along the present normals on the present areas (`fem`, `fpm`): a number, or a formula of time. Instead of
+        /// `traction`.
+        #[serde(default)]
+        #[schemars(example = &"2 MPa")]
+        pressure: Option<Formula<Pressure>>,
     }
     /// Components of a stress.
     InitialStress {

@@ -27,6 +27,32 @@ pub enum Condition {
     Prescribed(Prescribed),
 }
 
+impl Condition {
+    /// Word of the kind of the condition.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Condition::Symmetry(_) => "symmetry",
+            Condition::Wall(_) => "wall",
+            Condition::Absorbing(_) => "absorbing",
+            Condition::Periodic(_) => "periodic",
+            Condition::Fixed(_) => "fixed",
+            Condition::Prescribed(_) => "prescribed",
+        }
+    }
+    /// Name of the condition, if it has one.
+    #[must_use]
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Condition::Symmetry(plane) | Condition::Fixed(plane) => plane.name.as_deref(),
+            Condition::Wall(wall) => wall.name.as_deref(),
+            Condition::Absorbing(plane) => plane.name.as_deref(),
+            Condition::Prescribed(prescribed) => prescribed.name.as_deref(),
+            Condition::Periodic(_) => None,
+        }
+    }
+}
+
 /// Side of a plane on which the material is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
@@ -50,6 +76,10 @@ parts! {
         #[serde(default)]
         #[schemars(example = &"below")]
         side: Side,
+        /// Name of the condition, for measures; several conditions of one name are measured together.
+        #[serde(default)]
+        #[schemars(example = &"base")]
+        name: Option<String>,
     }
     /// A wall across an axis.
     Wall {
@@ -62,14 +92,22 @@ parts! {
         #[serde(default)]
         #[schemars(example = &"below")]
         side: Side,
-        /// Velocity of the wall, a component an axis; at rest if not given.
+        /// Velocity of the wall, a component an axis: numbers, or formulas of time; at rest if not given.
         #[serde(default)]
         #[schemars(example = (0, "2 m/s"))]
-        velocity: Option<Vec<Quantity<Speed>>>,
+        velocity: Option<Vec<Formula<Speed>>>,
+        /// Coordinate of the wall over time, a formula that begins at `at`; instead of `velocity`.
+        #[serde(default)]
+        #[schemars(example = &"= 0.02 * sin(50 * t)")]
+        position: Option<Formula<Length>>,
         /// Coefficient of Coulomb friction; frictionless if not given.
         #[serde(default)]
         #[schemars(example = 0.3, extend("minimum" = 0))]
         friction: Option<Quantity<Plain>>,
+        /// Name of the condition, for measures; several conditions of one name are measured together.
+        #[serde(default)]
+        #[schemars(example = &"floor")]
+        name: Option<String>,
     }
     /// A plane with dashpots.
     Absorbing {
@@ -88,6 +126,10 @@ parts! {
         /// Speed of shear waves in the material.
         #[schemars(example = "3.2 km/s")]
         shear: Quantity<Speed>,
+        /// Name of the condition, for measures; several conditions of one name are measured together.
+        #[serde(default)]
+        #[schemars(example = &"far end")]
+        name: Option<String>,
     }
     /// A period along an axis.
     Periodic {
@@ -102,11 +144,19 @@ parts! {
     }
     /// A region and its velocity.
     Prescribed {
-        /// The region, fixed in space.
+        /// The region: fixed in space, or moving with its matter where `follows` is given.
         region: Shape,
         /// Velocity, a component an axis: a number, a formula of time, or `"free"`.
         #[schemars(example = ("= 2 * t", "free"))]
         velocity: Vec<MayBeFree>,
+        /// The region moves with the prescribed velocity, so that matter that starts in it stays in it: a grip. Along free axes it stays
+        /// where it is.
+        #[serde(default)]
+        follows: bool,
+        /// Name of the condition, for measures; several conditions of one name are measured together.
+        #[serde(default)]
+        #[schemars(example = &"grip")]
+        name: Option<String>,
     }
 }
 

@@ -1,7 +1,7 @@
 //! Measures and checks.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::contact::Nothing;
 use super::parts::parts;
@@ -49,10 +49,19 @@ pub enum Measurement {
     ValueAt(FieldAtPlace),
     /// Contact force along an axis on the second of two bodies, mean of the last step, N.
     ContactForce(Between),
-    /// Force along an axis of all boundary conditions on the bodies, mean of the last step, N.
+    /// Force along an axis of boundary conditions on the bodies, mean of the last step, N.
     ConditionForce(Along),
-    /// Impulse along an axis of all boundary conditions on the bodies since the start, N s.
+    /// Impulse along an axis of boundary conditions on the bodies since the start, N s.
     ConditionImpulse(Along),
+    /// Work of boundary conditions on the bodies since the start, J: of walls impulse times velocity of the wall.
+    ConditionWork(OfCondition),
+    /// Area of the surface of a body of elements or cells (`fem`, `fpm`, `pcmm`, elements in `mpm`), m^2; in the plane its perimeter per
+    /// metre of depth. Faces on planes of symmetry count.
+    SurfaceArea(Whole),
+    /// Value of a profile in one of its bins.
+    Profile(InProfile),
+    /// Kinetic over internal energy of all bodies; small where a process is slow, as with `mass_scaling`.
+    KineticShare(Nothing),
     /// Failed points over all points of the body.
     FailedShare(Part),
     /// Part of the balance of energy of the scene since the start, J.
@@ -144,11 +153,30 @@ parts! {
         #[schemars(example = &"y")]
         axis: Axis,
     }
-    /// Along an axis.
+    /// Of boundary conditions, along an axis.
     Along {
         /// The axis.
         #[schemars(example = &"y")]
         axis: Axis,
+        /// Name of the condition, its kind (`wall`, `fixed`, ...), or its place in the list, from 0; all conditions if not given.
+        #[serde(default)]
+        #[schemars(example = &"floor")]
+        condition: Option<ConditionName>,
+    }
+    /// Of boundary conditions.
+    OfCondition {
+        /// Name of the condition, its kind (`wall`, `fixed`, ...), or its place in the list, from 0.
+        #[schemars(example = &"floor")]
+        condition: ConditionName,
+    }
+    /// A bin of a profile.
+    InProfile {
+        /// Name of the profile, of the table `profiles`.
+        #[schemars(example = &"along the bar")]
+        of: String,
+        /// Number of the bin, from 1.
+        #[schemars(example = 3, extend("minimum" = 1))]
+        bin: u32,
     }
     /// Of a body.
     Whole {
@@ -199,8 +227,8 @@ parts! {
         /// Place at the start.
         #[schemars(example = (0, "5 mm"))]
         at: Vector<Length>,
-        /// The field: `pressure`, `von_mises`, `speed`, a component as `velocity_x` and `stress_xy`, or a state variable of the law, as
-        /// `plastic_strain`, `temperature`, `damage`.
+        /// The field: `pressure`, `von_mises`, `speed`, `density`, a component as `velocity_x`, `position_x` and `stress_xy`, or a state
+        /// variable of the law, as `plastic_strain`, `temperature`, `damage`.
         #[schemars(example = &"von_mises")]
         field: String,
     }
@@ -218,8 +246,8 @@ parts! {
         /// Name of the body.
         #[schemars(example = &"body")]
         body: String,
-        /// The field: `pressure`, `von_mises`, `speed`, a component as `velocity_x` and `stress_xy`, or a state variable of the law, as
-        /// `plastic_strain`, `temperature`, `damage`.
+        /// The field: `pressure`, `von_mises`, `speed`, `density`, a component as `velocity_x`, `position_x` and `stress_xy`, or a state
+        /// variable of the law, as `plastic_strain`, `temperature`, `damage`.
         #[schemars(example = &"von_mises")]
         field: String,
         /// Region, fixed in space: points alone that are in it at the time of the measure; no number while there are none.
@@ -242,6 +270,62 @@ parts! {
         #[schemars(example = "2 ms")]
         to: Option<Quantity<Time>>,
     }
+}
+
+/// Boundary condition by name, kind or place in the list.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ConditionName {
+    /// Place in the list, from 0.
+    Place(u32),
+    /// Name, or kind.
+    Name(String),
+}
+
+/// Values of a field along a line: means over the points of a body in bins, over time in `profiles/NAME.csv`.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Name of the body.
+    #[schemars(example = &"body")]
+    pub body: String,
+    /// The field, as of measures; also `density`, and `position_x` and its like, whose largest value is a height.
+    #[schemars(example = &"velocity_x")]
+    pub field: String,
+    /// Start of the line, fixed in space.
+    #[schemars(example = (0, 0))]
+    pub from: Vector<Length>,
+    /// End of the line. Bins are layers across it.
+    #[schemars(example = ("100 mm", 0))]
+    pub to: Vector<Length>,
+    /// Number of bins of equal length, 1 to 1000.
+    #[schemars(example = 20, extend("minimum" = 1, "maximum" = 1000))]
+    pub bins: u32,
+    /// Distance from the line within which points count; all if not given.
+    #[serde(default)]
+    #[schemars(example = "2 mm")]
+    pub radius: Option<Quantity<Length>>,
+    /// What is taken of the points of a bin: their mean by mass, or their largest or smallest value.
+    #[serde(default)]
+    pub take: TakenOfBin,
+    /// Time between rows; a fortieth of `end` if not given.
+    #[serde(default)]
+    #[schemars(example = "10 us")]
+    pub every: Option<Quantity<Time>>,
+}
+
+/// Value of a bin of a profile.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TakenOfBin {
+    /// Mean by mass; of the density mass over volume.
+    #[default]
+    Mean,
+    /// Largest value.
+    Largest,
+    /// Smallest value.
+    Smallest,
 }
 
 /// End of a run when a measure passes a value.

@@ -8,7 +8,7 @@ use super::body::Body;
 use super::condition::Condition;
 use super::contact::{Contact, ContactChoice};
 use super::material::Material;
-use super::measure::{Check, Measurement, Until};
+use super::measure::{Check, Measurement, Profile, Until};
 use super::method::{Method, TimeStep};
 use super::output::Output;
 use super::over_time::TableSpec;
@@ -16,7 +16,7 @@ use super::several::Several;
 use super::shape::{Bodies, MovedShape, Shape};
 use super::space::Space;
 use crate::formula::Formula;
-use crate::quantity::{Acceleration, Parameters, Quantity, Time};
+use crate::quantity::{Acceleration, Parameters, Plain, Quantity, Time};
 
 /// A scene: bodies, materials, method, loads, output.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -65,12 +65,20 @@ pub struct SceneFile {
     /// Time step. If not given: adaptive, a part of the stable step that suits the method.
     #[serde(default)]
     pub time_step: Option<TimeStep>,
+    /// Factor on the masses of all bodies, for slow processes in which inertia does not matter: steps are longer by its square root. Weights
+    /// stay. Kinetic over internal energy is reported, and a run at whose end it is above 5 % warns.
+    #[serde(default)]
+    #[schemars(example = 100, extend("minimum" = 1))]
+    pub mass_scaling: Option<Quantity<Plain>>,
     /// Unexplained gain of energy: warn (`true`) instead of stopping the run.
     #[serde(default)]
     pub only_warn: bool,
     /// Measures, by name: columns of `measures.csv` and of sweeps, and values of checks.
     #[serde(default)]
     pub measures: IndexMap<String, Measurement>,
+    /// Values of fields along lines, by name: `profiles/NAME.csv`.
+    #[serde(default)]
+    pub profiles: IndexMap<String, Profile>,
     /// Checks of measures at the end of the run.
     #[serde(default)]
     pub checks: Vec<Check>,
@@ -171,7 +179,7 @@ impl SceneFile {
             bodies.trail.push(name.clone());
             body.shape.iter_mut().for_each(|shape| shape.resolve(&mut bodies));
             bodies.trail.pop();
-            body.traction.0.iter_mut().for_each(|load| load.region.resolve(&mut bodies));
+            body.traction.0.iter_mut().flat_map(|load| &mut load.region).for_each(|r| r.resolve(&mut bodies));
         }
         for condition in &mut self.conditions {
             if let Condition::Prescribed(prescribed) = condition {

@@ -13,7 +13,7 @@
 
 use std::ops::Range;
 
-use impactite_scene::{Boundary, Exchange};
+use impactite_scene::{Booking, Boundaries, Boundary, Exchange};
 
 use super::body::{ParticleBody, SurfacePoint};
 use super::candidates::Candidates;
@@ -424,6 +424,14 @@ impl Movers {
         sums
     }
 
+    /// Book the impulses of a wall on its movers, without those along held axes, and their work.
+    fn book(&self, touches: &[SurfaceTouch<'_>], booking: &mut Booking) {
+        for (sum, mover) in self.impulses(touches).iter().zip(&self.system.movers) {
+            (0..3).filter(|&d| mover.inverse[d] > 0.0).for_each(|d| booking.impulse[d] += sum[d]);
+        }
+        booking.work -= touches.iter().map(|touch| dot(touch.impulse, touch.rigid[1])).sum::<f64>();
+    }
+
     /// Compute the velocities of all movers after impulses, m/s.
     fn after(&self, impulses: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let end = |n: usize| std::array::from_fn(|d| self.trial[n][d] + impulses[n][d] / self.mass[n]);
@@ -575,7 +583,7 @@ pub(super) fn meet_surfaces<const D: usize>(
 /// Returns the exchange with the walls, and the particles that they moved with a bit for each axis.
 pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
     body: &mut B,
-    walls: &[Boundary<D>],
+    walls: &Boundaries<D>,
     start: &dyn Fn(&B, usize) -> [f64; D],
     (time, dt): (f64, f64),
 ) -> (Exchange, Vec<(usize, u8)>) {
@@ -618,7 +626,13 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
     let mut touches: Vec<SurfaceTouch<'_>> = Vec::new();
     let laws: Vec<Option<Coulomb<f64>>> = planes.iter().map(|plane| Coulomb::new(plane.4).ok()).collect();
     let mut points = Vec::new();
-    for (((axis, at, sign, velocity, _), law), near) in planes.iter().zip(&laws).zip(&near) {
+    // Account of each wall, and the number of its first contact.
+    let accounts = (0..walls.len()).filter(|&n| walls[n].is_wall()).map(|n| walls.account(n));
+    let mut firsts = Vec::new();
+    for ((((axis, at, sign, velocity, _), law), near), account) in
+        planes.iter().zip(&laws).zip(&near).zip(accounts)
+    {
+        firsts.push((account, touches.len()));
         let Some(law) = law else { continue };
         let mut normal = [0.0; 3];
         normal[*axis] = -sign;
@@ -667,6 +681,11 @@ pub fn press_on_walls<const D: usize, B: ParticleBody<D>>(
         .map(|(sum, mover)| std::array::from_fn(|d| if mover.inverse[d] > 0.0 { sum[d] } else { 0.0 }))
         .collect();
     let after = movers.after(&free);
+    let ends = firsts.iter().skip(1).map(|(_, first)| *first).chain([touches.len()]);
+    for ((account, first), end) in firsts.iter().zip(ends) {
+        let Some(account) = account else { continue };
+        movers.book(&touches[*first..end], &mut given.accounts[*account]);
+    }
     for touch in touches.iter().filter(|touch| touch.impulse != [0.0; 3]) {
         let (normal, wall) = (touch.contact.normal, touch.rigid[1]);
         // Impulse on the body.

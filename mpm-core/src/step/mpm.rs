@@ -25,9 +25,8 @@ use super::scene::Scene;
 use super::stepper::Stepper;
 use crate::grid::GridStorage;
 use impactite_geometry::Seeds;
-use impactite_scene::boundary::Boundary;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Archive, CheckpointError, Clock, Exchange, StepError};
+use impactite_scene::{Archive, BoundaryEntry, CheckpointError, Clock, Exchange, StepError};
 use impactite_simd::{Float, Team};
 
 /// Material point method: bodies of particles on a background grid.
@@ -156,7 +155,7 @@ works! {
     add_total_lagrangian(&mut mpm, scene: Mpm<D, T>) -> Result<(), SceneError> = add_total_lagrangian_here;
     add_client(&mut mpm, body: Box<dyn GridClient<T, D>>) -> Result<(), SceneError> = add_any_client;
     deactivate(&mut mpm, bodies: &[&str]) -> Result<(), SceneError> = deactivate_here;
-    bound(&mut mpm, boundary: Boundary<D>) -> Result<(), SceneError> = bound_here;
+    bound(&mut mpm, boundary: BoundaryEntry<D>) -> Result<(), SceneError> = bound_here;
     archive(&mut mpm, file: &mut Archive) -> Result<(), CheckpointError> = archive_here;
     stable_step(&mut mpm,) -> Result<f64, StepError> = stable_step_here;
     balance(&mpm,) -> Balance = balance_here;

@@ -4,7 +4,7 @@ use super::mpm::Mpm;
 use super::nodes::wrap::Wrap;
 use impactite_scene::boundary::{Boundary, BoundaryError, Side};
 use impactite_scene::error::SceneError;
-use impactite_scene::{LocalDamping, TimeControl};
+use impactite_scene::{BoundaryEntry, LocalDamping, TimeControl};
 use impactite_simd::{Float, Team};
 
 impl<const D: usize, T: Float> Mpm<D, T> {
@@ -31,13 +31,16 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// behind it; values that are not finite or that a condition refuses; walls in the reference configuration;
     /// periodic planes whose distance is not a multiple of blocks of four cells, beside another plane across their
     /// axis, with existing bodies or contact between bodies, or along a radius.
-    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
-        self.work.bound(self, boundary)
+    pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
+        self.work.bound(self, boundary.into())
     }
 
-    pub(super) fn bound_here(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+    pub(super) fn bound_here(&mut self, entry: BoundaryEntry<D>) -> Result<(), SceneError> {
+        // Nodes in the reference configuration keep their matter.
+        let entry = if self.facts().total { entry.in_reference() } else { entry };
+        let boundary = entry.boundary();
         boundary.check(self.grid.lattice())?;
-        self.check_periodic(&boundary)?;
+        self.check_periodic(boundary)?;
         if self.facts().total && boundary.is_wall() {
             return Err(BoundaryError::WallInReference.into());
         }
@@ -45,14 +48,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let mut behind = None;
             body.for_each(&mut |p| {
                 let x = std::array::from_fn(|d| p.position[d]);
-                behind = behind.take().or_else(|| self.behind_symmetry(&boundary, body.name(), p.number, &x));
+                behind = behind.take().or_else(|| self.behind_symmetry(boundary, body.name(), p.number, &x));
             });
             behind.map_or(Ok(()), Err)?;
         }
         for &(client, _) in &self.scene.growing {
-            self.scene.bodies[client].client_mut().map_or(Ok(()), |client| client.bound(&boundary))?;
+            self.scene.bodies[client].client_mut().map_or(Ok(()), |client| client.bound(&entry))?;
         }
-        boundary.add_to(&mut self.scene.conditions.boundaries);
+        self.scene.conditions.boundaries.add(entry);
         self.halve_rigid();
         self.arrange_planes();
         Ok(())
@@ -77,7 +80,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Check that periodic planes are compatible with the scene and with other planes.
     fn check_periodic(&self, boundary: &Boundary<D>) -> Result<(), SceneError> {
-        let mut all = self.scene.conditions.boundaries.clone();
+        let mut all = self.scene.conditions.boundaries.to_vec();
         all.push(boundary.clone());
         Wrap::of(&all, self.grid.lattice())?;
         let Boundary::Periodic { axis, .. } = *boundary else { return Ok(()) };

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use impactite_scene::boundary::check_at;
+use impactite_scene::boundaries::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
@@ -93,6 +93,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(self.clock.refused("time step", dt.to_double(), allowed));
         }
         self.check_conditions(dt.to_double()).map_err(|error| self.stopped(Stopped::Scene(error)))?;
+        self.scene.conditions.boundaries.advance(self.clock.time, dt.to_double());
         self.plan_rigid(dt)?;
         self.open_clients(dt)?;
         let (before_forces, remap) = (self.facts().before_forces, self.facts().remap);

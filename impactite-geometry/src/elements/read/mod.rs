@@ -84,7 +84,8 @@ impl<const D: usize> ElementMesh<D> {
     ///   instance. Nodes, elements and sets may be in the part, in the instance or in the assembly.
     /// - A block contains the elements of a kind and a set: the set of their `*ELEMENT` line, else the first `*ELSET` that contains them.
     /// - Every NSET becomes a node set. Every ELSET becomes an element set, which may share elements with others, and a set of its nodes
-    ///   unless an NSET has its name. Every instance becomes an element set of its name. Sets of equal name in several instances become
+    ///   unless an NSET has its name. Every `*SURFACE` of faces of elements (`set, S1`) or of node sets becomes a set of its nodes unless
+    ///   an NSET has its name. Every instance becomes an element set of its name. Sets of equal name in several instances become
     ///   `INSTANCE.SET`. Names are compared without regard to case.
     /// - `*INCLUDE`, and INPUT of `*NODE` and `*ELEMENT`, refer to files in the folder of the including file, or in that of the main file.
     /// - Coordinates are rectangular, or cylindrical with an angle in degrees (`SYSTEM=C` of `*NODE`).

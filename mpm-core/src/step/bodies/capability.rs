@@ -1,8 +1,7 @@
 //! Optional capabilities of bodies, accessed through [`GridBody`](crate::step::GridBody).
 
-use impactite_scene::Exchange;
-use impactite_scene::boundary::Boundary;
 use impactite_scene::error::{SceneError, Stopped};
+use impactite_scene::{BoundaryEntry, Exchange};
 
 use crate::step::between_steps::merging::MergeBook;
 use crate::step::between_steps::rest::TakenMotion;
@@ -67,7 +66,7 @@ pub trait ClientSteps<T: Float, const D: usize> {
     ///
     /// # Errors
     /// A condition that the body does not support.
-    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError>;
+    fn bound(&mut self, boundary: &BoundaryEntry<D>) -> Result<(), SceneError>;
     /// Convert matter to particles ([`GridClient::convert`](crate::step::GridClient::convert)), and rebuild the
     /// proxies if the points on the grid changed. Return true if anything changed.
     ///

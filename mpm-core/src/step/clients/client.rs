@@ -5,7 +5,7 @@ use super::new_particles::{Matter, NewParticles, Surroundings};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, Boundary, Exchange, Stopped};
+use impactite_scene::{Body, BoundaryEntry, Exchange, Stopped};
 use impactite_simd::{Float, Team};
 
 /// Point of a [`GridClient`] on the grid.
@@ -99,7 +99,7 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     ///
     /// # Errors
     /// A condition that the body does not support.
-    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+    fn bound(&mut self, boundary: &BoundaryEntry<D>) -> Result<(), SceneError> {
         let _ = boundary;
         Ok(())
     }

@@ -18,7 +18,7 @@ use impactite_geometry::Lattice;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, Boundary, Exchange, Parts, PointKind, PointView, Stopped, Totals};
+use impactite_scene::{Body, BoundaryEntry, Exchange, Parts, PointKind, PointView, Stopped, Totals};
 use impactite_simd::{Float, Team};
 
 /// A [`GridClient`] in a scene.
@@ -250,7 +250,7 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
     fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
         self.client.each_box(visit);
     }
-    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+    fn bound(&mut self, boundary: &BoundaryEntry<D>) -> Result<(), SceneError> {
         if self.to_come.is_some() { self.client.bound(boundary) } else { Ok(()) }
     }
     fn convert(
@@ -285,6 +285,9 @@ impl<T: Float, const D: usize> Body for ClientBody<T, D> {
     }
     fn given_by_others(&self) -> Option<Exchange> {
         self.client.given_by_others()
+    }
+    fn surface_area(&self) -> Option<f64> {
+        self.client.surface_area()
     }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.client.for_each(visit);

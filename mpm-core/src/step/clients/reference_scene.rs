@@ -199,12 +199,18 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 let free = free_directions(conditions, &place.node(n), time, lattice.spacing(), copies);
                 let whole = if place.is_copy(n, mirrors) { 0.0 } else { 1.0 };
                 let share = own.share(i, node).unwrap_or(whole);
+                let at = (time, 1e-6 * lattice.spacing(), copies);
+                let accounts = conditions.boundaries.constraining(&place.node(n), at);
                 for d in 0..D {
                     let push = node.second[d + 1];
                     let moves = mass > cutoff && free[d];
                     node.second[d + 1] = if moves { push / mass } else { T::default() };
                     if !moves {
-                        books.ledger.impulse[d] -= share * push.to_double();
+                        let impulse = -share * push.to_double();
+                        books.ledger.impulse[d] += impulse;
+                        if let Some(account) = accounts[d] {
+                            books.ledger.accounts[account].impulse[d] += impulse;
+                        }
                     }
                 }
             }

@@ -14,7 +14,7 @@ use crate::step::nodes::layout::Nodes;
 use crate::step::nodes::stages::mass_cutoff;
 use impactite_scene::control::TimeControl;
 use impactite_scene::error::{SceneError, StepError, Stopped};
-use impactite_scene::{Finding, Parts};
+use impactite_scene::{Boundary, Finding, Parts};
 use impactite_simd::Float;
 
 /// Ratio of the spacing of points to that of nodes beyond which particles may slip through.
@@ -158,16 +158,19 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if pushed().next().is_none() {
             return;
         }
-        (0..D).for_each(|d| self.ledger.impulse[d] += near.planes[d]);
+        let mut of_planes = [0.0; 3];
+        of_planes[..D].copy_from_slice(&near.planes);
+        (0..D).for_each(|d| self.ledger.impulse[d] += of_planes[d]);
+        self.scene.conditions.boundaries.book_symmetry(&of_planes, &mut self.ledger);
         self.stage(dt).note_velocities();
         for near in pushed() {
             let node = &mut self.grid.nodes_mut()[near.place as usize];
             let mut v = [0.0; 3];
             v[..D].copy_from_slice(&near.velocity);
             let free = v;
-            for b in self.scene.conditions.boundaries.iter().filter(|b| !b.is_wall()) {
-                b.constrain(&near.position, &mut v, end, tolerance, copies);
-            }
+            let (x, at) = (&near.position, (end, tolerance, copies));
+            let not_wall = |b: &Boundary<D>| !b.is_wall();
+            self.scene.conditions.boundaries.constrain(not_wall, x, &mut v, at, near.mass, &mut self.ledger);
             for d in 0..D {
                 let change = T::of(near.change[d] + v[d] - free[d]);
                 node.first[d + 1] += change;
@@ -281,7 +284,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     ) -> Result<(), SceneError> {
         let name = client.within().unwrap_or_default().to_string();
         self.check_half_sizes(&name, &matter.half_size)?;
-        self.scene.conditions.boundaries.iter().try_for_each(|boundary| client.bound(boundary))?;
+        self.scene.conditions.boundaries.entries().iter().try_for_each(|boundary| client.bound(boundary))?;
         let body = ParticleBody::to_come(&name, matter, self)?;
         self.enter(&name, Box::new(body))
     }

@@ -85,7 +85,9 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let per_dt = (phase == ContactPhase::Trial).then(|| T::of(1.0) / self.of.dt);
         let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts, per_dt);
         if phase == ContactPhase::Trial {
-            (0..3).for_each(|d| self.scene_wide.impulse[d] += takes * impulse[d]);
+            let impulse = impulse.map(|part| takes * part);
+            (0..3).for_each(|d| self.scene_wide.impulse[d] += impulse[d]);
+            self.conditions.boundaries.book_symmetry(&impulse, self.scene_wide);
         }
     }
 
@@ -169,7 +171,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             }
             let body = &bodies[fields.owner(block) as usize];
             let (rigid, one_by_one) = (body.rigid().is_some(), body.meets_surfaces().is_some());
-            let holds = |b: &&Boundary<D>| !(rigid && stops_rigid(b) || one_by_one && b.is_wall());
+            let holds = |b: &Boundary<D>| !(rigid && stops_rigid(b) || one_by_one && b.is_wall());
             for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
                 let Some(node) = nodes.get(n) else { continue };
                 let mass = node.first[0];
@@ -183,9 +185,9 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 }
                 let free = v;
                 let x = place.node(n);
-                for b in conditions.boundaries.iter().filter(holds) {
-                    b.constrain(&x, &mut v, end, tolerance, copies);
-                }
+                let share = if phase == ContactPhase::Trial { mass.to_double() } else { 0.0 };
+                let at = (end, tolerance, copies);
+                conditions.boundaries.constrain(holds, &x, &mut v, at, share, &mut books.ledger);
                 for d in 0..D {
                     change[d] += T::of(v[d] - free[d]);
                     if phase == ContactPhase::Remapped {

@@ -18,6 +18,8 @@ pub(in crate::step) struct Plane<const D: usize> {
     /// Velocity, m/s; only its normal component for a frictionless wall.
     pub(in crate::step) velocity: [f64; D],
     pub(in crate::step) friction: f64,
+    /// Account of the wall ([`impactite_scene::BoundaryEntry::with_account`]).
+    pub(in crate::step) account: Option<usize>,
 }
 
 impl<const D: usize> Plane<D> {
@@ -34,7 +36,7 @@ impl<const D: usize> Plane<D> {
             _ => return None,
         };
         let sign = if side == Side::Above { 1.0 } else { -1.0 };
-        Some(Plane { axis, sign, at: at + velocity[axis] * time, velocity, friction })
+        Some(Plane { axis, sign, at: at + velocity[axis] * time, velocity, friction, account: None })
     }
     /// Return the distance of a point in front of the wall, m.
     pub(in crate::step) fn distance(&self, x: &[f64; D]) -> f64 {

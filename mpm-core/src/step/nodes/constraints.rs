@@ -10,6 +10,7 @@ use crate::grid::Node;
 use crate::step::bodies::body::GridBody;
 use crate::step::rigid::nodes::{self, rigid_of};
 use impactite_geometry::Lattice;
+use impactite_scene::Boundaries;
 use impactite_scene::boundary::{BodyForce, Boundary};
 use impactite_scene::{Condition, Exchange, LocalDamping, Place};
 use impactite_simd::Float;
@@ -27,7 +28,7 @@ pub struct BlockBooks {
 #[derive(Clone, Default)]
 pub struct Conditions<const D: usize> {
     /// Boundaries, applied in this order.
-    pub boundaries: Vec<Boundary<D>>,
+    pub boundaries: Boundaries<D>,
     /// Acceleration of all material, m/s^2.
     pub gravity: Option<BodyForce<D>>,
     /// Local damping.
@@ -44,6 +45,7 @@ fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
     sum.work += share * o.work;
     sum.friction += share * o.friction;
     sum.damping += share * o.damping;
+    sum.add_accounts(share, o);
 }
 
 /// Set the nodes of a rigid body's block to the rigid velocity. Returns true if they are final.
@@ -62,7 +64,7 @@ pub(super) fn carry<T: Float, const D: usize>(
 
 /// Boundary conditions of node blocks.
 pub(super) struct Constraints<'a, T: Float, const D: usize> {
-    pub(super) boundaries: &'a [Boundary<D>],
+    pub(super) boundaries: &'a Boundaries<D>,
     /// Planes next to which nodes include their images; their exchange is recorded by the share of their own mass.
     pub(super) planes: &'a Planes<T>,
     pub(super) layout: &'a Layout,
@@ -172,8 +174,11 @@ impl<T: Float, const D: usize> AtNode<'_, T, D> {
         let (low, high) = (&self.place.low, &self.place.high);
         let (time, reach) = (self.of.time, 2.0 * self.of.lattice.spacing());
         let all = self.of.boundaries.iter().enumerate();
-        let elsewhere = |b: &Boundary<D>| (self.apart && b.is_wall()) || (self.rigid && stops_rigid(b));
-        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !elsewhere(b))
+        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !self.is_elsewhere(b))
+    }
+    /// True for a boundary that acts on particles or bodies, and not on this node.
+    fn is_elsewhere(&self, b: &Boundary<D>) -> bool {
+        (self.apart && b.is_wall()) || (self.rigid && stops_rigid(b))
     }
     /// Return the position of the node, or of its original if it is an image, and the signs of its vectors there.
     fn place(&self) -> ([f64; D], [f64; D]) {
@@ -198,6 +203,21 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
         for (_, b) in self.near() {
             b.constrain(&self.x, v, time, tolerance, self.of.copies);
         }
+        *v != before
+    }
+
+    #[inline]
+    fn constrain_booked(&self, v: &mut [f64; 3], time: f64, mass: f64, ledger: &mut Exchange) -> bool {
+        let before = *v;
+        let tolerance = 1e-6 * self.of.lattice.spacing();
+        if !self.of.boundaries.has_accounts() {
+            return self.constrain(v, time);
+        }
+        let (low, high) = (&self.place.low, &self.place.high);
+        let reach = 2.0 * self.of.lattice.spacing();
+        let acts = |b: &Boundary<D>| b.reaches(low, high, self.of.time, reach) && !self.is_elsewhere(b);
+        let at = (time, tolerance, self.of.copies);
+        self.of.boundaries.constrain(acts, &self.x, v, at, mass, ledger);
         *v != before
     }
 
@@ -231,8 +251,13 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
             ledger.friction += if trial.only_held { 0.0 } else { reaction.heat };
             for d in (0..D).filter(|d| !trial.only_held || reaction.held[*d]) {
                 let impulse = sign[d] * reaction.impulse[d];
+                let work = takes * reaction.impulse[d] * reaction.velocity[d];
                 ledger.impulse[d] += takes * impulse;
-                ledger.work += takes * reaction.impulse[d] * reaction.velocity[d];
+                ledger.work += work;
+                if let Some(account) = self.of.boundaries.account(n) {
+                    ledger.accounts[account].impulse[d] += takes * impulse;
+                    ledger.accounts[account].work += work;
+                }
                 held[d] |= reaction.held[d];
                 // Bitwise exact, so that a constrained position stays.
                 v[d] = if reaction.held[d] {

@@ -68,7 +68,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let mut walls = std::mem::take(&mut self.grid.walls);
         let mut at = walls.iter_mut();
         for n in 0..self.scene.conditions.boundaries.len() {
+            let account = self.scene.conditions.boundaries.account(n);
             let wall = Plane::of(&self.scene.conditions.boundaries[n], self.clock.time);
+            let wall = wall.map(|wall| Plane { account, ..wall });
             if let Some((wall, at)) = wall.and_then(|wall| Some((wall, at.next()?))) {
                 meet(self, at, &wall);
             }
@@ -226,8 +228,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.ledger.friction += heat;
             for impulse in &impulses {
                 for d in 0..D {
-                    self.ledger.impulse[d] += impulse[d];
-                    self.ledger.work += impulse[d] * wall.velocity[d];
+                    self.book_wall(wall, d, impulse[d]);
                 }
             }
         }
@@ -242,9 +243,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn book_walls(&mut self, at: &AtWall<D>, wall: &Plane<D>, takes: f64) {
         let axis = wall.axis;
         for surface in &at.surfaces {
-            let impulse = wall.sign * surface.given(takes);
-            self.ledger.impulse[axis] += impulse;
-            self.ledger.work += impulse * wall.velocity[axis];
+            self.book_wall(wall, axis, wall.sign * surface.given(takes));
+        }
+    }
+
+    /// Record an impulse, N s, of a wall along an axis.
+    fn book_wall(&mut self, wall: &Plane<D>, axis: usize, impulse: f64) {
+        let work = impulse * wall.velocity[axis];
+        self.ledger.impulse[axis] += impulse;
+        self.ledger.work += work;
+        if let Some(account) = wall.account {
+            self.ledger.accounts[account].impulse[axis] += impulse;
+            self.ledger.accounts[account].work += work;
         }
     }
 

@@ -20,6 +20,9 @@ pub(in crate::step) struct Trial {
 pub(in crate::step) trait Around {
     /// Apply prescribed velocities at a time. Returns true if any applies.
     fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool;
+    /// Apply prescribed velocities as [`Around::constrain`], and book them to the accounts of conditions; `mass`, kg, is that of the
+    /// node, times the share that particles receive.
+    fn constrain_booked(&self, v: &mut [f64; 3], time: f64, mass: f64, ledger: &mut Exchange) -> bool;
     /// Apply reacting conditions to a velocity, and record them in the ledger. Returns true if any reacts.
     fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool;
     /// Directions in which reacting conditions constrain the node in this step.
@@ -33,6 +36,9 @@ pub(in crate::step) struct Nothing;
 
 impl Around for Nothing {
     fn constrain(&self, _: &mut [f64; 3], _: f64) -> bool {
+        false
+    }
+    fn constrain_booked(&self, _: &mut [f64; 3], _: f64, _: f64, _: &mut Exchange) -> bool {
         false
     }
     fn react(&mut self, _: &Trial, _: &mut [f64; 3], _: f64, _: &mut Exchange) -> bool {
@@ -119,7 +125,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
             (0..D).for_each(|d| node.first[d + 1] = T::of(v[d]));
         }
         let free = v;
-        if around.constrain(&mut v, self.time) {
+        if around.constrain_booked(&mut v, self.time, (self.takes * mass).to_double(), ledger) {
             for d in 0..D {
                 let impulse = (self.takes * mass).to_double() * (v[d] - free[d]);
                 ledger.impulse[d] += impulse;
@@ -186,7 +192,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
                 node.second[d + 1] = (new[d] - old[d]) * per_dt;
             }
         }
-        if around.constrain(&mut v, self.end) {
+        if around.constrain_booked(&mut v, self.end, mass.to_double(), ledger) {
             let per_dt = T::of(1.0) / dt;
             for d in 0..D {
                 let impulse = mass.to_double() * (v[d] - new[d].to_double());

@@ -143,6 +143,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             let spacing = self.grid.lattice().spacing();
             self.planes.fold(self.grid.nodes_mut(), sums, &moves, (self.cutoff, spacing), weight)
         };
+        self.conditions.boundaries.book_symmetry(&impulse, self.scene_wide);
         for d in 0..3 {
             self.scene_wide.impulse[d] += impulse[d];
             // Work of the weight on the mapped momentum, if nodes store only the sum of momentum and impulse (see
@@ -225,6 +226,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let time = self.of.time + self.of.dt.to_double();
         let lattice = *self.grid.lattice();
         let copies = if self.of.wide { 1.5 * lattice.spacing() } else { 0.0 };
+        let accounts_of =
+            |x: &[f64; D]| conditions.boundaries.constraining(x, (time, 1e-6 * lattice.spacing(), copies));
         let blocks = self.fields.coordinates();
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let planes = &*self.planes;
@@ -247,12 +250,17 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 let free = free_directions(conditions, &x, time, lattice.spacing(), copies);
                 let whole = if place.is_copy(n, mirrors) { 0.0 } else { 1.0 };
                 let share = own.share(i, node).unwrap_or(whole);
+                let accounts = accounts_of(&x);
                 for d in 0..D {
                     let next = term[d] - node.second[d + 1] / mass;
                     let free = free[d] && !books.held.has(d, n);
                     term[d] = if free { next } else { T::default() };
                     if !free {
-                        books.ledger.impulse[d] -= share * (mass * next).to_double();
+                        let impulse = -share * (mass * next).to_double();
+                        books.ledger.impulse[d] += impulse;
+                        if let Some(account) = accounts[d] {
+                            books.ledger.accounts[account].impulse[d] += impulse;
+                        }
                     }
                 }
             }

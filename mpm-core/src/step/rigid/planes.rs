@@ -19,7 +19,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::motion::RigidState;
 use super::surface::Surface;
 use crate::step::nodes::stages::GridStages;
-use impactite_scene::Exchange;
+use impactite_scene::{Boundaries, Exchange};
 use impactite_simd::Float;
 
 /// Friction coefficient of planes without slip.
@@ -41,6 +41,8 @@ pub(in crate::step) struct Barrier {
     /// Velocity, m/s.
     pub(in crate::step) velocity: [f64; 3],
     pub(in crate::step) friction: f64,
+    /// Account of the boundary.
+    pub(in crate::step) account: Option<usize>,
 }
 
 impl Barrier {
@@ -60,7 +62,15 @@ impl Barrier {
             Boundary::Symmetry { axis, at, side } => (axis, at, side, 0.0),
             _ => return None,
         };
-        Some(Barrier { axis, sign: side.sign(), at: at + of[axis] * time, velocity: of, friction })
+        let at = at + of[axis] * time;
+        Some(Barrier { axis, sign: side.sign(), at, velocity: of, friction, account: None })
+    }
+    /// Return the barriers among boundaries at `time`, s.
+    fn all<const D: usize>(boundaries: &Boundaries<D>, time: f64) -> impl Iterator<Item = Self> {
+        let numbered = boundaries.iter().enumerate();
+        numbered.filter_map(move |(n, b)| {
+            Some(Barrier { account: boundaries.account(n), ..Barrier::of(b, time)? })
+        })
     }
     fn normal(&self) -> Vector3<f64> {
         let mut n = Vector3::zeros();
@@ -84,6 +94,7 @@ pub struct PlaneTouch<'a, const D: usize> {
     pub(crate) normal: [f64; 3],
     /// Velocity of the plane, m/s.
     wall: [f64; 3],
+    account: Option<usize>,
     /// Gap, m.
     gap: f64,
     dt: f64,
@@ -120,8 +131,8 @@ impl<const D: usize> PlaneTouch<'_, D> {
     }
     /// Return the data that is needed until the body moves.
     fn push(&self) -> PlanePush<D> {
-        let PlaneTouch { body, point, normal, wall, impulse, .. } = *self;
-        PlanePush { body, point, normal, wall, impulse }
+        let PlaneTouch { body, point, normal, wall, impulse, account, .. } = *self;
+        PlanePush { body, point, normal, wall, impulse, account }
     }
 }
 
@@ -133,6 +144,7 @@ pub(in crate::step) struct PlanePush<const D: usize> {
     normal: [f64; 3],
     wall: [f64; 3],
     pub(in crate::step) impulse: [f64; 3],
+    account: Option<usize>,
 }
 
 /// Select the contacts with an impulse.
@@ -155,6 +167,10 @@ impl<const D: usize> PlanePush<D> {
             let (across, slip) = (along * self.normal[d], 0.5 * (before[d] + after[d]) - self.wall[d]);
             ledger.impulse[d] += self.impulse[d];
             ledger.work += self.impulse[d] * self.wall[d];
+            if let Some(account) = self.account {
+                ledger.accounts[account].impulse[d] += self.impulse[d];
+                ledger.accounts[account].work += self.impulse[d] * self.wall[d];
+            }
             ledger.friction -= (self.impulse[d] - across) * slip;
             ledger.impacts -= across * slip;
         }
@@ -170,7 +186,7 @@ impl<const D: usize> RigidState<D> {
     /// a body. A body whose velocity or spin is not mirror-symmetric is distinct from its image and is not constrained.
     pub(in crate::step) fn halve(&mut self, axis: usize, at: f64, sign: f64) {
         let Some(surface) = &self.surface else { return };
-        let plane = Barrier { axis, sign, at, velocity: [0.0; 3], friction: 0.0 };
+        let plane = Barrier { axis, sign, at, velocity: [0.0; 3], friction: 0.0, account: None };
         let half = surface.half[axis];
         let nearest = surface.points.iter().map(|x| plane.distance(&(self.centre + self.rotation * x), 0.0));
         let cut = nearest.fold(f64::INFINITY, f64::min) <= (1.0 + CUT) * half;
@@ -290,8 +306,8 @@ impl<const D: usize> RigidState<D> {
     }
 
     /// Shift the body's step out of all planes among the boundaries; `time` is at the start of the step, s.
-    pub(in crate::step) fn keep_out_of(&mut self, boundaries: &[Boundary<D>], time: f64, dt: f64) {
-        for plane in boundaries.iter().filter_map(|b| Barrier::of(b, time)) {
+    pub(in crate::step) fn keep_out_of(&mut self, boundaries: &Boundaries<D>, time: f64, dt: f64) {
+        for plane in Barrier::all(boundaries, time) {
             if self.is_near(&plane, dt) {
                 self.keep_out(&plane, dt);
             }
@@ -326,7 +342,7 @@ impl<'a, T: Float, const D: usize> GridStages<'a, T, D> {
     pub(in crate::step) fn plane_touches(&self, rigid: &[usize]) -> Vec<PlaneTouch<'a, D>> {
         let (dt, time) = (self.of.dt.to_double(), self.of.time);
         let mut touches: Vec<PlaneTouch<'a, D>> = Vec::new();
-        let barriers = || self.conditions.boundaries.iter().filter_map(|b| Barrier::of(b, time));
+        let barriers = || Barrier::all(&self.conditions.boundaries, time);
         let bodies: &'a [_] = self.bodies;
         for &body in rigid {
             let Some(state) = bodies[body].rigid().filter(|s| !s.is_prescribed()) else { continue };
@@ -356,6 +372,7 @@ impl<'a, T: Float, const D: usize> GridStages<'a, T, D> {
                             point,
                             normal,
                             wall,
+                            account: plane.account,
                             gap,
                             dt,
                             friction: plane.friction,

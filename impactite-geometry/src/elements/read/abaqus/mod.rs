@@ -1,7 +1,9 @@
-//! Reader of Abaqus input files. After the Abaqus Keywords Reference Guide: *NODE, *ELEMENT, *NSET, *ELSET, *PART, *INSTANCE, *INCLUDE.
+//! Reader of Abaqus input files. After the Abaqus Keywords Reference Guide: *NODE, *ELEMENT, *NSET, *ELSET, *SURFACE, *PART, *INSTANCE,
+//! *INCLUDE.
 
 mod kinds;
 mod parts;
+mod surfaces;
 mod text;
 
 use std::collections::{BTreeMap, HashMap};
@@ -61,6 +63,9 @@ impl Model {
             self.set(keyword, "NSET", Of::Nodes, data)
         } else if keyword.is("ELSET") {
             self.set(keyword, "ELSET", Of::Elements, data)
+        } else if keyword.is("SURFACE") {
+            self.surface(keyword, data);
+            Ok(())
         } else if keyword.is("PART") {
             self.begin_part(keyword)
         } else if keyword.is("ENDPART") {
@@ -292,6 +297,40 @@ impl Model {
         set.sort_unstable();
         set.dedup();
         Ok(())
+    }
+
+    /// Add the nodes of a surface, of faces of elements (`set, S1`) or of node sets (TYPE=NODE), as a node set of its name. A surface that
+    /// is described otherwise, or that has the name of a node set, is skipped.
+    fn surface(&mut self, keyword: &Keyword, data: &Data) {
+        let Some(name) = keyword.get("NAME").map(unquoted) else { return };
+        let of_nodes = keyword.get("TYPE").is_some_and(|kind| kind.eq_ignore_ascii_case("NODE"));
+        let of = if of_nodes { Of::Nodes } else { Of::Elements };
+        let mut nodes = Vec::new();
+        for line in data.lines() {
+            let mut values = fields(line);
+            let (Some(set), face) = (values.next(), values.next()) else { continue };
+            let mut members = Vec::new();
+            if self.member(0, of, "SURFACE", set, &mut members).is_err() {
+                return;
+            }
+            if of_nodes {
+                nodes.extend(members);
+                continue;
+            }
+            for (owner, number) in members {
+                let element = &self.owner(owner).elements[number as usize];
+                let corners = face.and_then(|face| surfaces::face(element.form, face.1));
+                let Some(corners) = corners else { return };
+                nodes.extend(corners.iter().map(|&c| (owner, element.corners[c])));
+            }
+        }
+        nodes.sort_unstable();
+        nodes.dedup();
+        let sets = self.part().sets_mut(Of::Nodes);
+        if sets.find(name).is_none() {
+            let place = sets.of(name);
+            sets.members[place] = nodes;
+        }
     }
 
     /// Parse the first and last number and the increment. As in Abaqus, numbers in between may be missing; the first and last must exist.

@@ -2,7 +2,7 @@
 //! functions of time and place by samples.
 
 use impactite_scene::constants::{Constant, over, region};
-use impactite_scene::{Archive, CheckpointError, Condition};
+use impactite_scene::{Archive, CheckpointError};
 
 use crate::step::bodies::load::Loads;
 use crate::step::bodies::particle_body::ParticleBody;
@@ -51,16 +51,13 @@ impl<const D: usize> RigidState<D> {
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Check that laws, loads, boundaries and contact of the file are those of this scene. Called after the clock was read.
-    pub(super) fn compare_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
+    pub(super) fn compare_constants(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let times = [0.0, self.clock.time];
         file.same("contact", &format!("{:?}", self.scene.contact))?;
         let gravity = self.scene.conditions.gravity.as_ref().map(|g| over(times, |t| g(t)));
         file.same("body force at the start and now", &gravity.unwrap_or_default())?;
         file.same("local damping", &format!("{:?}", self.scene.conditions.damping.coefficient()))?;
-        file.same("number of boundaries", &self.scene.conditions.boundaries.len().to_string())?;
-        for (n, boundary) in self.scene.conditions.boundaries.iter().enumerate() {
-            file.same(&format!("boundary {n}"), &boundary.constants(times))?;
-        }
+        self.scene.conditions.boundaries.archive(file, times, &str::to_string)?;
         for body in &self.scene.bodies {
             for (what, is) in body.constants(times) {
                 file.same(&format!("{what} of body `{}`", body.name()), &is)?;
