@@ -1,0 +1,20 @@
+//! Incompressible free-surface flow: particles on a staggered (MAC) grid, in the plane and in space.
+
+mod blocks;
+mod cuts;
+mod extrapolate;
+mod gather;
+mod grid;
+mod options;
+mod particles;
+mod pressure;
+mod solver;
+mod step;
+mod surface;
+mod transfer;
+mod view;
+mod wall;
+
+pub use options::{FlowOptions, Fluid};
+pub use solver::{Flow, FluidError};
+pub use wall::{Wall, WallMotion};

@@ -1,0 +1,378 @@
+//! Step of the scene: a list of stages.
+
+use impactite_scene::{Cause, PointKind, StepError, Stopped};
+use impactite_solve::Stop;
+
+use crate::blocks::Blocks;
+use crate::cuts::cut;
+use crate::extrapolate::{constrain, extrapolate, mark};
+use crate::gather::{Gather, Sums};
+use crate::pressure::{Cells, PressureError, outflow, subtract_gradient};
+use crate::solver::{Flow, add_to};
+use crate::surface::{self, AIR, LIQUID};
+use crate::transfer::{face_centre, to_faces};
+use crate::view::wide;
+use crate::wall::Walls;
+
+/// Tolerance of the density correction, relative.
+const CORRECTION_TOLERANCE: f64 = 1e-2;
+/// Largest density error that a step corrects, before the relaxation.
+const LARGEST_ERROR: f64 = 0.5;
+/// Density errors below which no correction is made.
+const NO_ERROR: f64 = 1e-9;
+
+impl<const D: usize> Flow<D> {
+    /// Make a step of `dt` seconds. Velocities are those of the middle between positions (leap-frog): forces act over the mean of the last
+    /// step and this one.
+    pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
+        let (time, kick) = (self.clock.time, self.lag + 0.5 * dt);
+        let list = std::mem::take(&mut self.walls);
+        let stepped = self.stages(dt, kick, &Walls::at(&list, time, dt));
+        self.walls = list;
+        let sums = stepped?;
+        self.book(&sums, kick);
+        self.lag = 0.5 * dt;
+        self.clock.advance(dt);
+        let force = self.force(self.clock.time);
+        for liquid in &mut self.liquids {
+            (liquid.lag, liquid.force) = (self.lag, force);
+        }
+        Ok(())
+    }
+
+    fn stages(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<Vec<Sums<D>>, StepError> {
+        self.sort(walls)?;
+        self.scatter();
+        self.find_surface();
+        self.apply_body_force(kick);
+        self.find_wall_velocities(walls);
+        self.assemble()?;
+        self.project(kick)?;
+        let corrected = self.correct_density()?;
+        self.extend_velocities(walls);
+        let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
+        self.book_walls(kick * scale);
+        self.grid.pressure.iter_mut().for_each(|p| *p *= scale);
+        self.gather(dt, walls, corrected)
+    }
+
+    /// Sort the particles into blocks, and cut the cells by the walls.
+    fn sort(&mut self, walls: &Walls<'_, D>) -> Result<(), StepError> {
+        let mut occupied = Vec::new();
+        for (body, liquid) in self.liquids.iter().enumerate() {
+            let found = liquid.occupied(&self.frame, &mut occupied);
+            found.map_err(|n| self.failed(body, n, Cause::TooFast))?;
+        }
+        let blocks = Blocks::around(occupied, self.frame.period);
+        self.liquids.iter_mut().for_each(|l| l.sort(&blocks, &self.frame));
+        let grid = &mut self.grid;
+        let cuts = cut(&blocks, (&grid.blocks, &grid.cuts), &self.options.lattice, walls);
+        (grid.blocks, grid.cuts) = (blocks, cuts);
+        surface::open_fractions(&grid.blocks, &grid.cuts, &mut grid.open, &mut grid.open_cell);
+        Ok(())
+    }
+
+    fn scatter(&mut self) {
+        let grid = &mut self.grid;
+        let fields = (&mut grid.volume, &mut grid.velocity);
+        let scratch = &mut grid.scratch.transfer;
+        to_faces(&self.team, &grid.blocks, &self.frame, &self.liquids, scratch, fields);
+    }
+
+    fn find_surface(&mut self) {
+        let grid = &mut self.grid;
+        let walls = (&grid.cuts, &grid.open, &grid.open_cell[..]);
+        surface::find(&self.team, &grid.blocks, walls, &grid.volume, &grid.profile, &mut grid.surface);
+        for d in 0..D {
+            let at = (&grid.surface.kind[..], &grid.open[d][..], &grid.volume[d][..]);
+            mark(&self.team, &grid.blocks, at, d, &mut grid.marks[d]);
+        }
+    }
+
+    fn apply_body_force(&mut self, kick: f64) {
+        let force = self.force(self.clock.time);
+        for d in 0..D {
+            let by = kick * force[d];
+            if by != 0.0 {
+                self.grid.velocity[d].iter_mut().for_each(|u| *u += by);
+            }
+        }
+    }
+
+    /// Find the velocities of walls at faces, if any wall moves.
+    fn find_wall_velocities(&mut self, walls: &Walls<'_, D>) {
+        let (grid, cells) = (&mut self.grid, Blocks::<D>::CELLS);
+        for list in &mut grid.wall {
+            list.clear();
+        }
+        if !walls.moving() {
+            return;
+        }
+        for (d, list) in grid.wall.iter_mut().enumerate() {
+            list.resize(grid.blocks.cells(), 0.0);
+            for (b, cut) in grid.cuts.iter().enumerate() {
+                let Some(cut) = cut else { continue };
+                for i in 0..cells {
+                    list[b * cells + i] = walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d];
+                }
+            }
+        }
+    }
+
+    fn cells(&self) -> Cells<'_, D> {
+        let grid = &self.grid;
+        let (kind, level) = (&grid.surface.kind[..], &grid.surface.level[..]);
+        Cells { blocks: &grid.blocks, kind, level, open: &grid.open, surface: None }
+    }
+
+    fn unsolved(&self, what: &'static str, why: &PressureError) -> StepError {
+        self.clock.stopped(Stopped::Solve { what, why: why.to_string() })
+    }
+
+    fn assemble(&mut self) -> Result<(), StepError> {
+        let mut system = std::mem::take(&mut self.grid.system);
+        let periodic = self.frame.period.iter().any(|p| *p > 0);
+        let assembled = system.assemble(&self.team, &self.cells(), periodic);
+        self.grid.system = system;
+        assembled.map_err(|error| self.unsolved("the pressure equation", &error))
+    }
+
+    /// Solve for the pressure, and make the velocity free of divergence.
+    fn project(&mut self, _kick: f64) -> Result<(), StepError> {
+        let mut right = std::mem::take(&mut self.grid.right);
+        let mut system = std::mem::take(&mut self.grid.system);
+        let mut q = std::mem::take(&mut self.grid.pressure);
+        let mut velocity = std::mem::replace(&mut self.grid.velocity, crate::grid::faces());
+        q.clear();
+        q.resize(self.grid.blocks.cells(), 0.0);
+        let at = self.cells();
+        let wall = (!self.grid.wall[0].is_empty()).then_some(&self.grid.wall);
+        outflow(&self.team, &at, &velocity, wall, &mut right);
+        // The rounding of velocities at the faces of all cells.
+        let speed = self.speed + 1e-3 * self.frame.h;
+        let absolute = 1e-14 * speed * (system.unknowns as f64).sqrt();
+        let stop = Stop { relative: self.options.tolerance, absolute, ..Stop::default() };
+        let solved = system.solve(&self.team, &at, &right, &mut q, &stop);
+        if solved.is_ok() {
+            subtract_gradient(&self.team, &at, &q, &mut velocity);
+        }
+        let grid = &mut self.grid;
+        (grid.right, grid.system, grid.pressure, grid.velocity) = (right, system, q, velocity);
+        match solved {
+            Ok(iterations) => {
+                self.grid.system.iterations[0] = iterations;
+                Ok(())
+            }
+            Err(error) => Err(self.unsolved("the pressure equation", &error)),
+        }
+    }
+
+    /// Find the displacement that restores the density, and return whether there is any: div dx = (rho - rho0) / rho0, dx = -grad q.
+    fn correct_density(&mut self) -> Result<bool, StepError> {
+        if self.options.correction == 0.0 || self.grid.system.unknowns == 0 {
+            return Ok(false);
+        }
+        let mut right = std::mem::take(&mut self.grid.right);
+        let largest = self.density_errors(&mut right);
+        if largest < NO_ERROR {
+            self.grid.right = right;
+            self.grid.system.iterations[1] = 0;
+            return Ok(false);
+        }
+        let mut system = std::mem::take(&mut self.grid.system);
+        let mut q = std::mem::take(&mut self.grid.potential);
+        let mut shift = std::mem::replace(&mut self.grid.shift, crate::grid::faces());
+        q.clear();
+        q.resize(self.grid.blocks.cells(), 0.0);
+        let at = self.cells();
+        // A closed region keeps its volume: the mean of its errors is no error.
+        let stop =
+            Stop { relative: CORRECTION_TOLERANCE, absolute: NO_ERROR, incompatible: 1.0, ..Stop::default() };
+        let solved = system.solve(&self.team, &at, &right, &mut q, &stop);
+        for list in &mut shift {
+            list.clear();
+            list.resize(at.blocks.cells(), 0.0);
+        }
+        if solved.is_ok() {
+            subtract_gradient(&self.team, &at, &q, &mut shift);
+        }
+        let grid = &mut self.grid;
+        (grid.right, grid.system, grid.potential, grid.shift) = (right, system, q, shift);
+        match solved {
+            Ok(iterations) => {
+                self.grid.system.iterations[1] = iterations;
+                Ok(true)
+            }
+            Err(error) => Err(self.unsolved("the density correction", &error)),
+        }
+    }
+
+    /// Relaxed density error of each liquid cell. Cells with air beside them may be thin, but not dense. Return the largest magnitude.
+    fn density_errors(&self, right: &mut Vec<f64>) -> f64 {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        let surface = &grid.surface;
+        right.resize(grid.blocks.cells(), 0.0);
+        let mut largest = vec![0.0f64; grid.blocks.len()];
+        self.team.each_piece(right, cells, &mut largest, |b, right, largest| {
+            right.fill(0.0);
+            if !surface.kind[b * cells..(b + 1) * cells].contains(&LIQUID) {
+                return;
+            }
+            let mut kind = [0; crate::blocks::TILE_CELLS];
+            grid.blocks.load(b, &surface.kind, AIR, &mut kind);
+            for (i, right) in right.iter_mut().enumerate() {
+                let slot = b * cells + i;
+                if surface.kind[slot] != LIQUID {
+                    continue;
+                }
+                let mut error = surface.fraction[slot] - 1.0;
+                if error < 0.0 && beside_air::<D>(&kind, i) {
+                    error = 0.0;
+                }
+                error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
+                *right = self.options.correction * error * grid.open_cell[slot];
+                *largest = largest.max(error.abs());
+            }
+        });
+        largest.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Extrapolate the velocities beyond the liquid, and apply the walls.
+    fn extend_velocities(&mut self, walls: &Walls<'_, D>) {
+        let (grid, team) = (&mut self.grid, &self.team);
+        let moves: Vec<_> =
+            walls.list.iter().zip(&walls.velocities).map(|(w, v)| (*v, w.is_no_slip())).collect();
+        let rests: Vec<_> = walls.list.iter().map(|_| ([0.0; D], false)).collect();
+        let open = (&grid.cuts, &grid.open);
+        for (field, walls) in [(&mut grid.velocity, &moves), (&mut grid.shift, &rests)] {
+            if field[0].len() != grid.blocks.cells() {
+                continue;
+            }
+            for d in 0..D {
+                grid.scratch.marks[d].clone_from(&grid.marks[d]);
+                let marks = &mut grid.scratch.marks[d];
+                extrapolate(team, &grid.blocks, &mut field[d], marks, &mut grid.scratch.extrapolate);
+            }
+            let kind = &grid.surface.kind;
+            constrain(team, &grid.blocks, open, kind, walls, field, &mut grid.scratch.faces);
+        }
+    }
+
+    fn gather(
+        &mut self,
+        dt: f64,
+        walls: &Walls<'_, D>,
+        corrected: bool,
+    ) -> Result<Vec<Sums<D>>, StepError> {
+        let ends = walls.moving().then(|| Walls::at(walls.list, self.clock.time + dt, 0.0));
+        let mut liquids = std::mem::take(&mut self.liquids);
+        let grid = &self.grid;
+        let gather = Gather {
+            blocks: &grid.blocks,
+            frame: &self.frame,
+            cuts: &grid.cuts,
+            velocity: &grid.velocity,
+            shift: corrected.then_some(&grid.shift),
+            pressure: &grid.pressure,
+            walls: ends.as_ref(),
+            dt,
+        };
+        let sums: Vec<_> = liquids.iter_mut().map(|l| gather.run(&self.team, l)).collect();
+        self.liquids = liquids;
+        for (body, sum) in sums.iter().enumerate() {
+            if let Some(n) = sum.failed {
+                let finite = self.liquids[body].particles[n].v.iter().all(|v| v.is_finite());
+                return Err(self.failed(body, n, if finite { Cause::TooFast } else { Cause::Velocity }));
+            }
+        }
+        Ok(sums)
+    }
+
+    fn failed(&self, body: usize, n: usize, cause: Cause) -> StepError {
+        let liquid = &self.liquids[body];
+        let p = &liquid.particles[n];
+        self.clock.stopped(Stopped::Point {
+            kind: PointKind::Particle,
+            body: liquid.name.clone(),
+            number: p.number as usize,
+            position: wide(&p.x),
+            law: "incompressible liquid",
+            cause,
+        })
+    }
+
+    /// Book the impulse and the work of the walls: q times `scale` is an impulse per area, N s/m^2.
+    fn book_walls(&mut self, scale: f64) {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        let area = self.frame.h.powi(D as i32 - 1);
+        for (b, cut) in grid.cuts.iter().enumerate() {
+            if cut.is_none() {
+                continue;
+            }
+            for i in (0..cells).filter(|i| grid.surface.kind[b * cells + i] == LIQUID) {
+                let impulse = (grid.pressure[b * cells + i] * scale) * area;
+                for d in 0..D {
+                    let low = b * cells + i;
+                    let Some(up) = grid.blocks.beside(b, i, d, true) else { continue };
+                    let open = &grid.open[d];
+                    self.exchange.impulse[d] += impulse * (open[up] - open[low]);
+                    if let (Some(a), Some(b)) = (grid.wall[d].get(low), grid.wall[d].get(up)) {
+                        self.exchange.work += impulse * ((1.0 - open[low]) * a - (1.0 - open[up]) * b);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Book the body force, and the momentum that the transfer lost.
+    fn book(&mut self, sums: &[Sums<D>], kick: f64) {
+        let force = self.force(self.clock.time);
+        self.speed = sums.iter().fold(0.0, |speed, s| speed.max(s.speed));
+        let walls = self.exchange.impulse;
+        let mut change = [0.0; 3];
+        for (liquid, sum) in self.liquids.iter_mut().zip(sums) {
+            let volume: f64 = liquid.particles.iter().map(|p| p.volume).sum();
+            let mass = liquid.density * volume;
+            let mut load = [0.0; D];
+            for d in 0..D {
+                let gained = liquid.density * (sum.after[d] - sum.before[d]);
+                liquid.momentum_rate[d] = gained / kick;
+                change[d] += gained;
+                load[d] = mass * force[d] * kick;
+                self.exchange.work += liquid.density * sum.moved[d] * force[d];
+            }
+            add_to(&mut self.exchange.load, &load);
+            (0..D).for_each(|d| change[d] -= load[d]);
+        }
+        for d in 0..D {
+            self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);
+        }
+        self.booked_walls = walls;
+    }
+
+    /// Iterations of the last step: of the pressure equation and of the density correction.
+    pub fn iterations(&self) -> [usize; 2] {
+        self.grid.system.iterations
+    }
+
+    /// Largest net outflow of a liquid cell in the last step over the area of a face, m/s.
+    pub fn largest_divergence(&self) -> f64 {
+        let mut right = Vec::new();
+        let wall = (!self.grid.wall[0].is_empty()).then_some(&self.grid.wall);
+        outflow(&self.team, &self.cells(), &self.grid.velocity, wall, &mut right);
+        right.iter().fold(0.0, |most, r| most.max(r.abs()))
+    }
+}
+
+/// True if one of the 3^D cells around cell `i` is without liquid.
+fn beside_air<const D: usize>(kind: &[u8; crate::blocks::TILE_CELLS], i: usize) -> bool {
+    use crate::blocks::{in_tile, local, offset, stride};
+    let at = in_tile(&local::<D>(i)) as isize;
+    (0..Blocks::<D>::AROUND).any(|n| {
+        let by = offset::<D>(n);
+        let place = (0..D).fold(at, |place, d| place + by[d] as isize * stride(d) as isize);
+        kind[place as usize] == AIR
+    })
+}
+
+
