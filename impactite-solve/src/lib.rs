@@ -1,0 +1,19 @@
+//! Linear solves on blocks of cells.
+
+mod cells;
+mod conjugate_gradients;
+mod error;
+mod krylov;
+mod multigrid;
+mod operator;
+mod regions;
+mod stencil;
+mod vectors;
+
+pub use cells::{CellBlocks, SIDE};
+pub use conjugate_gradients::conjugate_gradients;
+pub use error::{SolveError, StencilError};
+pub use krylov::{Solved, Stop};
+pub use multigrid::Multigrid;
+pub use operator::{Identity, Jacobi, Operator, Preconditioner};
+pub use stencil::Stencil;
