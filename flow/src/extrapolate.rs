@@ -144,7 +144,7 @@ pub(crate) fn constrain<const D: usize>(
                 if no_slip {
                     // Within the tile: at most one cell beyond the block.
                     let depth = (-gap).clamp(0.0, 0.5);
-                    let mirror = std::array::from_fn(|e| at[e] + 2.0 * depth * normal[e]);
+                    let mirror: [f64; D] = std::array::from_fn(|e| at[e] + 2.0 * depth * normal[e]);
                     let fluid = sample(&tiles[d], &mirror, d).0;
                     new[i] = if depth > 0.0 { 2.0 * moves[d] - fluid } else { moves[d] };
                     continue;

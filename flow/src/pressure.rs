@@ -152,7 +152,7 @@ impl<const D: usize> System<D> {
         if let Some(stencil) = self.stencil.take() {
             self.parts = stencil.into_parts();
         }
-        let (mut weights, mut diagonal) = std::mem::take(&mut self.parts);
+        let (mut weights, mut diagonal) = std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
         let slots = self.mine.len() * cells;
         for list in weights.iter_mut().chain([&mut diagonal]) {
             list.clear();
@@ -234,7 +234,7 @@ impl<const D: usize> System<D> {
         }
         // A row without an open face has no unknown.
         let iterations = if periodic {
-            let (weights, diagonal) = std::mem::take(&mut self.parts);
+            let (weights, diagonal) = std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
             let mut jacobi = Jacobi::new(&diagonal);
             let system = Periodic { blocks: at.blocks, weights, diagonal };
             let stop = Stop { iterations: PERIODIC_ITERATIONS, ..*stop };

@@ -49,9 +49,9 @@ impl<const D: usize> Flow<D> {
         self.assemble()?;
         self.project(kick)?;
         let corrected = self.correct_density()?;
-        self.extend_velocities(walls);
         let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
-        self.book_walls(kick * scale);
+        self.book_walls(kick * scale, walls);
+        self.extend_velocities(walls);
         self.grid.pressure.iter_mut().for_each(|p| *p *= scale);
         self.gather(dt, walls, corrected)
     }
@@ -301,13 +301,25 @@ impl<const D: usize> Flow<D> {
         })
     }
 
-    /// Book the impulse and the work of the walls: q times `scale` is an impulse per area, N s/m^2.
-    fn book_walls(&mut self, scale: f64) {
+    /// Book the impulse and the work of the walls: that of the pressure in the cells, and that on the mass at closed faces, which gets the
+    /// velocity of the wall. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
+    fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
         let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
         let area = self.frame.h.powi(D as i32 - 1);
+        let beside = |slot: Option<usize>| slot.is_some_and(|s| grid.surface.kind[s] == LIQUID);
         for (b, cut) in grid.cuts.iter().enumerate() {
-            if cut.is_none() {
-                continue;
+            let Some(cut) = cut else { continue };
+            for (i, d) in (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))) {
+                let slot = b * cells + i;
+                if grid.open[d][slot] <= 0.0
+                    && grid.volume[d][slot] > 0.0
+                    && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
+                {
+                    let wall = if walls.moving() { walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d] } else { 0.0 };
+                    let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
+                    self.exchange.impulse[d] += impulse;
+                    self.exchange.work += impulse * wall;
+                }
             }
             for i in (0..cells).filter(|i| grid.surface.kind[b * cells + i] == LIQUID) {
                 let impulse = (grid.pressure[b * cells + i] * scale) * area;

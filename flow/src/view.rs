@@ -25,7 +25,8 @@ impl<const D: usize> Body for Liquid<D> {
         Vec::new()
     }
     /// Sums over the particles. Velocities are those of the middle of the last step; the balanced kinetic energy is the sum of
-    /// m v- . v- / 2 and the power of the body force over the time from there to the positions, since pressures do no work.
+    /// m v- . v- / 2, the power of the body force over the time from there to the positions, since pressures do no work, and the energy of the
+    /// mean acceleration over this time.
     fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         for p in &self.particles {
@@ -35,9 +36,9 @@ impl<const D: usize> Body for Liquid<D> {
         for d in 0..D {
             sum.kinetic += self.lag * self.force[d] * sum.momentum[d];
             sum.staggered.momentum[d] = self.lag * self.momentum_rate[d];
-            square += self.lag * self.lag * self.force[d] * self.force[d];
+            square += sum.staggered.momentum[d] * sum.staggered.momentum[d];
         }
-        sum.kinetic += 0.5 * square * sum.mass;
+        sum.kinetic += 0.5 * square / sum.mass;
         (sum.internal, sum.viscous_heat) = (self.heat, self.heat);
         sum
     }
