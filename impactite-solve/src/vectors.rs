@@ -102,3 +102,11 @@ pub(crate) fn subtract_from(team: &Team, b: &[f64], y: &mut [f64]) {
         []
     });
 }
+
+/// y <- a y.
+pub(crate) fn scale(team: &Team, y: &mut [f64], a: f64) {
+    update(team, y, |_, piece| {
+        piece.iter_mut().for_each(|y| *y *= a);
+        []
+    });
+}
