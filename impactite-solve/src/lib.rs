@@ -1,15 +1,20 @@
 //! Linear solves on blocks of cells.
 
 mod cells;
+mod coarsen;
+mod coarsest;
+mod colours;
 mod conjugate_gradients;
 mod error;
 mod gmres;
 mod krylov;
+mod level;
 mod minres;
 mod multigrid;
 mod operator;
 mod regions;
 mod stencil;
+mod transfer;
 mod vectors;
 
 pub use cells::{CellBlocks, SIDE};
