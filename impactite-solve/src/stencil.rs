@@ -103,14 +103,23 @@ impl<const D: usize> Stencil<D> {
         self.regions.len()
     }
 
-    pub(crate) fn regions(&self) -> &Regions {
-        &self.regions
-    }
-
-    /// Dirichlet excess of a slot, d_c - sum_f w_f, with round-off set to zero.
-    pub(crate) fn excess(&self, slot: usize) -> f64 {
-        let excess = self.diagonal[slot] - self.face_weights(slot).iter().flatten().sum::<f64>();
-        if excess <= ROUND_OFF * self.diagonal[slot] { 0.0 } else { excess }
+    /// Dirichlet excess of the slots of a block, d_c - sum_f w_f, with round-off set to zero.
+    pub(crate) fn excess(&self, block: usize) -> [f64; MOST] {
+        let n = slots::<D>();
+        let (mut lower, mut excess) = ([0.0; MOST], [0.0; MOST]);
+        let diagonal = &self.diagonal[block * n..(block + 1) * n];
+        for axis in 0..D {
+            self.lower(block, axis, &self.weights[axis], &mut lower);
+            let upper = &self.weights[axis][block * n..(block + 1) * n];
+            for i in 0..n {
+                excess[i] += lower[i] + upper[i];
+            }
+        }
+        for i in 0..n {
+            let e = diagonal[i] - excess[i];
+            excess[i] = if e > ROUND_OFF * diagonal[i] { e } else { 0.0 };
+        }
+        excess
     }
 
     /// Weights of the lower and upper faces of a slot along each axis.

@@ -102,3 +102,29 @@ pub(crate) fn subtract_from(team: &Team, b: &[f64], y: &mut [f64]) {
         []
     });
 }
+
+/// y <- a y.
+pub(crate) fn scale(team: &Team, y: &mut [f64], a: f64) {
+    update(team, y, |_, piece| {
+        piece.iter_mut().for_each(|y| *y *= a);
+        []
+    });
+}
+
+/// Largest magnitude of the entries of x.
+pub(crate) fn largest(team: &Team, x: &[f64]) -> f64 {
+    let mut tops = vec![0.0; x.len().div_ceil(PIECE)];
+    team.each(&mut tops, |i, top| {
+        let piece = &x[i * PIECE..((i + 1) * PIECE).min(x.len())];
+        let (chunks, rest) = piece.as_chunks::<8>();
+        let mut most = [0.0_f64; 8];
+        for chunk in chunks {
+            for k in 0..8 {
+                let v = chunk[k].abs();
+                most[k] = if v > most[k] { v } else { most[k] };
+            }
+        }
+        *top = most.iter().chain(rest).fold(0.0, |m: f64, v| m.max(v.abs()));
+    });
+    tops.iter().fold(0.0, |m, v| m.max(*v))
+}

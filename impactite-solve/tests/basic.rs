@@ -43,3 +43,46 @@ fn poisson() {
         assert!(s.iterations < 90);
     }
 }
+
+struct Dense(usize, Vec<f64>);
+impl Operator for Dense {
+    fn len(&self) -> usize {
+        self.0
+    }
+    fn apply(&self, _: &Team, x: &[f64], y: &mut [f64]) {
+        for i in 0..self.0 {
+            y[i] = (0..self.0).map(|j| self.1[i * self.0 + j] * x[j]).sum();
+        }
+    }
+}
+
+#[test]
+fn indefinite() {
+    let n = 40;
+    let mut m = vec![0.0; n * n];
+    for i in 0..n {
+        m[i * n + i] = if i % 2 == 0 { 2.0 + i as f64 } else { -1.0 - 0.3 * i as f64 };
+        if i > 0 {
+            m[i * n + i - 1] = 0.7;
+            m[(i - 1) * n + i] = 0.7;
+        }
+    }
+    let b: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+    let team = Team::one();
+    let mut jac = Jacobi::new(&(0..n).map(|i| m[i * n + i].abs()).collect::<Vec<_>>());
+    let stop = Stop { relative: 1e-12, ..Stop::default() };
+    for pre in [false, true] {
+        let op = Dense(n, m.clone());
+        let mut x = vec![0.0; n];
+        let mut y = vec![0.0; n];
+        if pre {
+            println!("{:?}", minres(&team, &op, &mut jac, &b, &mut x, &stop));
+            println!("{:?}", gmres(&team, &op, &mut jac, &b, &mut y, 30, &stop));
+        } else {
+            println!("{:?}", minres(&team, &op, &mut Identity, &b, &mut x, &stop));
+            println!("{:?}", gmres(&team, &op, &mut Identity, &b, &mut y, 30, &stop));
+        }
+        let e = x.iter().zip(&y).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        println!("{e:e}");
+    }
+}
