@@ -184,6 +184,7 @@ impl<const D: usize> Blocks<D> {
         (other != NONE).then_some(other as usize * Self::CELLS + cell)
     }
     /// Coordinates of cell `i` of block `b`.
+    #[cfg(test)]
     pub fn cell(&self, b: usize, i: usize) -> [i32; D] {
         let at = local::<D>(i);
         std::array::from_fn(|d| self.keys[b][d] * SIDE as i32 + at[d] as i32)

