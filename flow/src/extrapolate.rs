@@ -64,14 +64,15 @@ pub(crate) enum Reach {
     Beyond,
 }
 
-/// Extrapolate the velocity across one axis: each layer is the mean of the known faces beside it. The first layer replaces velocities of
-/// particles; farther faces keep them.
+/// Extrapolate the velocity across one axis: each layer is the mean of the known faces beside it. In the first layer, faces with particles
+/// get the mean change of velocity of the faces beside them instead, from that in `before`: so that affine velocities stay as they are.
+/// Farther faces with particles keep their velocities.
 pub(crate) fn extrapolate<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
     reach: Reach,
-    values: &mut Vec<f64>,
-    marks: &mut Vec<u8>,
+    (before, volume): (Option<&[f64]>, &[f64]),
+    (values, marks): (&mut Vec<f64>, &mut Vec<u8>),
     scratch: &mut Scratch,
 ) {
     let cells = Blocks::<D>::CELLS;
@@ -101,22 +102,27 @@ pub(crate) fn extrapolate<const D: usize>(
             let (mut tile, mut from) = ([0.0; TILE_CELLS], [0; TILE_CELLS]);
             blocks.load(b, known, UNKNOWN, &mut from);
             blocks.load(b, old, 0.0, &mut tile);
+            let mut start = [0.0; TILE_CELLS];
+            if let Some(before) = before {
+                blocks.load(b, before, 0.0, &mut start);
+            }
             for i in 0..cells {
                 let at = in_tile(&local::<D>(i));
                 if !replaced(from[at]) {
                     continue;
                 }
+                let changes = before.is_some() && volume[b * cells + i] > 0.0;
                 let (mut sum, mut count) = (0.0, 0);
                 for e in 0..D {
                     for other in [at - stride(e), at + stride(e)] {
                         if source(from[other]) {
-                            sum += tile[other];
+                            sum += if changes { tile[other] - start[other] } else { tile[other] };
                             count += 1;
                         }
                     }
                 }
                 if count > 0 {
-                    new[i] = sum / f64::from(count);
+                    new[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
                     new_marks[i] = new_marks[i].max(EXTRAPOLATED);
                 }
             }

@@ -25,6 +25,8 @@ pub(crate) struct Gather<'a, const D: usize> {
     /// Walls at the end of the step, if any moves.
     pub walls: Option<&'a Walls<'a, D>>,
     pub dt: f64,
+    /// Take the velocity of the motion in the middle of it, instead of at its start.
+    pub midpoint: bool,
 }
 
 /// Sums over the particles of a block.
@@ -36,13 +38,15 @@ pub(crate) struct Sums<const D: usize> {
     pub before: [f64; D],
     pub after: [f64; D],
     pub moved: [f64; D],
+    /// Volume times square of the change of velocity.
+    pub change: f64,
     /// Index of a particle that cannot move so far, or whose velocity is not finite.
     pub failed: Option<usize>,
 }
 
 impl<const D: usize> Default for Sums<D> {
     fn default() -> Self {
-        Sums { speed: 0.0, before: [0.0; D], after: [0.0; D], moved: [0.0; D], failed: None }
+        Sums { speed: 0.0, before: [0.0; D], after: [0.0; D], moved: [0.0; D], change: 0.0, failed: None }
     }
 }
 
@@ -55,6 +59,7 @@ impl<const D: usize> Sums<D> {
             self.after[d] += o.after[d];
             self.moved[d] += o.moved[d];
         }
+        self.change += o.change;
         self.failed = self.failed.or(o.failed);
     }
 }
@@ -88,6 +93,7 @@ impl<const D: usize> Kernel<f64> for Work<'_, D> {
                 let (v, c) = sample(&tiles.velocity[d], &at, d);
                 sums.before[d] += p.volume * p.v[d];
                 sums.after[d] += p.volume * v;
+                sums.change += p.volume * (v - p.v[d]) * (v - p.v[d]);
                 (p.v[d], p.c[d]) = (v, c);
                 speed += v * v;
                 middle[d] += half * v;
@@ -100,7 +106,8 @@ impl<const D: usize> Kernel<f64> for Work<'_, D> {
             }
             fastest = if speed > fastest { speed } else { fastest };
             for d in 0..D {
-                let mut step = on.dt * sample(&tiles.velocity[d], &middle, d).0;
+                let v = if on.midpoint { sample(&tiles.velocity[d], &middle, d).0 } else { p.v[d] };
+                let mut step = on.dt * v;
                 if on.shift.is_some() {
                     step += on.frame.h * sample(&tiles.shift[d], &at, d).0;
                 }

@@ -22,6 +22,8 @@ pub(crate) struct Grid<const D: usize> {
     pub volume: Faces<D>,
     /// Velocity at faces, m/s.
     pub velocity: Faces<D>,
+    /// Velocity at faces before the projection, m/s.
+    pub before: Faces<D>,
     /// Displacement at faces by the density correction, in cells.
     pub shift: Faces<D>,
     /// Velocity of moving walls at faces, m/s.
@@ -36,6 +38,8 @@ pub(crate) struct Grid<const D: usize> {
     /// Unknown of the density correction.
     pub potential: Vec<f64>,
     pub right: Vec<f64>,
+    /// Part of the right-hand side by the reflection; empty without.
+    pub advected: Vec<f64>,
     pub scratch: GridScratch<D>,
 }
 
@@ -62,6 +66,7 @@ impl<const D: usize> Default for Grid<D> {
             open_cell: Vec::new(),
             volume: faces(),
             velocity: faces(),
+            before: faces(),
             shift: faces(),
             wall: faces(),
             marks: faces(),
@@ -71,6 +76,7 @@ impl<const D: usize> Default for Grid<D> {
             pressure: Vec::new(),
             potential: Vec::new(),
             right: Vec::new(),
+            advected: Vec::new(),
             scratch: GridScratch {
                 transfer: Scratch::default(),
                 extrapolate: extrapolate::Scratch::default(),
@@ -84,7 +90,7 @@ impl<const D: usize> Default for Grid<D> {
 impl<const D: usize> Grid<D> {
     /// Allocated memory, bytes, without that of the solve.
     pub fn bytes(&self) -> usize {
-        let faces = [&self.open, &self.volume, &self.velocity, &self.shift, &self.wall, &self.scratch.faces];
+        let faces = [&self.open, &self.volume, &self.velocity, &self.before, &self.shift, &self.wall, &self.scratch.faces];
         let cells = [&self.open_cell, &self.pressure, &self.potential, &self.right];
         let reals: usize = faces.into_iter().flatten().chain(cells).map(|list| list.capacity()).sum();
         self.blocks.bytes() + 8 * reals

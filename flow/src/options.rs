@@ -19,12 +19,20 @@ pub struct FlowOptions<const D: usize> {
     pub(crate) correction: f64,
     pub(crate) tolerance: f64,
     pub(crate) ambient: f64,
+    pub(crate) reflection: bool,
 }
 
 impl<const D: usize> FlowOptions<D> {
     /// Create options for a grid: cells of the lattice with the pressure at their centres and velocity components at their faces.
     pub fn new(lattice: Lattice<D>) -> Self {
-        FlowOptions { lattice, period: [0; D], correction: CORRECTION, tolerance: TOLERANCE, ambient: 0.0 }
+        FlowOptions {
+            lattice,
+            period: [0; D],
+            correction: CORRECTION,
+            tolerance: TOLERANCE,
+            ambient: 0.0,
+            reflection: true,
+        }
     }
 
     /// Make the scene periodic along an axis, with a period of so many cells from the origin of the lattice.
@@ -70,6 +78,12 @@ impl<const D: usize> FlowOptions<D> {
         parameter(pressure.is_finite(), "ambient pressure", pressure, "finite")?;
         self.ambient = pressure;
         Ok(self)
+    }
+
+    /// Project velocities as they are, without the reflection of smooth motion: first order in time, as in most codes of this kind.
+    pub fn without_reflection(mut self) -> Self {
+        self.reflection = false;
+        self
     }
 
     /// Grid.

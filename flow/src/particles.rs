@@ -101,6 +101,8 @@ pub(crate) struct Liquid<const D: usize> {
     pub force: [f64; D],
     /// Change of the momentum over time in the last step, N.
     pub momentum_rate: [f64; D],
+    /// Mass times square of the acceleration in the last step, N^2/kg.
+    pub acceleration: f64,
     /// Heat of viscosity since the start, J.
     pub heat: f64,
     pub particles: Vec<Particle<D>>,
@@ -118,6 +120,7 @@ impl<const D: usize> Liquid<D> {
             lag: 0.0,
             force: [0.0; D],
             momentum_rate: [0.0; D],
+            acceleration: 0.0,
             heat: 0.0,
             particles,
             starts: Vec::new(),

@@ -202,6 +202,11 @@ impl<const D: usize> System<D> {
         }
     }
 
+    /// True if liquid fills a closed region, whose pressure is known but for a constant.
+    pub fn is_singular(&self) -> bool {
+        self.stencil.as_ref().is_some_and(|stencil| stencil.singular_regions() > 0)
+    }
+
     /// Solve for q with the right-hand side `right` at the cells, to which the values at the surface are added. `q` is the start and the
     /// result; it is zero but in liquid cells.
     ///

@@ -381,7 +381,7 @@ impl<const D: usize> Solver for Flow<D> {
                 file.reals(p.x.iter_mut().chain(&mut p.v).chain(p.c.iter_mut().flatten()))?;
                 file.reals([&mut p.volume, &mut p.pressure])?;
             }
-            file.reals([&mut liquid.lag, &mut liquid.heat])?;
+            file.reals([&mut liquid.lag, &mut liquid.heat, &mut liquid.acceleration])?;
             file.reals(liquid.force.iter_mut().chain(&mut liquid.momentum_rate))?;
         }
         self.exchange.archive(file)?;

@@ -16,6 +16,8 @@ use crate::wall::Walls;
 
 /// Tolerance of the density correction, relative.
 const CORRECTION_TOLERANCE: f64 = 1e-2;
+/// Relative change of the volume of a cell in a step by the velocity that particles bring, up to which it comes from smooth motion.
+const SMOOTH: f64 = 0.02;
 /// Largest density error that a step corrects, before the relaxation.
 const LARGEST_ERROR: f64 = 0.5;
 /// Excess of density that is no error near the surface, where deficits are none either: the fraction there is that of few particles.
@@ -46,10 +48,11 @@ impl<const D: usize> Flow<D> {
         self.sort(walls)?;
         self.scatter();
         self.find_surface();
-        self.apply_body_force(kick);
-        self.find_wall_velocities(walls);
         self.assemble()?;
-        self.project(kick)?;
+        self.find_advected_divergence(dt, walls);
+        self.apply_body_force(kick);
+        (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
+        self.project()?;
         let corrected = self.correct_density()?;
         let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
         self.book_walls(kick * scale, walls);
@@ -89,6 +92,27 @@ impl<const D: usize> Flow<D> {
             let at = (&grid.surface.kind[..], &grid.open[d][..], &grid.volume[d][..]);
             mark(&self.team, &grid.blocks, at, d, &mut grid.marks[d]);
         }
+    }
+
+    /// Find what the reflection adds to the right-hand side of the pressure equation: the divergence of the velocity that particles brought,
+    /// once more, where it is small enough to come from smooth motion and not from an impact. Liquid that fills a closed region has no impact.
+    fn find_advected_divergence(&mut self, dt: f64, walls: &Walls<'_, D>) {
+        self.find_wall_velocities(walls);
+        let mut once_more = std::mem::take(&mut self.grid.advected);
+        if self.options.reflection {
+            outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut once_more);
+            let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
+            for r in &mut once_more {
+                *r *= (2.0 - r.abs() * scale / SMOOTH).clamp(0.0, 1.0);
+            }
+        } else {
+            once_more.clear();
+        }
+        self.grid.advected = once_more;
+    }
+
+    fn wall_velocities(&self) -> Option<&[Vec<f64>; D]> {
+        (!self.grid.wall[0].is_empty()).then_some(&self.grid.wall)
     }
 
     fn apply_body_force(&mut self, kick: f64) {
@@ -140,7 +164,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Solve for the pressure, and make the velocity free of divergence.
-    fn project(&mut self, _kick: f64) -> Result<(), StepError> {
+    fn project(&mut self) -> Result<(), StepError> {
         let mut right = std::mem::take(&mut self.grid.right);
         let mut system = std::mem::take(&mut self.grid.system);
         let mut q = std::mem::take(&mut self.grid.pressure);
@@ -148,8 +172,8 @@ impl<const D: usize> Flow<D> {
         q.clear();
         q.resize(self.grid.blocks.cells(), 0.0);
         let at = self.cells();
-        let wall = (!self.grid.wall[0].is_empty()).then_some(&self.grid.wall);
-        outflow(&self.team, &at, &velocity, wall, &mut right);
+        outflow(&self.team, &at, &velocity, self.wall_velocities(), &mut right);
+        right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
         // The rounding of velocities at the faces of all cells.
         let speed = self.speed + 1e-3 * self.frame.h;
         let absolute = 1e-14 * speed * (system.unknowns as f64).sqrt();
@@ -246,15 +270,17 @@ impl<const D: usize> Flow<D> {
             walls.list.iter().zip(&walls.velocities).map(|(w, v)| (*v, w.is_no_slip())).collect();
         let rests: Vec<_> = walls.list.iter().map(|_| ([0.0; D], false)).collect();
         let at = (&grid.cuts, &grid.open, &grid.marks);
-        for (field, walls) in [(&mut grid.velocity, &moves), (&mut grid.shift, &rests)] {
+        let fields = [(&mut grid.velocity, &moves, true), (&mut grid.shift, &rests, false)];
+        for (field, walls, changed) in fields {
             if field[0].len() != grid.blocks.cells() {
                 continue;
             }
             for reach in [Reach::Closed, Reach::Beyond] {
                 for d in 0..D {
                     grid.scratch.marks[d].clone_from(&grid.marks[d]);
-                    let marks = &mut grid.scratch.marks[d];
-                    extrapolate(team, &grid.blocks, reach, &mut field[d], marks, &mut grid.scratch.extrapolate);
+                    let values = (&mut field[d], &mut grid.scratch.marks[d]);
+                    let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
+                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate);
                 }
                 constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.faces);
             }
@@ -278,6 +304,7 @@ impl<const D: usize> Flow<D> {
             shift: corrected.then_some(&grid.shift),
             pressure: &grid.pressure,
             walls: ends.as_ref(),
+            midpoint: !self.options.reflection,
             dt,
         };
         let sums: Vec<_> = liquids.iter_mut().map(|l| gather.run(&self.team, l)).collect();
@@ -348,6 +375,7 @@ impl<const D: usize> Flow<D> {
         for (liquid, sum) in self.liquids.iter_mut().zip(sums) {
             let volume: f64 = liquid.particles.iter().map(|p| p.volume).sum();
             let mass = liquid.density * volume;
+            liquid.acceleration = liquid.density * sum.change / (kick * kick);
             let mut load = [0.0; D];
             for d in 0..D {
                 let gained = liquid.density * (sum.after[d] - sum.before[d]);
@@ -370,11 +398,12 @@ impl<const D: usize> Flow<D> {
         self.grid.system.iterations
     }
 
-    /// Largest net outflow of a liquid cell in the last step over the area of a face, m/s.
+    /// Largest net outflow of a liquid cell in the last step over the area of a face, m/s: of the velocity at the time of the positions at
+    /// its start, which is the mean of those in the middles of the steps before and after.
     pub fn largest_divergence(&self) -> f64 {
         let mut right = Vec::new();
-        let wall = (!self.grid.wall[0].is_empty()).then_some(&self.grid.wall);
-        outflow(&self.team, &self.cells(), &self.grid.velocity, wall, &mut right);
+        outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut right);
+        right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
         right.iter().fold(0.0, |most, r| most.max(r.abs()))
     }
 }

@@ -26,19 +26,17 @@ impl<const D: usize> Body for Liquid<D> {
     }
     /// Sums over the particles. Velocities are those of the middle of the last step; the balanced kinetic energy is the sum of
     /// m v- . v- / 2, the power of the body force over the time from there to the positions, since pressures do no work, and the energy of the
-    /// mean acceleration over this time.
+    /// acceleration over this time.
     fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         for p in &self.particles {
             sum.add_point(self.density * p.volume, &p.x, &p.v);
         }
-        let mut square = 0.0;
         for d in 0..D {
             sum.kinetic += self.lag * self.force[d] * sum.momentum[d];
             sum.staggered.momentum[d] = self.lag * self.momentum_rate[d];
-            square += sum.staggered.momentum[d] * sum.staggered.momentum[d];
         }
-        sum.kinetic += 0.5 * square / sum.mass;
+        sum.kinetic += 0.5 * self.lag * self.lag * self.acceleration;
         (sum.internal, sum.viscous_heat) = (self.heat, self.heat);
         sum
     }
