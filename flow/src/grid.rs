@@ -71,7 +71,7 @@ impl<const D: usize> Default for Grid<D> {
             wall: faces(),
             marks: faces(),
             surface: Surface::default(),
-            profile: Profile::new(D),
+            profile: Profile::new(D, 0.5),
             system: System::default(),
             pressure: Vec::new(),
             potential: Vec::new(),

@@ -16,6 +16,7 @@ use impactite_simd::Team;
 use crate::grid::Grid;
 use crate::options::{Fluid, FlowOptions, parameter};
 use crate::particles::{Frame, Liquid, Particle};
+use crate::surface::Profile;
 use crate::view::wide;
 use crate::wall::Wall;
 
@@ -139,6 +140,7 @@ impl<const D: usize> Flow<D> {
         liquid.force = self.force(self.clock.time);
         self.liquids.push(liquid);
         self.fluid = Some(fluid);
+        self.set_profile();
         self.watcher.reopen();
         Ok(self.liquids.len() - 1)
     }
@@ -157,6 +159,14 @@ impl<const D: usize> Flow<D> {
     ) -> Result<usize, FluidError> {
         let seeds = fill(shape, &self.options.lattice, per_axis, &Filling::new())?;
         Ok(self.add_fluid(name, fluid, &seeds, velocity)?)
+    }
+
+    /// Set the profile of the surface, by the mean volume of the particles.
+    fn set_profile(&mut self) {
+        let count: usize = self.liquids.iter().map(|l| l.particles.len()).sum();
+        let volume: f64 = self.liquids.iter().flat_map(|l| &l.particles).map(|p| p.volume).sum();
+        let spacing = (volume / count as f64).powf(1.0 / D as f64) / self.frame.h;
+        self.grid.profile = Profile::new(D, spacing.clamp(0.05, 1.0));
     }
 
     fn check_name(&self, name: &str) -> Result<(), SceneError> {
@@ -180,7 +190,8 @@ impl<const D: usize> Flow<D> {
             parameter(value.is_finite(), "displacement of a wall", value, "finite")?;
         }
         self.walls.push(wall);
-        self.grid = Grid::default();
+        // Cuts by the walls that were there are of no use.
+        self.grid = Grid { profile: self.grid.profile.clone(), ..Grid::default() };
         Ok(())
     }
 

@@ -2,7 +2,7 @@
 //!
 //! The particles' volume at the faces of a cell, averaged over its 2D faces and divided by the open share of the kernel, is the liquid
 //! fraction c. For a flat surface it is a known function of the distance, c = F(-phi), which is odd about c = 1/2: its inverse is the level
-//! set phi, exact for flat surfaces across an axis, and volume is not gained by it, as it is by a union of balls. A cell is liquid if
+//! set phi, exact for rows of particles below flat surfaces across an axis, and volume is not gained by it, as it is by a union of balls. A cell is liquid if
 //! phi < 0. Particles without half a kernel of liquid around them are below the resolution and move freely, without pressure.
 
 use impactite_simd::Team;
@@ -22,20 +22,20 @@ const SLIVER: f64 = 1e-3;
 /// Entries of the table of distances.
 const ENTRIES: usize = 2048;
 
-/// Integral of the hat function of width 1 from minus infinity to `s`.
-fn hat(s: f64) -> f64 {
-    match s {
-        s if s <= -1.0 => 0.0,
-        s if s < 0.0 => 0.5 * (1.0 + s) * (1.0 + s),
-        s if s < 1.0 => 1.0 - 0.5 * (1.0 - s) * (1.0 - s),
-        _ => 1.0,
-    }
+/// Kernel of the liquid fraction across an axis, at a distance in cells: the mean of hat functions at the faces and at the centre.
+fn kernel(dimension: usize, s: f64) -> f64 {
+    let hat = |s: f64| (1.0 - s.abs()).max(0.0);
+    let d = dimension as f64;
+    (0.5 * (hat(s + 0.5) + hat(s - 0.5)) + (d - 1.0) * hat(s)) / d
 }
 
-/// Liquid fraction of a cell whose centre is `depth` cells below a flat surface across an axis, in `dimension` dimensions.
-pub(crate) fn fraction(dimension: usize, depth: f64) -> f64 {
-    let d = dimension as f64;
-    (0.5 * (hat(depth + 0.5) + hat(depth - 0.5)) + (d - 1.0) * hat(depth)) / d
+/// Liquid fraction of a cell whose centre is `depth` cells below a flat surface across an axis, in `dimension` dimensions: that of rows of
+/// particles `spacing` cells apart, the first half of it below the surface.
+pub(crate) fn fraction(dimension: usize, spacing: f64, depth: f64) -> f64 {
+    let rows = (4.0 / spacing).ceil() as usize;
+    // Rows in reach are at -1.5 to 1.5 from the centre.
+    let first = ((depth - 1.5) / spacing - 0.5).floor().max(0.0);
+    (0..rows).map(|k| spacing * kernel(dimension, depth - (first + k as f64 + 0.5) * spacing)).sum()
 }
 
 /// Inverse of [`fraction`]: level set over liquid fraction.
@@ -43,12 +43,13 @@ pub(crate) fn fraction(dimension: usize, depth: f64) -> f64 {
 pub(crate) struct Profile(Vec<f64>);
 
 impl Profile {
-    pub fn new(dimension: usize) -> Self {
+    /// Profile of particles `spacing` cells apart.
+    pub fn new(dimension: usize, spacing: f64) -> Self {
         let depth = |c: f64| {
             let (mut low, mut high) = (-1.5, 1.5);
             for _ in 0..60 {
                 let middle: f64 = 0.5 * (low + high);
-                if fraction(dimension, middle) < c { low = middle } else { high = middle }
+                if fraction(dimension, spacing, middle) < c { low = middle } else { high = middle }
             }
             0.5 * (low + high)
         };
@@ -174,10 +175,10 @@ mod tests {
     #[test]
     fn level_sets_are_distances_to_flat_surfaces() {
         for dimension in [2, 3] {
-            let profile = Profile::new(dimension);
-            for n in -13..=13 {
+            let profile = Profile::new(dimension, 0.5);
+            for n in -12..=12 {
                 let depth = 0.1 * f64::from(n);
-                let level = profile.level(fraction(dimension, depth));
+                let level = profile.level(fraction(dimension, 0.5, depth));
                 // Linear interpolation in 2048 intervals; the slope is infinite at the ends.
                 assert!((level + depth).abs() < 1e-3, "{dimension}: {level} at {depth}");
             }
