@@ -15,6 +15,7 @@ mod step;
 mod surface;
 mod transfer;
 mod view;
+mod viscosity;
 mod wall;
 
 pub use options::{FlowOptions, Fluid};

@@ -58,9 +58,23 @@ struct Periodic<'a, const D: usize> {
     blocks: &'a Blocks<D>,
     weights: [Vec<f64>; D],
     diagonal: Vec<f64>,
+    /// True without a surface: constants are the null space.
+    singular: bool,
 }
 
 impl<const D: usize> Operator for Periodic<'_, D> {
+    fn nullity(&self) -> usize {
+        usize::from(self.singular)
+    }
+    fn project(&self, _: &Team, x: &mut [f64]) {
+        if !self.singular {
+            return;
+        }
+        let unknown = |n: &usize| self.diagonal[*n] > 0.0;
+        let count = (0..x.len()).filter(unknown).count().max(1) as f64;
+        let mean = (0..x.len()).filter(unknown).map(|n| x[n]).sum::<f64>() / count;
+        (0..x.len()).filter(unknown).for_each(|n| x[n] -= mean);
+    }
     fn len(&self) -> usize {
         self.diagonal.len()
     }
@@ -95,6 +109,8 @@ pub(crate) struct System<const D: usize> {
     parts: ([Vec<f64>; D], Vec<f64>),
     right: Vec<f64>,
     unknown: Vec<f64>,
+    /// True if a periodic scene has no surface.
+    closed: bool,
     /// Number of liquid cells.
     pub unknowns: usize,
     /// Iterations of the last solves: pressure, density.
@@ -111,6 +127,7 @@ impl<const D: usize> Default for System<D> {
             parts: (std::array::from_fn(|_| Vec::new()), Vec::new()),
             right: Vec::new(),
             unknown: Vec::new(),
+            closed: false,
             unknowns: 0,
             iterations: [0; 2],
         }
@@ -162,6 +179,7 @@ impl<const D: usize> System<D> {
         self.right.resize(slots, 0.0);
         self.unknown.resize(slots, 0.0);
         if periodic {
+            self.closed = closed(&self.mine, at);
             self.parts = (weights, diagonal);
             return Ok(());
         }
@@ -204,7 +222,7 @@ impl<const D: usize> System<D> {
 
     /// True if liquid fills a closed region, whose pressure is known but for a constant.
     pub fn is_singular(&self) -> bool {
-        self.stencil.as_ref().is_some_and(|stencil| stencil.singular_regions() > 0)
+        self.stencil.as_ref().map_or(self.closed, |stencil| stencil.singular_regions() > 0)
     }
 
     /// Solve for q with the right-hand side `right` at the cells, to which the values at the surface are added. `q` is the start and the
@@ -241,7 +259,8 @@ impl<const D: usize> System<D> {
         let iterations = if periodic {
             let (weights, diagonal) = std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
             let mut jacobi = Jacobi::new(&diagonal);
-            let system = Periodic { blocks: at.blocks, weights, diagonal };
+            let singular = self.closed;
+            let system = Periodic { blocks: at.blocks, weights, diagonal, singular };
             let stop = Stop { iterations: PERIODIC_ITERATIONS, ..*stop };
             let solved =
                 conjugate_gradients(team, &system, &mut jacobi, &self.right, &mut self.unknown, &stop);
@@ -289,6 +308,18 @@ impl<const D: usize> System<D> {
             }
         });
     }
+}
+
+/// True if no open face is between liquid and air.
+fn closed<const D: usize>(blocks: &[u32], at: &Cells<'_, D>) -> bool {
+    let cells = Blocks::<D>::CELLS;
+    blocks.iter().all(|&b| {
+        (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))).all(|(i, d)| {
+            let slot = b as usize * cells + i;
+            let below = at.blocks.beside(b as usize, i, d, false).map_or(0, |s| at.kind[s]);
+            at.open[d][slot] <= 0.0 || (at.kind[slot] == LIQUID) == (below == LIQUID)
+        })
+    })
 }
 
 /// Value at the surface from those near the liquid cell and near the other one.

@@ -12,7 +12,8 @@ use crate::solver::{Flow, add_to};
 use crate::surface::{self, AIR, LIQUID};
 use crate::transfer::{face_centre, to_faces};
 use crate::view::wide;
-use crate::wall::Walls;
+use crate::viscosity::Stress;
+use crate::wall::{Wall, Walls};
 
 /// Tolerance of the density correction, relative.
 const CORRECTION_TOLERANCE: f64 = 1e-2;
@@ -51,6 +52,7 @@ impl<const D: usize> Flow<D> {
         self.assemble()?;
         self.find_advected_divergence(dt, walls);
         self.apply_body_force(kick);
+        self.apply_viscosity(kick, walls)?;
         (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
         self.project()?;
         let corrected = self.correct_density()?;
@@ -123,6 +125,60 @@ impl<const D: usize> Flow<D> {
                 self.grid.velocity[d].iter_mut().for_each(|u| *u += by);
             }
         }
+    }
+
+    /// Apply the viscous stress, and book its heat and the impulse of walls.
+    fn apply_viscosity(&mut self, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
+        let Some(fluid) = self.fluid.filter(|fluid| fluid.viscosity > 0.0) else { return Ok(()) };
+        let (grid, h) = (&self.grid, self.frame.h);
+        let stick = self.sticking_faces(walls);
+        let stress = Stress {
+            blocks: &grid.blocks,
+            kind: &grid.surface.kind,
+            marks: &grid.marks,
+            open: &grid.open,
+            stick: &stick,
+            wall: &grid.wall,
+            number: fluid.viscosity * kick / (fluid.density * h * h),
+        };
+        let mut u: Vec<f64> = grid.velocity.iter().flatten().copied().collect();
+        let stepped = stress.step(&self.team, &mut u);
+        stepped.map_err(|error| {
+            self.clock.stopped(Stopped::Solve { what: "the viscous step", why: error.to_string() })
+        })?;
+        let (count, mass) = (grid.blocks.cells(), fluid.density * h.powi(D as i32));
+        let (mut impulse, mut heat) = ([0.0; D], 0.0);
+        for d in 0..D {
+            for (old, new) in self.grid.velocity[d].iter_mut().zip(&u[d * count..(d + 1) * count]) {
+                impulse[d] += mass * (new - *old);
+                heat += 0.5 * mass * (*old * *old - new * new);
+                *old = *new;
+            }
+        }
+        add_to(&mut self.exchange.impulse, &impulse);
+        let volume = |l: &crate::particles::Liquid<D>| l.particles.iter().map(|p| p.volume).sum::<f64>();
+        let total: f64 = self.liquids.iter().map(volume).sum();
+        self.liquids.iter_mut().for_each(|l| l.heat += heat * volume(l) / total);
+        Ok(())
+    }
+
+    /// Closed faces of walls without slip, as 1; empty if there are none.
+    fn sticking_faces(&self, walls: &Walls<'_, D>) -> [Vec<f64>; D] {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        std::array::from_fn(|d| {
+            if !walls.list.iter().any(Wall::is_no_slip) {
+                return Vec::new();
+            }
+            let mut list = vec![0.0; grid.blocks.cells()];
+            for (b, cut) in grid.cuts.iter().enumerate() {
+                let Some(cut) = cut else { continue };
+                for i in (0..cells).filter(|i| grid.open[d][b * cells + i] <= 0.0) {
+                    let wall = cut.sample(&face_centre::<D>(i, d)).2;
+                    list[b * cells + i] = if walls.list[wall].is_no_slip() { 1.0 } else { 0.0 };
+                }
+            }
+            list
+        })
     }
 
     /// Find the velocities of walls at faces, if any wall moves.

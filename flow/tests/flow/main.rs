@@ -4,4 +4,5 @@
 mod common;
 mod drops;
 mod solver;
+mod viscous;
 mod waves;
