@@ -2,8 +2,9 @@
 //!
 //! Normal stresses are at liquid cells, shear stresses at the edges between four cells that are liquid or wall. At a surface the shear stress
 //! is zero. At a wall without slip, velocity gradients are those to the wall, half a cell from the face beside it; at a slip wall the shear
-//! stress is zero. Steps are explicit, by the second-order Runge-Kutta method, up to [`EXPLICIT`] of mu dt / (rho h^2), and implicit beyond,
-//! by Euler's method and conjugate gradients: of first order, and stable.
+//! stress is zero. Steps are explicit, by the second-order Runge-Kutta method, up to [`EXPLICIT`] of mu dt / (rho h^2), and implicit beyond
+//! by conjugate gradients: the trapezoidal rule while the fastest mode decays by a rate times dt below 6, and towards Euler's method,
+//! of first order, for larger ones.
 
 use impactite_simd::Team;
 use impactite_solve::{Identity, Operator, SolveError, Stop, conjugate_gradients};
@@ -14,6 +15,9 @@ use crate::surface::{AIR, LIQUID};
 
 /// Largest mu dt / (rho h^2) of explicit steps: the limit of stability is 1 / (2 (1 + D)), 1/8 in space.
 pub(crate) const EXPLICIT: f64 = 0.1;
+/// Largest rate of decay times dt of the explicit share of an implicit step, which is half a step up to twice this rate: the fastest mode then
+/// keeps at most half of its amplitude.
+const DAMPED: f64 = 3.0;
 /// Relative tolerance of implicit steps.
 const TOLERANCE: f64 = 1e-10;
 /// Largest number of iterations of implicit steps.
@@ -142,17 +146,23 @@ impl<const D: usize> Stress<'_, D> {
             }
             return Ok(());
         }
-        // (1 - L) u = u* + c, where the change is L u + c with c from the walls.
-        self.change(team, &vec![0.0; u.len()], 1.0, &mut first);
-        first.iter_mut().zip(&*u).for_each(|(right, u)| *right += u);
+        // (1 - s L) u = u* + (1 - s) L u* + c, where the change is L u + c with c from the walls.
+        let largest = 4.0 * (1 + D) as f64 * self.number;
+        let share = (1.0 - DAMPED / largest).max(0.5);
+        let mut walls = vec![0.0; u.len()];
+        self.change(team, &walls.clone(), 1.0, &mut walls);
+        self.change(team, u, 0.0, &mut first);
+        for (right, (u, c)) in first.iter_mut().zip(u.iter().zip(&walls)) {
+            *right = u + (1.0 - share) * *right + c;
+        }
         let stop = Stop { relative: TOLERANCE, iterations: ITERATIONS, ..Stop::default() };
-        conjugate_gradients(team, &Implicit(self), &mut Identity, &first, u, &stop)?;
+        conjugate_gradients(team, &Implicit(self, share), &mut Identity, &first, u, &stop)?;
         Ok(())
     }
 }
 
-/// Operator of an implicit step, 1 - L.
-struct Implicit<'a, 'b, const D: usize>(&'a Stress<'b, D>);
+/// Operator of an implicit step, 1 - s L, with the share s.
+struct Implicit<'a, 'b, const D: usize>(&'a Stress<'b, D>, f64);
 
 impl<const D: usize> Operator for Implicit<'_, '_, D> {
     fn len(&self) -> usize {
@@ -161,6 +171,6 @@ impl<const D: usize> Operator for Implicit<'_, '_, D> {
     fn apply(&self, team: &Team, x: &[f64], y: &mut [f64]) {
         // Faces that are not solved are no unknowns: what they have does not reach the others.
         self.0.change(team, x, 0.0, y);
-        y.iter_mut().zip(x).for_each(|(y, x)| *y = x - *y);
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = x - self.1 * *y);
     }
 }
