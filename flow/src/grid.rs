@@ -5,6 +5,7 @@ use crate::cuts::Cuts;
 use crate::extrapolate;
 use crate::pressure::System;
 use crate::surface::{Profile, Surface};
+use crate::tension::Tension;
 use crate::transfer::Scratch;
 
 /// A list for each axis.
@@ -31,6 +32,9 @@ pub(crate) struct Grid<const D: usize> {
     /// State of the velocity at faces.
     pub marks: [Vec<u8>; D],
     pub surface: Surface,
+    pub tension: Tension,
+    /// Value of q at the surface, near each cell; empty without surface tension.
+    pub jump: Vec<f64>,
     pub profile: Profile,
     pub system: System<D>,
     /// Unknown of the pressure equation, p dt / (rho h), m/s; then the pressure, Pa.
@@ -71,6 +75,8 @@ impl<const D: usize> Default for Grid<D> {
             wall: faces(),
             marks: faces(),
             surface: Surface::default(),
+            tension: Tension::default(),
+            jump: Vec::new(),
             profile: Profile::new(D, 0.5),
             system: System::default(),
             pressure: Vec::new(),
@@ -93,6 +99,6 @@ impl<const D: usize> Grid<D> {
         let faces = [&self.open, &self.volume, &self.velocity, &self.before, &self.shift, &self.wall, &self.scratch.faces];
         let cells = [&self.open_cell, &self.pressure, &self.potential, &self.right];
         let reals: usize = faces.into_iter().flatten().chain(cells).map(|list| list.capacity()).sum();
-        self.blocks.bytes() + 8 * reals
+        self.blocks.bytes() + self.tension.bytes() + 8 * reals
     }
 }

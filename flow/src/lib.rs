@@ -13,6 +13,7 @@ mod pressure;
 mod solver;
 mod step;
 mod surface;
+mod tension;
 mod transfer;
 mod view;
 mod viscosity;

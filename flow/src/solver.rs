@@ -260,7 +260,8 @@ impl<const D: usize> Flow<D> {
             exchange: &exchange,
             rounding: f64::EPSILON,
             speed: self.speed.max(f64::MIN_POSITIVE),
-            energy: true,
+            // The energy of the surface is in no balance.
+            energy: self.fluid.is_none_or(|fluid| fluid.tension == 0.0),
             loss: LOSS,
         };
         let mut watcher = std::mem::take(&mut self.watcher);

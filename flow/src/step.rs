@@ -53,13 +53,14 @@ impl<const D: usize> Flow<D> {
         self.find_advected_divergence(dt, walls);
         self.apply_body_force(kick);
         self.apply_viscosity(kick, walls)?;
+        self.find_jump(kick);
         (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
         self.project()?;
         let corrected = self.correct_density()?;
         let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
         self.book_walls(kick * scale, walls);
         self.extend_velocities(walls);
-        self.grid.pressure.iter_mut().for_each(|p| *p *= scale);
+        self.finish_pressure(scale);
         self.gather(dt, walls, corrected)
     }
 
@@ -125,6 +126,18 @@ impl<const D: usize> Flow<D> {
                 self.grid.velocity[d].iter_mut().for_each(|u| *u += by);
             }
         }
+    }
+
+    /// Find the pressure at the surface by surface tension, sigma kappa, in the unit of q.
+    fn find_jump(&mut self, kick: f64) {
+        let grid = &mut self.grid;
+        grid.jump.clear();
+        let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) else { return };
+        let at = (&grid.surface.fraction[..], &grid.open_cell[..], grid.cuts.iter().any(Option::is_some));
+        grid.tension.find(&self.team, &grid.blocks, at, &grid.profile);
+        let h = self.frame.h;
+        let scale = fluid.tension / h * kick / (fluid.density * h);
+        grid.jump.extend(grid.tension.curvature.iter().map(|kappa| kappa * scale));
     }
 
     /// Apply the viscous stress, and book its heat and the impulse of walls.
@@ -219,6 +232,15 @@ impl<const D: usize> Flow<D> {
         assembled.map_err(|error| self.unsolved("the pressure equation", &error))
     }
 
+    /// Turn q into the pressure, Pa. Air has that of the surface.
+    fn finish_pressure(&mut self, scale: f64) {
+        let (grid, ambient) = (&mut self.grid, self.options.ambient);
+        for (n, p) in grid.pressure.iter_mut().enumerate() {
+            let q = if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
+            *p = ambient + q * scale;
+        }
+    }
+
     /// Solve for the pressure, and make the velocity free of divergence.
     fn project(&mut self) -> Result<(), StepError> {
         let mut right = std::mem::take(&mut self.grid.right);
@@ -227,7 +249,8 @@ impl<const D: usize> Flow<D> {
         let mut velocity = std::mem::replace(&mut self.grid.velocity, crate::grid::faces());
         q.clear();
         q.resize(self.grid.blocks.cells(), 0.0);
-        let at = self.cells();
+        let jump = (!self.grid.jump.is_empty()).then_some(&self.grid.jump[..]);
+        let at = Cells { surface: jump, ..self.cells() };
         outflow(&self.team, &at, &velocity, self.wall_velocities(), &mut right);
         right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
         // The rounding of velocities at the faces of all cells.

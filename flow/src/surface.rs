@@ -9,6 +9,7 @@ use impactite_simd::Team;
 
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::cuts::Cuts;
+use crate::tension::PASSES;
 
 /// Kind of a cell: open, without liquid.
 pub(crate) const AIR: u8 = 0;
@@ -38,30 +39,62 @@ pub(crate) fn fraction(dimension: usize, spacing: f64, depth: f64) -> f64 {
     (0..rows).map(|k| spacing * kernel(dimension, depth - (first + k as f64 + 0.5) * spacing)).sum()
 }
 
-/// Inverse of [`fraction`]: level set over liquid fraction.
+/// Inverse of [`fraction`]: level set over liquid fraction, as it is and after the filters of the curvature.
 #[derive(Clone, Debug)]
-pub(crate) struct Profile(Vec<f64>);
+pub(crate) struct Profile {
+    sharp: Vec<f64>,
+    smooth: Vec<f64>,
+}
+
+/// Depths, in cells, at equidistant fractions, of a profile that grows from 0 to 1 within `reach` cells of the surface.
+fn inverse(reach: f64, profile: impl Fn(f64) -> f64) -> Vec<f64> {
+    let depth = |c: f64| {
+        let (mut low, mut high) = (-reach, reach);
+        for _ in 0..50 {
+            let middle: f64 = 0.5 * (low + high);
+            if profile(middle) < c { low = middle } else { high = middle }
+        }
+        0.5 * (low + high)
+    };
+    (0..=ENTRIES).map(|n| depth(n as f64 / ENTRIES as f64)).collect()
+}
+
+/// Level set, in cells, at a liquid fraction, by a table of depths.
+#[inline]
+fn look_up(depths: &[f64], fraction: f64) -> f64 {
+    let at = fraction.clamp(0.0, 1.0) * ENTRIES as f64;
+    let n = (at as usize).min(ENTRIES - 1);
+    let part = at - n as f64;
+    -(depths[n] + part * (depths[n + 1] - depths[n]))
+}
 
 impl Profile {
     /// Profile of particles `spacing` cells apart.
     pub fn new(dimension: usize, spacing: f64) -> Self {
-        let depth = |c: f64| {
-            let (mut low, mut high) = (-1.5, 1.5);
-            for _ in 0..60 {
-                let middle: f64 = 0.5 * (low + high);
-                if fraction(dimension, spacing, middle) < c { low = middle } else { high = middle }
+        // Weights of all filters together, by Pascal's triangle.
+        let mut weights = vec![1.0];
+        for _ in 0..2 * PASSES {
+            weights.push(0.0);
+            for n in (0..weights.len()).rev() {
+                weights[n] = 0.5 * (weights[n] + if n > 0 { weights[n - 1] } else { 0.0 });
             }
-            0.5 * (low + high)
+        }
+        let smooth = |depth: f64| {
+            let at = |n: usize| fraction(dimension, spacing, depth + n as f64 - PASSES as f64);
+            weights.iter().enumerate().map(|(n, w)| w * at(n)).sum()
         };
-        Profile((0..=ENTRIES).map(|n| depth(n as f64 / ENTRIES as f64)).collect())
+        let sharp = inverse(1.5, |depth| fraction(dimension, spacing, depth));
+        Profile { sharp, smooth: inverse(1.5 + PASSES as f64, smooth) }
     }
     /// Level set, in cells, at a liquid fraction: negative in the liquid, -1.5 to 1.5.
     #[inline]
     pub fn level(&self, fraction: f64) -> f64 {
-        let at = fraction.clamp(0.0, 1.0) * ENTRIES as f64;
-        let n = (at as usize).min(ENTRIES - 1);
-        let part = at - n as f64;
-        -(self.0[n] + part * (self.0[n + 1] - self.0[n]))
+        look_up(&self.sharp, fraction)
+    }
+    /// Level set, in cells, at a filtered liquid fraction.
+    #[inline]
+    pub fn smooth_level(&self, fraction: f64) -> f64 {
+        look_up(&self.smooth, fraction)
     }
 }
 

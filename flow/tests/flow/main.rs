@@ -4,5 +4,6 @@
 mod common;
 mod drops;
 mod solver;
+mod tension;
 mod viscous;
 mod waves;
