@@ -107,7 +107,7 @@ fn ghost_fluid_boundaries_converge_with_second_order() {
     let order = (coarse / fine).log2() / 3.0;
     println!("2D {coarse:e} {fine:e} {order}");
     assert!((1.85..2.15).contains(&order), "{coarse:e} {fine:e}: order {order}");
-    let [coarse, fine] = [16, 64].map(manufactured::<3>);
+    let [coarse, fine] = [32, 128].map(manufactured::<3>);
     let order = (coarse / fine).log2() / 2.0;
     println!("3D {coarse:e} {fine:e} {order}");
     assert!((1.85..2.15).contains(&order), "{coarse:e} {fine:e}: order {order}");
