@@ -4,9 +4,8 @@ use std::sync::Arc;
 
 use impactite_simd::{Float, Team};
 
-use crate::cells::{CellBlocks, SIDE, slots, stride};
+use crate::cells::{CellBlocks, MOST, SIDE, slots, stride};
 use crate::colours::{BLACK, RED, Relax, half, numbers, offset};
-use crate::stencil::MOST;
 
 /// Cells per task.
 const TASK: usize = 2048;

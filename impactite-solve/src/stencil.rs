@@ -4,14 +4,11 @@ use std::sync::Arc;
 
 use impactite_simd::{Arch, Float, Kernel, Team};
 
-use crate::cells::{CellBlocks, SIDE, slots, stride};
+use crate::cells::{CellBlocks, MOST, SIDE, slots, stride};
 use crate::error::StencilError;
 use crate::operator::Operator;
-use crate::regions::Regions;
+use crate::regions::{BlockMasks, Regions};
 use crate::vectors::update;
-
-/// Largest number of slots of a block.
-pub(crate) const MOST: usize = 64;
 
 /// Symmetric (2D+1)-point operator of a finite-volume Poisson equation on the unknown cells of a [`CellBlocks`]:
 ///
@@ -258,19 +255,6 @@ static ZERO: [f64; MOST] = [0.0; MOST];
 #[inline(always)]
 fn ends<const D: usize>(axis: usize) -> impl Iterator<Item = usize> {
     (0..slots::<D>()).step_by(SIDE as usize * stride(axis))
-}
-
-/// Bits of the slots of a block.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct BlockMasks {
-    /// Unknowns.
-    pub unknown: u64,
-    /// Unknowns with a Dirichlet excess.
-    pub held: u64,
-    /// Slots coupled with their upper neighbour along each axis.
-    pub coupled: [u64; 3],
-    /// True if an entry is invalid.
-    pub invalid: bool,
 }
 
 /// Kernel: A x on consecutive blocks, and x . A x of them.

@@ -2,10 +2,9 @@
 
 use impactite_simd::{Arch, Float, Kernel, Team};
 
-use crate::cells::{CellBlocks, NONE, SIDE, slots, stride};
+use crate::cells::{CellBlocks, MOST, NONE, SIDE, slots, stride};
 use crate::colours::{BLACK, MOST_HALF, RED, gather, gauss_seidel_sums, half, numbers, offset};
 use crate::level::{Level, each_group, each_pair, group};
-use crate::stencil::MOST;
 
 /// Values of the cells of a block in the order of slots, one array per side: lower x, upper x, lower y, ...
 type Sides = [[f32; MOST]; 6];
