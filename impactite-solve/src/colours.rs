@@ -87,6 +87,9 @@ pub(crate) fn gather<const D: usize, const C: usize>(
     }
 }
 
+/// Cells of one loop over vectors.
+const LANES: usize = 8;
+
 /// Sums b + sum_f w_f x_n over the neighbours n of the cells of one colour.
 #[inline(always)]
 pub(crate) fn gauss_seidel_sums<const D: usize>(
@@ -96,13 +99,24 @@ pub(crate) fn gauss_seidel_sums<const D: usize>(
     sums: &mut [f32; MOST_HALF],
 ) {
     let h = half::<D>();
-    sums[..h].copy_from_slice(&b[..h]);
-    for side in 0..2 * D {
-        let weights = &coefficients[side * h..][..h];
-        for i in 0..h {
-            sums[i] += weights[i] * near[side][i];
+    for first in (0..h).step_by(LANES) {
+        let mut sum = lanes(b, first);
+        for side in 0..2 * D {
+            let (weights, values) = (lanes(coefficients, side * h + first), lanes(&near[side], first));
+            for i in 0..LANES {
+                sum[i] += weights[i] * values[i];
+            }
         }
+        sums[first..first + LANES].copy_from_slice(&sum);
     }
+}
+
+/// Load consecutive numbers.
+#[inline(always)]
+fn lanes(x: &[f32], first: usize) -> [f32; LANES] {
+    let mut lanes = [0.0; LANES];
+    lanes.copy_from_slice(&x[first..][..LANES]);
+    lanes
 }
 
 /// Kernel: Gauss-Seidel update of the cells of colour C in consecutive blocks, x = (b + sum_f w_f x_n) / d.
