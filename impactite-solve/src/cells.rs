@@ -12,6 +12,9 @@ pub(crate) const fn slots<const D: usize>() -> usize {
     (SIDE as usize).pow(D as u32)
 }
 
+/// Largest number of slots of a block.
+pub(crate) const MOST: usize = 64;
+
 /// Stride between slots of a block along an axis: 1, 4, 16.
 #[inline(always)]
 pub(crate) const fn stride(axis: usize) -> usize {

@@ -7,7 +7,7 @@ use crate::level::{Coefficients, Level, group};
 use crate::transfer::Transfer;
 
 /// Largest sum of factors of the interpolation of a cell.
-pub const MOST_FACTORS: f32 = 0.9;
+const MOST_FACTORS: f32 = 0.9;
 
 /// Arrays of a group of coarse blocks.
 struct Part<'a> {
@@ -53,13 +53,13 @@ struct Source<'a, const D: usize> {
     fine: &'a Coefficients<D>,
 }
 
-/// Largest number of fine faces of a coarse face.
-const COLUMNS: usize = 4;
+/// Slot of a cell in a block, if it has a block.
+type Cell = Option<(usize, usize)>;
 
 impl<const D: usize> Source<'_, D> {
-    /// Fine block and slot of the child `corner` of a coarse cell.
+    /// Fine block and slot of the child `corner` of a coarse cell: bit a of the corner is the side along axis a.
     #[inline(always)]
-    fn child(&self, block: usize, slot: usize, corner: usize) -> Option<(usize, usize)> {
+    fn child(&self, block: usize, slot: usize, corner: usize) -> Cell {
         let (mut octant, mut inside) = (0, 0);
         for axis in 0..D {
             let x = slot / stride(axis) % 4;
@@ -70,20 +70,21 @@ impl<const D: usize> Source<'_, D> {
         (child != NONE).then_some((child as usize, inside))
     }
 
-    /// Weights of the upper faces along `axis` of the children of a coarse cell that are at side `up` of it.
+    /// Weight of the upper face along `axis` of the child `corner` of a coarse cell.
     #[inline(always)]
-    fn columns(&self, cell: Option<(usize, usize)>, axis: usize, up: usize) -> [f32; COLUMNS] {
-        let mut weights = [0.0; COLUMNS];
-        let Some((block, slot)) = cell else { return weights };
-        for (j, weight) in weights[..1 << (D - 1)].iter_mut().enumerate() {
-            let low = j & ((1 << axis) - 1);
-            let corner = low | (up << axis) | ((j >> axis) << (axis + 1));
-            *weight = self.child(block, slot, corner).map_or(0.0, |(b, i)| self.fine.upper(b, axis)[i]);
-        }
-        weights
+    fn weight(&self, cell: Cell, axis: usize, corner: usize) -> f32 {
+        let child = cell.and_then(|(block, slot)| self.child(block, slot, corner));
+        child.map_or(0.0, |(block, i)| self.fine.upper(block, axis)[i])
     }
 
-    fn neighbour(&self, block: usize, slot: usize, axis: usize, up: bool) -> Option<(usize, usize)> {
+    /// Sum of the weights of the upper faces along `axis` of the children at side `up` of a coarse cell.
+    #[inline(always)]
+    fn sum(&self, cell: Cell, axis: usize, up: usize) -> f32 {
+        let corners = (0..1 << D).filter(|corner| corner >> axis & 1 == up);
+        corners.map(|corner| self.weight(cell, axis, corner)).sum()
+    }
+
+    fn neighbour(&self, block: usize, slot: usize, axis: usize, up: bool) -> Cell {
         let n = slots::<D>();
         self.cells.neighbour(block * n + slot, axis, up).map(|s| (s / n, s % n))
     }
@@ -96,100 +97,74 @@ impl<const D: usize> Source<'_, D> {
         excess: &mut [f32],
         factors: &mut [f32],
     ) -> u64 {
-        let n = slots::<D>();
-        let mut unknown = 0;
+        let (n, mut unknown) = (slots::<D>(), 0);
+        excess.fill(0.0);
+        weights.fill(0.0);
+        factors.fill(0.0);
         for slot in 0..n {
-            let mut active = false;
-            for corner in 0..1 << D {
-                active |=
-                    self.child(block, slot, corner).is_some_and(|(b, i)| self.fine.unknown[b] >> i & 1 == 1);
-            }
-            unknown |= u64::from(active) << slot;
-            excess[slot] = 0.0;
-            for k in 0..2 * D {
-                factors[k * n + slot] = 0.0;
-            }
-            if !active {
-                (0..D).for_each(|axis| weights[axis * n + slot] = 0.0);
+            let child = |corner| self.child(block, slot, corner);
+            if !(0..1 << D).filter_map(child).any(|(b, i)| self.fine.unknown[b] >> i & 1 == 1) {
                 continue;
             }
-            let mut conductance = [[0.0; 2]; D];
-            let mut within = [0.0; D];
+            unknown |= 1 << slot;
+            let (mut conductances, mut within) = ([[0.0; 2]; D], [0.0; D]);
             for axis in 0..D {
-                let inner = self.columns(Some((block, slot)), axis, 0);
-                let cross = [
-                    self.columns(self.neighbour(block, slot, axis, false), axis, 1),
-                    self.columns(Some((block, slot)), axis, 1),
-                ];
-                let beyond =
-                    [false, true].map(|up| self.columns(self.neighbour(block, slot, axis, up), axis, 0));
-                let mut weight = 0.0;
-                for j in 0..1 << (D - 1) {
-                    within[axis] += inner[j];
-                    for up in 0..2 {
-                        conductance[axis][up] += series(cross[up][j], beyond[up][j], 0.0);
-                    }
-                    weight += series(cross[1][j], beyond[1][j], inner[j]);
-                }
-                weights[axis * n + slot] = weight;
+                let cell = Some((block, slot));
+                let [below, above] = [false, true].map(|up| self.neighbour(block, slot, axis, up));
+                let (lower, upper) = (self.sum(below, axis, 1), self.sum(cell, axis, 1));
+                let beyond = [below, above].map(|beside| self.sum(beside, axis, 0));
+                within[axis] = self.sum(cell, axis, 0);
+                conductances[axis] = [series(lower, beyond[0], 0.0), series(upper, beyond[1], 0.0)];
+                weights[axis * n + slot] = series(upper, beyond[1], within[axis]);
             }
             for corner in 0..1 << D {
-                excess[slot] += self.excess_of_child(block, slot, corner, &mut conductance);
+                excess[slot] += self.excess_of_child(block, slot, corner, &mut conductances);
             }
             let mut sum = 0.0;
             for axis in 0..D {
-                let pair = conductance[axis].map(|g| factor(g, within[axis]));
-                for up in 0..2 {
-                    factors[(2 * axis + up) * n + slot] = pair[up];
-                }
+                let pair = conductances[axis].map(|g| factor(g, within[axis]));
+                factors[2 * axis * n + slot] = pair[0];
+                factors[(2 * axis + 1) * n + slot] = pair[1];
                 sum += pair[0].max(pair[1]);
             }
             if sum > MOST_FACTORS {
-                for side in 0..2 * D {
-                    factors[side * n + slot] *= MOST_FACTORS / sum;
-                }
+                (0..2 * D).for_each(|side| factors[side * n + slot] *= MOST_FACTORS / sum);
             }
         }
         unknown
     }
 
-    /// Excess that a child adds to its coarse cell, and conductances to the Dirichlet boundary.
+    /// Excess that a child adds to its coarse cell; its conductances to a Dirichlet boundary are added to those of the cell.
+    ///
+    /// The excess is shared among the faces of the child that have no weight. A share at a face of the coarse cell is in series with half of
+    /// the coarse cell.
     #[inline(always)]
     fn excess_of_child(
         &self,
         block: usize,
         slot: usize,
         corner: usize,
-        conductance: &mut [[f32; 2]; D],
+        conductances: &mut [[f32; 2]; D],
     ) -> f32 {
         let Some((b, i)) = self.child(block, slot, corner) else { return 0.0 };
-        let e = self.fine.excess[b * slots::<D>() + i];
-        if e == 0.0 {
+        let excess = self.fine.excess[b * slots::<D>() + i];
+        if excess == 0.0 {
             return 0.0;
         }
-        // Weights of the faces of the child, those inside of the coarse cell and those on its boundary.
+        // Weights of the faces of the child, inside of the coarse cell and on its boundary.
         let mut faces = [[0.0; 2]; D];
         for axis in 0..D {
-            let up = corner >> axis & 1;
-            let of = |corner: usize, cell: Option<(usize, usize)>| {
-                cell.and_then(|(b, s)| self.child(b, s, corner))
-                    .map_or(0.0, |(b, i)| self.fine.upper(b, axis)[i])
-            };
-            let (low, high) = (corner & !(1 << axis), corner | (1 << axis));
-            let inner = of(low, Some((block, slot)));
-            let outer = if up == 1 {
-                of(high, Some((block, slot)))
-            } else {
-                of(high, self.neighbour(block, slot, axis, false))
-            };
-            faces[axis] = [inner, outer];
+            let (lower, upper) = (corner & !(1 << axis), corner | (1 << axis));
+            let at_upper = corner >> axis & 1 == 1;
+            let beside =
+                if at_upper { Some((block, slot)) } else { self.neighbour(block, slot, axis, false) };
+            faces[axis] = [self.weight(Some((block, slot)), axis, lower), self.weight(beside, axis, upper)];
         }
         let open = faces.iter().flatten().filter(|w| **w == 0.0).count();
         if open == 0 {
-            return e;
+            return excess;
         }
-        let share = e / open as f32;
-        let mut sum = 0.0;
+        let (share, mut sum) = (excess / open as f32, 0.0);
         for axis in 0..D {
             let [inner, outer] = faces[axis];
             if inner == 0.0 {
@@ -197,7 +172,7 @@ impl<const D: usize> Source<'_, D> {
             }
             if outer == 0.0 {
                 sum += series(share, 0.0, inner);
-                conductance[axis][corner >> axis & 1] += share;
+                conductances[axis][corner >> axis & 1] += share;
             }
         }
         sum
@@ -215,8 +190,9 @@ fn series(w: f32, a: f32, b: f32) -> f32 {
     1.0 / (1.0 / w + half(a) + half(b))
 }
 
-/// Factor of the interpolation, G / (G + 2 W), for the conductance G to the neighbour and W within the cell.
+/// Factor of the interpolation, G / (2 G + 4 W), for the conductance G to the neighbour and W within the cell: half of that of linear
+/// interpolation.
 #[inline(always)]
 fn factor(conductance: f32, within: f32) -> f32 {
-    if within == 0.0 { 0.0 } else { conductance / (conductance + 2.0 * within) }
+    if within == 0.0 { 0.0 } else { 0.5 * conductance / (conductance + 2.0 * within) }
 }

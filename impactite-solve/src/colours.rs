@@ -4,6 +4,8 @@
 //! level is two arrays, one per colour, with 4^D / 2 entries per block. The entry of the cell x of row y (y + 4 z in three dimensions) is
 //! 2 row + x / 2, so that neighbours along y and z have the same place in their rows, and a sweep over a block is one loop over short arrays.
 
+use impactite_simd::{Arch, Kernel};
+
 use crate::cells::{CellBlocks, slots};
 
 /// Number of colours.
@@ -53,7 +55,7 @@ pub(crate) fn gather<const D: usize, const C: usize>(
     near: &mut Near,
 ) {
     let h = half::<D>();
-    let part = |b: usize| &other[b * h..(b + 1) * h];
+    let part = |b: usize| &other[b * h..][..h];
     let side = |axis, up| cells.block_neighbour(block, axis, up).map_or(&ZERO[..h], part);
     let own = part(block);
     near[0][..h].copy_from_slice(own);
@@ -85,6 +87,9 @@ pub(crate) fn gather<const D: usize, const C: usize>(
     }
 }
 
+/// Cells of one loop over vectors.
+const LANES: usize = 8;
+
 /// Sums b + sum_f w_f x_n over the neighbours n of the cells of one colour.
 #[inline(always)]
 pub(crate) fn gauss_seidel_sums<const D: usize>(
@@ -94,31 +99,54 @@ pub(crate) fn gauss_seidel_sums<const D: usize>(
     sums: &mut [f32; MOST_HALF],
 ) {
     let h = half::<D>();
-    sums[..h].copy_from_slice(&b[..h]);
-    for side in 0..2 * D {
-        let weights = &coefficients[side * h..(side + 1) * h];
-        for i in 0..h {
-            sums[i] += weights[i] * near[side][i];
+    for first in (0..h).step_by(LANES) {
+        let mut sum = lanes(b, first);
+        for side in 0..2 * D {
+            let (weights, values) = (lanes(coefficients, side * h + first), lanes(&near[side], first));
+            for i in 0..LANES {
+                sum[i] += weights[i] * values[i];
+            }
         }
+        sums[first..first + LANES].copy_from_slice(&sum);
     }
 }
 
-/// Gauss-Seidel update of the cells of colour C in a block: x = (b + sum_f w_f x_n) / d.
+/// Load consecutive numbers.
 #[inline(always)]
-pub(crate) fn relax_block<const D: usize, const C: usize>(
-    cells: &CellBlocks<D>,
-    block: usize,
-    coefficients: &[f32],
-    b: &[f32],
-    other: &[f32],
-    x: &mut [f32],
-) {
-    let h = half::<D>();
-    let (mut near, mut sums) = ([[0.0; MOST_HALF]; 6], [0.0; MOST_HALF]);
-    gather::<D, C>(cells, other, block, &mut near);
-    gauss_seidel_sums::<D>(coefficients, b, &near, &mut sums);
-    let diagonal = &coefficients[2 * D * h..(2 * D + 1) * h];
-    for i in 0..h {
-        x[i] = sums[i] / diagonal[i];
+fn lanes(x: &[f32], first: usize) -> [f32; LANES] {
+    let mut lanes = [0.0; LANES];
+    lanes.copy_from_slice(&x[first..][..LANES]);
+    lanes
+}
+
+/// Kernel: Gauss-Seidel update of the cells of colour C in consecutive blocks, x = (b + sum_f w_f x_n) / d.
+pub(crate) struct Relax<'a, const D: usize, const C: usize> {
+    pub cells: &'a CellBlocks<D>,
+    pub first: usize,
+    pub coefficients: &'a [f32],
+    pub b: &'a [f32],
+    /// Values of the other colour.
+    pub other: &'a [f32],
+    /// Values of these blocks.
+    pub x: &'a mut [f32],
+}
+
+impl<const D: usize, const C: usize> Kernel<f32> for Relax<'_, D, C> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<f32>>(self) {
+        let (h, length) = (half::<D>(), numbers::<D>() * half::<D>());
+        let (mut near, mut sums) = ([[0.0; MOST_HALF]; 6], [0.0; MOST_HALF]);
+        for (k, x) in self.x.chunks_exact_mut(h).enumerate() {
+            let block = self.first + k;
+            let coefficients = &self.coefficients[block * length..][..length];
+            gather::<D, C>(self.cells, self.other, block, &mut near);
+            gauss_seidel_sums::<D>(coefficients, &self.b[block * h..][..h], &near, &mut sums);
+            let diagonal = &coefficients[2 * D * h..][..h];
+            for i in 0..h {
+                x[i] = sums[i] / diagonal[i];
+            }
+        }
     }
 }

@@ -2,11 +2,10 @@
 
 use std::sync::Arc;
 
-use impactite_simd::Team;
+use impactite_simd::{Float, Team};
 
-use crate::cells::{CellBlocks, SIDE, slots, stride};
-use crate::colours::{BLACK, RED, half, numbers, offset, relax_block};
-use crate::stencil::MOST;
+use crate::cells::{CellBlocks, MOST, SIDE, slots, stride};
+use crate::colours::{BLACK, RED, Relax, half, numbers, offset};
 
 /// Cells per task.
 const TASK: usize = 2048;
@@ -75,7 +74,7 @@ impl<const D: usize> Level<D> {
         let (cells, natural) = (&self.cells, &self.natural);
         let length = numbers::<D>() * half::<D>();
         for (colour, coefficients) in self.coefficients.iter_mut().enumerate() {
-            each_group::<D, _>(team, coefficients, length, |block, part| {
+            each_block::<D, _>(team, coefficients, length, |block, part| {
                 natural.split_block(cells, block, colour, part);
             });
         }
@@ -85,7 +84,7 @@ impl<const D: usize> Level<D> {
     pub fn relax_red_from_zero(&mut self, team: &Team) {
         let h = half::<D>();
         let (b, coefficients) = (&self.b[RED], &self.coefficients[RED]);
-        each_group::<D, _>(team, &mut self.x[RED], h, |block, x| {
+        each_block::<D, _>(team, &mut self.x[RED], h, |block, x| {
             let diagonal = &coefficients[(block * numbers::<D>() + 2 * D) * h..][..h];
             let b = &b[block * h..][..h];
             for i in 0..h {
@@ -96,38 +95,35 @@ impl<const D: usize> Level<D> {
 
     /// Gauss-Seidel sweep on the cells of one colour.
     pub fn relax<const C: usize>(&mut self, team: &Team) {
-        let h = half::<D>();
-        let length = numbers::<D>() * h;
-        let (cells, b, coefficients) = (&self.cells, &self.b[C], &self.coefficients[C]);
+        let (cells, b, coefficients) = (&*self.cells, &self.b[C][..], &self.coefficients[C][..]);
         let [red, black] = &mut self.x;
         let (own, other) = if C == RED { (red, &*black) } else { (black, &*red) };
-        each_group::<D, _>(team, own, h, |block, x| {
-            let coefficients = &coefficients[block * length..][..length];
-            relax_block::<D, C>(cells, block, coefficients, &b[block * h..][..h], other, x);
+        each_group::<D, _>(team, own, half::<D>(), |first, x| {
+            f32::dispatch(Relax::<D, C> { cells, first, coefficients, b, other, x });
         });
     }
 
     /// Set b to `scale` r for a vector r in the order of slots.
     pub fn load(&mut self, team: &Team, scale: f64, r: &[f64]) {
-        let n = slots::<D>();
-        for (colour, b) in self.b.iter_mut().enumerate() {
-            each_group::<D, _>(team, b, half::<D>(), |block, b| {
-                let r = &r[block * n..(block + 1) * n];
-                for row in 0..n / 4 {
-                    let first = 4 * row + offset(colour, row);
-                    b[2 * row] = (scale * r[first]) as f32;
-                    b[2 * row + 1] = (scale * r[first + 2]) as f32;
+        let (n, h) = (slots::<D>(), half::<D>());
+        each_pair::<D>(team, &mut self.b, |block, red, black| {
+            let r = &r[block * n..][..n];
+            for row in 0..h / 2 {
+                let first = offset(RED, row);
+                for k in 0..2 {
+                    red[2 * row + k] = (scale * r[4 * row + 2 * k + first]) as f32;
+                    black[2 * row + k] = (scale * r[4 * row + 2 * k + 1 - first]) as f32;
                 }
-            });
-        }
+            }
+        });
     }
 
     /// Return `scale` x in the order of slots.
     pub fn store(&self, team: &Team, scale: f64, z: &mut [f64]) {
         let (n, h) = (slots::<D>(), half::<D>());
         let [red, black] = &self.x;
-        each_group::<D, _>(team, z, n, |block, z| {
-            let (red, black) = (&red[block * h..(block + 1) * h], &black[block * h..(block + 1) * h]);
+        each_block::<D, _>(team, z, n, |block, z| {
+            let (red, black) = (&red[block * h..][..h], &black[block * h..][..h]);
             for row in 0..n / 4 {
                 let first = offset(RED, row);
                 for k in 0..2 {
@@ -183,25 +179,52 @@ impl<const D: usize> Coefficients<D> {
                     out[2 * axis * h + i] = pair[usize::from(swap)];
                     out[(2 * axis + 1) * h + i] = pair[usize::from(!swap)];
                 }
-                let active = unknown >> slot & 1 == 1;
-                out[2 * D * h + i] = if active { sums[slot] + excess[slot] } else { 1.0 };
+                // A coarse cell around a whole singular region has no diagonal, and a right-hand side of round-off.
+                let diagonal = sums[slot] + excess[slot];
+                let active = unknown >> slot & 1 == 1 && diagonal > 0.0;
+                out[2 * D * h + i] = if active { diagonal } else { 1.0 };
             }
         }
     }
 }
 
-/// Run `task(block, part)` on the parts of a vector, `length` entries per block.
+/// Run `task(first block, part)` on the parts of a vector of groups of blocks, `length` entries per block.
 pub(crate) fn each_group<const D: usize, X: Send>(
     team: &Team,
     items: &mut [X],
     length: usize,
     task: impl Fn(usize, &mut [X]) + Send + Sync,
 ) {
-    let group = group::<D>();
-    let mut units = vec![(); items.len().div_ceil(group * length)];
-    team.each_piece(items, group * length, &mut units, |i, piece, ()| {
+    let mut units = vec![(); items.len().div_ceil(group::<D>() * length)];
+    team.each_piece(items, group::<D>() * length, &mut units, |i, piece, ()| task(i * group::<D>(), piece));
+}
+
+/// Run `task(block, part)` on the parts of a vector, `length` entries per block.
+pub(crate) fn each_block<const D: usize, X: Send>(
+    team: &Team,
+    items: &mut [X],
+    length: usize,
+    task: impl Fn(usize, &mut [X]) + Send + Sync,
+) {
+    each_group::<D, X>(team, items, length, |first, piece| {
         for (k, part) in piece.chunks_exact_mut(length).enumerate() {
-            task(i * group + k, part);
+            task(first + k, part);
+        }
+    });
+}
+
+/// Run `task(block, red, black)` on the parts of a vector that is split by colour.
+pub(crate) fn each_pair<const D: usize>(
+    team: &Team,
+    x: &mut [Vec<f32>; 2],
+    task: impl Fn(usize, &mut [f32], &mut [f32]) + Send + Sync,
+) {
+    let h = half::<D>();
+    let [red, black] = x;
+    let mut blacks: Vec<&mut [f32]> = black.chunks_mut(group::<D>() * h).collect();
+    team.each_piece(red, group::<D>() * h, &mut blacks, |i, red, black| {
+        for (k, (red, black)) in red.chunks_exact_mut(h).zip(black.chunks_exact_mut(h)).enumerate() {
+            task(i * group::<D>() + k, red, black);
         }
     });
 }

@@ -8,7 +8,7 @@ use crate::cells::{CellBlocks, slots};
 use crate::coarsen::coarsen;
 use crate::coarsest::{Coarsest, MOST_UNKNOWNS};
 use crate::colours::{BLACK, RED};
-use crate::level::{Level, each_group};
+use crate::level::{Level, each_block};
 use crate::operator::Preconditioner;
 use crate::stencil::Stencil;
 use crate::transfer::Transfer;
@@ -68,7 +68,10 @@ impl<const D: usize> Multigrid<D> {
         }
         self.levels.truncate(depth + 1);
         self.transfers.truncate(depth);
-        self.coarsest.renew(&self.levels[depth]);
+        let coarsest = &mut self.levels[depth];
+        // The direct solve writes unknowns only.
+        coarsest.x.iter_mut().for_each(|x| x.fill(0.0));
+        self.coarsest.renew(coarsest);
     }
 
     /// Cells of the level below, kept if they are the same as before.
@@ -89,7 +92,7 @@ impl<const D: usize> Multigrid<D> {
     fn read(&mut self, team: &Team, stencil: &Stencil<D>) {
         let (n, scale) = (slots::<D>(), 1.0 / self.scale);
         let natural = &mut self.levels[0].natural;
-        each_group::<D, _>(team, &mut natural.weights, D * n, |block, weights| {
+        each_block::<D, _>(team, &mut natural.weights, D * n, |block, weights| {
             for axis in 0..D {
                 let from = &stencil.weights(axis)[block * n..][..n];
                 for i in 0..n {
@@ -97,12 +100,12 @@ impl<const D: usize> Multigrid<D> {
                 }
             }
         });
-        each_group::<D, _>(team, &mut natural.excess, n, |block, excess| {
+        each_block::<D, _>(team, &mut natural.excess, n, |block, excess| {
             for (e, from) in excess.iter_mut().zip(stencil.excess(block)) {
                 *e = (scale * from) as f32;
             }
         });
-        each_group::<D, _>(team, &mut natural.unknown, 1, |block, unknown| {
+        each_block::<D, _>(team, &mut natural.unknown, 1, |block, unknown| {
             let from = &stencil.diagonal()[block * n..][..n];
             unknown[0] = from.iter().enumerate().fold(0, |m, (i, d)| m | u64::from(*d > 0.0) << i);
         });

@@ -3,8 +3,20 @@
 use impactite_simd::Team;
 
 use crate::cells::{CellBlocks, slots, stride};
-use crate::stencil::BlockMasks;
 use crate::vectors::PIECE;
+
+/// Bits of the slots of a block.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BlockMasks {
+    /// Unknowns.
+    pub unknown: u64,
+    /// Unknowns with a Dirichlet excess.
+    pub held: u64,
+    /// Slots coupled with their upper neighbour along each axis.
+    pub coupled: [u64; 3],
+    /// True if an entry is invalid.
+    pub invalid: bool,
+}
 
 /// Connected regions of unknowns without a Dirichlet excess.
 ///

@@ -2,16 +2,13 @@
 
 use std::sync::Arc;
 
-use impactite_simd::Team;
+use impactite_simd::{Arch, Float, Kernel, Team};
 
-use crate::cells::{CellBlocks, SIDE, slots, stride};
+use crate::cells::{CellBlocks, MOST, SIDE, slots, stride};
 use crate::error::StencilError;
 use crate::operator::Operator;
-use crate::regions::Regions;
+use crate::regions::{BlockMasks, Regions};
 use crate::vectors::update;
-
-/// Largest number of slots of a block.
-pub(crate) const MOST: usize = 64;
 
 /// Symmetric (2D+1)-point operator of a finite-volume Poisson equation on the unknown cells of a [`CellBlocks`]:
 ///
@@ -107,10 +104,10 @@ impl<const D: usize> Stencil<D> {
     pub(crate) fn excess(&self, block: usize) -> [f64; MOST] {
         let n = slots::<D>();
         let (mut lower, mut excess) = ([0.0; MOST], [0.0; MOST]);
-        let diagonal = &self.diagonal[block * n..(block + 1) * n];
+        let diagonal = &self.diagonal[block * n..][..n];
         for axis in 0..D {
             self.lower(block, axis, &self.weights[axis], &mut lower);
-            let upper = &self.weights[axis][block * n..(block + 1) * n];
+            let upper = &self.weights[axis][block * n..][..n];
             for i in 0..n {
                 excess[i] += lower[i] + upper[i];
             }
@@ -201,11 +198,11 @@ impl<const D: usize> Stencil<D> {
     #[inline(always)]
     fn upper(&self, block: usize, axis: usize, x: &[f64], out: &mut [f64; MOST]) {
         let (n, s) = (slots::<D>(), stride(axis));
-        out[..n - s].copy_from_slice(&x[block * n + s..(block + 1) * n]);
-        let beside = self.cells.block_neighbour(block, axis, true).map(|b| &x[b * n..(b + 1) * n]);
+        out[..n - s].copy_from_slice(&x[block * n + s..][..n - s]);
+        let beside = self.cells.block_neighbour(block, axis, true).map_or(&ZERO[..n], |b| &x[b * n..][..n]);
         for i in ends::<D>(axis) {
             for k in 0..s {
-                out[i + 3 * s + k] = beside.map_or(0.0, |x| x[i + k]);
+                out[i + 3 * s + k] = beside[i + k];
             }
         }
     }
@@ -214,11 +211,11 @@ impl<const D: usize> Stencil<D> {
     #[inline(always)]
     fn lower(&self, block: usize, axis: usize, x: &[f64], out: &mut [f64; MOST]) {
         let (n, s) = (slots::<D>(), stride(axis));
-        out[s..n].copy_from_slice(&x[block * n..(block + 1) * n - s]);
-        let beside = self.cells.block_neighbour(block, axis, false).map(|b| &x[b * n..(b + 1) * n]);
+        out[s..n].copy_from_slice(&x[block * n..][..n - s]);
+        let beside = self.cells.block_neighbour(block, axis, false).map_or(&ZERO[..n], |b| &x[b * n..][..n]);
         for i in ends::<D>(axis) {
             for k in 0..s {
-                out[i + k] = beside.map_or(0.0, |x| x[i + 3 * s + k]);
+                out[i + k] = beside[i + 3 * s + k];
             }
         }
     }
@@ -227,11 +224,10 @@ impl<const D: usize> Stencil<D> {
     #[inline(always)]
     fn apply_block(&self, block: usize, x: &[f64], y: &mut [f64]) -> f64 {
         let n = slots::<D>();
-        let own = block * n..(block + 1) * n;
         let (mut flux, mut near, mut weight) = ([0.0; MOST], [0.0; MOST], [0.0; MOST]);
         for axis in 0..D {
             self.upper(block, axis, x, &mut near);
-            let w = &self.weights[axis][own.clone()];
+            let w = &self.weights[axis][block * n..][..n];
             for i in 0..n {
                 flux[i] += w[i] * near[i];
             }
@@ -241,7 +237,8 @@ impl<const D: usize> Stencil<D> {
                 flux[i] += weight[i] * near[i];
             }
         }
-        let (d, x) = (&self.diagonal[own.clone()], &x[own]);
+        let (d, x) = (&self.diagonal[block * n..][..n], &x[block * n..][..n]);
+        let y = &mut y[..n];
         let mut sums = [0.0; 4];
         for i in 0..n {
             y[i] = d[i] * x[i] - flux[i];
@@ -251,6 +248,8 @@ impl<const D: usize> Stencil<D> {
     }
 }
 
+static ZERO: [f64; MOST] = [0.0; MOST];
+
 /// First slots of the groups of rows that end at a side of a block: for each of them, the rows 0..s are at the lower and 3 s..4 s at the
 /// upper side of the axis with stride s.
 #[inline(always)]
@@ -258,17 +257,25 @@ fn ends<const D: usize>(axis: usize) -> impl Iterator<Item = usize> {
     (0..slots::<D>()).step_by(SIDE as usize * stride(axis))
 }
 
-/// Bits of the slots of a block.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct BlockMasks {
-    /// Unknowns.
-    pub unknown: u64,
-    /// Unknowns with a Dirichlet excess.
-    pub held: u64,
-    /// Slots coupled with their upper neighbour along each axis.
-    pub coupled: [u64; 3],
-    /// True if an entry is invalid.
-    pub invalid: bool,
+/// Kernel: A x on consecutive blocks, and x . A x of them.
+struct Apply<'a, const D: usize> {
+    stencil: &'a Stencil<D>,
+    first: usize,
+    x: &'a [f64],
+    y: &'a mut [f64],
+}
+
+impl<const D: usize> Kernel<f64> for Apply<'_, D> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<A: Arch<f64>>(self) -> f64 {
+        let mut sum = 0.0;
+        for (k, y) in self.y.chunks_exact_mut(slots::<D>()).enumerate() {
+            sum += self.stencil.apply_block(self.first + k, self.x, y);
+        }
+        sum
+    }
 }
 
 impl<const D: usize> Operator for Stencil<D> {
@@ -282,13 +289,7 @@ impl<const D: usize> Operator for Stencil<D> {
 
     fn apply_dot(&self, team: &Team, x: &[f64], y: &mut [f64]) -> f64 {
         let n = slots::<D>();
-        update(team, y, |start, piece| {
-            let mut sum = 0.0;
-            for (k, y) in piece.chunks_exact_mut(n).enumerate() {
-                sum += self.apply_block(start / n + k, x, y);
-            }
-            [sum]
-        })[0]
+        update(team, y, |start, y| [f64::dispatch(Apply { stencil: self, first: start / n, x, y })])[0]
     }
 
     fn nullity(&self) -> usize {

@@ -1,11 +1,10 @@
 //! Transfer between a level and the next coarser one.
 
-use impactite_simd::Team;
+use impactite_simd::{Arch, Float, Kernel, Team};
 
-use crate::cells::{CellBlocks, NONE, SIDE, slots, stride};
+use crate::cells::{CellBlocks, MOST, NONE, SIDE, slots, stride};
 use crate::colours::{BLACK, MOST_HALF, RED, gather, gauss_seidel_sums, half, numbers, offset};
-use crate::level::{Level, each_group, group};
-use crate::stencil::MOST;
+use crate::level::{Level, each_group, each_pair, group};
 
 /// Values of the cells of a block in the order of slots, one array per side: lower x, upper x, lower y, ...
 type Sides = [[f32; MOST]; 6];
@@ -60,45 +59,24 @@ impl<const D: usize> Transfer<D> {
     /// Restrict the residual of the fine level to the right-hand side of the coarse one. The residual of black cells is zero, that is after
     /// a sweep on them.
     pub fn restrict(&mut self, team: &Team, fine: &Level<D>, coarse: &mut Level<D>) {
-        let n = slots::<D>();
-        let (children, factors) = (&self.children, &self.factors);
-        each_group::<D, _>(team, &mut self.flux, (2 * D + 1) * n, |block, flux| {
-            let mut sides = [[0.0; MOST]; 6];
-            for (octant, child) in children[block][..1 << D].iter().enumerate() {
-                if *child != NONE {
-                    add_residual::<D>(fine, *child as usize, octant, &mut sides);
-                }
-            }
-            let factors = &factors[block * 2 * D * n..][..2 * D * n];
-            for side in 0..2 * D {
-                for i in 0..n {
-                    flux[side * n + i] = factors[side * n + i] * sides[side][i];
-                }
-            }
-            for i in 0..n {
-                flux[2 * D * n + i] = sides[0][i] + sides[1][i];
-            }
+        let (children, factors) = (&self.children[..], &self.factors[..]);
+        each_group::<D, _>(team, &mut self.flux, (2 * D + 1) * slots::<D>(), |first, flux| {
+            f32::dispatch(Restrict { fine, children, factors, first, flux });
         });
         self.assemble(team, coarse);
     }
 
     /// Right-hand side of the coarse level from the sums of residuals.
     fn assemble(&self, team: &Team, coarse: &mut Level<D>) {
-        let (n, h) = (slots::<D>(), half::<D>());
         let (cells, unknown) = (&coarse.cells, &coarse.natural.unknown);
-        let [red, black] = &mut coarse.b;
-        let mut blacks: Vec<&mut [f32]> = black.chunks_mut(group::<D>() * h).collect();
-        team.each_piece(red, group::<D>() * h, &mut blacks, |i, red, black| {
-            for (k, (red, black)) in red.chunks_exact_mut(h).zip(black.chunks_exact_mut(h)).enumerate() {
-                let block = i * group::<D>() + k;
-                let b = self.assemble_block(cells, block);
-                for row in 0..n / 4 {
-                    let first = offset(RED, row);
-                    for k in 0..2 {
-                        let pair = [4 * row + 2 * k + first, 4 * row + 2 * k + 1 - first]
-                            .map(|slot| if unknown[block] >> slot & 1 == 1 { b[slot] } else { 0.0 });
-                        [red[2 * row + k], black[2 * row + k]] = pair;
-                    }
+        each_pair::<D>(team, &mut coarse.b, |block, red, black| {
+            let b = self.assemble_block(cells, block);
+            let value = |slot: usize| if unknown[block] >> slot & 1 == 1 { b[slot] } else { 0.0 };
+            for row in 0..half::<D>() / 2 {
+                let first = offset(RED, row);
+                for k in 0..2 {
+                    red[2 * row + k] = value(4 * row + 2 * k + first);
+                    black[2 * row + k] = value(4 * row + 2 * k + 1 - first);
                 }
             }
         });
@@ -145,24 +123,81 @@ impl<const D: usize> Transfer<D> {
 
     /// Add the interpolated coarse solution to the red cells of the fine level. The black ones follow from a sweep on them.
     pub fn prolong(&self, team: &Team, coarse: &Level<D>, fine: &mut Level<D>) {
-        let (n, h) = (slots::<D>(), half::<D>());
-        let count = coarse.cells.blocks();
+        let (count, group) = (coarse.cells.blocks(), group::<D>());
         let mut units = vec![(); self.starts.len() - 1];
         team.each_part(&mut fine.x[RED], &self.starts, &mut units, |i, x, ()| {
-            let base = self.starts[i] as usize;
-            for block in i * group::<D>()..count.min((i + 1) * group::<D>()) {
-                let (mut own, mut sides) = ([0.0; MOST], [[0.0; MOST]; 6]);
-                let factors = &self.factors[block * 2 * D * n..][..2 * D * n];
-                differences::<D, RED>(coarse, block, factors, &mut own, &mut sides);
-                differences::<D, BLACK>(coarse, block, factors, &mut own, &mut sides);
-                for (octant, child) in self.children[block][..1 << D].iter().enumerate() {
-                    if *child != NONE {
-                        let x = &mut x[*child as usize * h - base..][..h];
-                        add_interpolated::<D>(octant, &own, &sides, x);
-                    }
+            let blocks = [i * group, count.min((i + 1) * group)];
+            f32::dispatch(Prolong { transfer: self, coarse, blocks, base: self.starts[i] as usize, x });
+        });
+    }
+}
+
+/// Kernel: sums of residuals of consecutive coarse blocks.
+struct Restrict<'a, const D: usize> {
+    fine: &'a Level<D>,
+    children: &'a [[u32; 8]],
+    factors: &'a [f32],
+    first: usize,
+    flux: &'a mut [f32],
+}
+
+impl<const D: usize> Kernel<f32> for Restrict<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<f32>>(self) {
+        let n = slots::<D>();
+        for (k, flux) in self.flux.chunks_exact_mut((2 * D + 1) * n).enumerate() {
+            let (block, mut sides) = (self.first + k, [[0.0; MOST]; 6]);
+            for octant in 0..1 << D {
+                let child = self.children[block][octant];
+                if child != NONE {
+                    add_residual::<D>(self.fine, child as usize, octant, &mut sides);
                 }
             }
-        });
+            let factors = &self.factors[block * 2 * D * n..][..2 * D * n];
+            for side in 0..2 * D {
+                for i in 0..n {
+                    flux[side * n + i] = factors[side * n + i] * sides[side][i];
+                }
+            }
+            for i in 0..n {
+                flux[2 * D * n + i] = sides[0][i] + sides[1][i];
+            }
+        }
+    }
+}
+
+/// Kernel: interpolation from consecutive coarse blocks to the red cells of their children.
+struct Prolong<'a, const D: usize> {
+    transfer: &'a Transfer<D>,
+    coarse: &'a Level<D>,
+    /// First coarse block, and the one after the last.
+    blocks: [usize; 2],
+    /// First entry of `x` in the fine array.
+    base: usize,
+    x: &'a mut [f32],
+}
+
+impl<const D: usize> Kernel<f32> for Prolong<'_, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<f32>>(self) {
+        let (n, h) = (slots::<D>(), half::<D>());
+        let (mut own, mut sides) = ([0.0; MOST], [[0.0; MOST]; 6]);
+        for block in self.blocks[0]..self.blocks[1] {
+            let factors = &self.transfer.factors[block * 2 * D * n..][..2 * D * n];
+            differences::<D, RED>(self.coarse, block, factors, &mut own, &mut sides);
+            differences::<D, BLACK>(self.coarse, block, factors, &mut own, &mut sides);
+            for octant in 0..1 << D {
+                let child = self.transfer.children[block][octant];
+                if child != NONE {
+                    let x = &mut self.x[child as usize * h - self.base..][..h];
+                    add_interpolated::<D>(octant, &own, &sides, x);
+                }
+            }
+        }
     }
 }
 
