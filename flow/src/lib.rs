@@ -20,5 +20,5 @@ mod viscosity;
 mod wall;
 
 pub use options::{FlowOptions, Fluid};
-pub use solver::{Flow, FluidError};
+pub use solver::{Flow, FluidError, StepTimes};
 pub use wall::{Wall, WallMotion};

@@ -72,6 +72,29 @@ pub struct Flow<const D: usize> {
     /// Impulse of the walls at the end of the last step, N s.
     pub(crate) booked_walls: [f64; 3],
     pub(crate) watcher: Watcher,
+    /// Wall times of the stages, if measured.
+    pub(crate) times: Option<StepTimes>,
+}
+
+/// Wall times of the stages of steps, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTimes {
+    /// Sort of the particles, blocks, cut cells.
+    pub sort: f64,
+    /// Transfer of the particles to faces.
+    pub scatter: f64,
+    /// Liquid fraction, level set, kinds of cells.
+    pub surface: f64,
+    /// Body force, viscosity, surface tension, and impulses of walls.
+    pub forces: f64,
+    /// Pressure: matrix, solve and projection.
+    pub pressure: f64,
+    /// Density correction.
+    pub density: f64,
+    /// Velocities beyond the liquid.
+    pub extrapolation: f64,
+    /// Transfer to the particles, and their motion.
+    pub gather: f64,
 }
 
 impl<const D: usize> Flow<D> {
@@ -96,6 +119,7 @@ impl<const D: usize> Flow<D> {
             exchange: Exchange::default(),
             booked_walls: [0.0; 3],
             watcher: Watcher::default(),
+            times: None,
         }
     }
 

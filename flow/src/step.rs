@@ -1,5 +1,7 @@
 //! Step of the scene: a list of stages.
 
+use std::time::Instant;
+
 use impactite_scene::{Cause, PointKind, StepError, Stopped};
 use impactite_solve::Stop;
 
@@ -8,7 +10,7 @@ use crate::cuts::cut;
 use crate::extrapolate::{Reach, constrain, extrapolate, mark};
 use crate::gather::{Gather, Sums};
 use crate::pressure::{Cells, PressureError, outflow, subtract_gradient};
-use crate::solver::{Flow, add_to};
+use crate::solver::{Flow, StepTimes, add_to};
 use crate::surface::{self, AIR, LIQUID};
 use crate::transfer::{face_centre, to_faces};
 use crate::view::wide;
@@ -45,23 +47,51 @@ impl<const D: usize> Flow<D> {
         Ok(())
     }
 
+    /// Run a stage, and measure its wall time if times are measured.
+    fn part<R>(&mut self, of: impl Fn(&mut StepTimes) -> &mut f64, work: impl FnOnce(&mut Self) -> R) -> R {
+        if self.times.is_none() {
+            return work(self);
+        }
+        let start = Instant::now();
+        let result = work(self);
+        if let Some(times) = &mut self.times {
+            *of(times) += start.elapsed().as_secs_f64();
+        }
+        result
+    }
+
     fn stages(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<Vec<Sums<D>>, StepError> {
-        self.sort(walls)?;
-        self.scatter();
-        self.find_surface();
-        self.assemble()?;
+        self.part(|t| &mut t.sort, |f| f.sort(walls))?;
+        self.part(|t| &mut t.scatter, Self::scatter);
+        self.part(|t| &mut t.surface, Self::find_surface);
+        self.part(|t| &mut t.pressure, Self::assemble)?;
+        self.part(|t| &mut t.forces, |f| f.apply_forces(dt, kick, walls))?;
+        self.part(|t| &mut t.pressure, Self::project)?;
+        let corrected = self.part(|t| &mut t.density, Self::correct_density)?;
+        let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
+        self.part(|t| &mut t.forces, |f| f.book_walls(kick * scale, walls));
+        self.part(|t| &mut t.extrapolation, |f| f.extend_velocities(walls));
+        self.finish_pressure(scale);
+        self.part(|t| &mut t.gather, |f| f.gather(dt, walls, corrected))
+    }
+
+    /// Apply body force, viscosity and surface tension to the velocity that particles brought.
+    fn apply_forces(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
         self.find_advected_divergence(dt, walls);
         self.apply_body_force(kick);
         self.apply_viscosity(kick, walls)?;
         self.find_jump(kick);
         (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
-        self.project()?;
-        let corrected = self.correct_density()?;
-        let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
-        self.book_walls(kick * scale, walls);
-        self.extend_velocities(walls);
-        self.finish_pressure(scale);
-        self.gather(dt, walls, corrected)
+        Ok(())
+    }
+
+    /// Start to measure the wall times of the stages of steps.
+    pub fn measure_times(&mut self) {
+        self.times = Some(StepTimes::default());
+    }
+    /// Wall times of the stages since [`Flow::measure_times`]; none if they are not measured.
+    pub fn times(&self) -> Option<StepTimes> {
+        self.times
     }
 
     /// Sort the particles into blocks, and cut the cells by the walls.
