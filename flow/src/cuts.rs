@@ -23,6 +23,8 @@ pub(crate) struct CutBlock<const D: usize> {
     pub face: [Vec<f64>; D],
     /// Open fraction of each cell.
     pub cell: Vec<f64>,
+    /// Cells with a corner less than half a cell from a wall, one bit each.
+    pub near: u64,
 }
 
 /// Walls in each block; none where a block is open.
@@ -127,9 +129,10 @@ fn cut_block<const D: usize>(
     }
     let cells = Blocks::<D>::CELLS;
     let mut face: [Vec<f64>; D] = std::array::from_fn(|_| vec![1.0; cells]);
-    let mut cell = vec![1.0; cells];
+    let (mut cell, mut near) = (vec![1.0; cells], 0);
     for i in 0..cells {
         let corners = corners(&gap, &local::<D>(i));
+        near |= u64::from(corners[..1 << D].iter().any(|gap| *gap < 0.5)) << i;
         for d in 0..D {
             face[d][i] = open_face::<D>(&corners, d);
         }
@@ -138,7 +141,7 @@ fn cut_block<const D: usize>(
             cell[i] = open_cell(position(&at.map(|x| x as f64)), h, walls);
         }
     }
-    Some(CutBlock { gap, nearest, face, cell })
+    Some(CutBlock { gap, nearest, face, cell, near })
 }
 
 /// Values at the 2^D corners of a cell; the rest is zero.
@@ -187,6 +190,13 @@ pub(crate) fn cut<const D: usize>(
 }
 
 impl<const D: usize> CutBlock<D> {
+    /// True if a place is in a cell with a corner less than half a cell from a wall. `at` is in cells from the corner of the block, 0 to 4.
+    #[inline]
+    pub fn is_near(&self, at: &[f64; D]) -> bool {
+        let cell = at.iter().rev().fold(0, |sum, y| sum * SIDE + (*y as usize).min(SIDE - 1));
+        self.near >> cell & 1 == 1
+    }
+
     /// Distance to the wall at a point, in cells, its gradient, and the nearest wall. `at` is in cells from the corner of the block, 0 to 4.
     pub fn sample(&self, at: &[f64; D]) -> (f64, [f64; D], usize) {
         let (mut low, mut part) = ([0; D], [0.0; D]);

@@ -2,7 +2,7 @@
 
 use impactite_simd::Team;
 
-use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
+use crate::blocks::{Blocks, TILE, TILE_CELLS, in_tile, local, stride};
 use crate::cuts::Cuts;
 use crate::surface::LIQUID;
 use crate::transfer::{face_centre, sample};
@@ -48,11 +48,19 @@ pub(crate) fn mark<const D: usize>(
     });
 }
 
-/// Scratch memory of the extrapolation.
+/// Scratch memory of the extrapolation: blocks with faces to replace, and their new values.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
-    values: Vec<f64>,
-    marks: Vec<u8>,
+    blocks: Vec<Replaced>,
+}
+
+/// New values of a block.
+#[derive(Clone, Debug)]
+struct Replaced {
+    block: u32,
+    /// Cells whose faces are replaced, one bit each.
+    which: u64,
+    values: [f64; 64],
 }
 
 /// Faces that an extrapolation replaces.
@@ -72,63 +80,95 @@ pub(crate) fn extrapolate<const D: usize>(
     blocks: &Blocks<D>,
     reach: Reach,
     (before, volume): (Option<&[f64]>, &[f64]),
-    (values, marks): (&mut Vec<f64>, &mut Vec<u8>),
+    (values, marks): (&mut [f64], &mut [u8]),
     scratch: &mut Scratch,
 ) {
     let cells = Blocks::<D>::CELLS;
     let layers = if reach == Reach::Closed { 1 } else { LAYERS };
     for layer in 0..layers {
-        scratch.values.resize(values.len(), 0.0);
-        scratch.marks.resize(marks.len(), 0);
+        let rule = Rule { reach, layer };
+        scratch.blocks.clear();
+        for (b, marks) in marks.chunks(cells).enumerate() {
+            if marks.iter().any(|m| rule.replaces(*m)) {
+                scratch.blocks.push(Replaced { block: b as u32, which: 0, values: [0.0; 64] });
+            }
+        }
         let (old, known) = (&*values, &*marks);
-        let mut pieces: Vec<&mut [u8]> = scratch.marks.chunks_mut(cells).collect();
-        team.each_piece(&mut scratch.values, cells, &mut pieces, |b, new, new_marks| {
-            let range = b * cells..(b + 1) * cells;
-            new.copy_from_slice(&old[range.clone()]);
-            new_marks.copy_from_slice(&known[range.clone()]);
-            let replaced = |mark: u8| match (reach, layer) {
-                (Reach::Closed, _) => mark == CLOSED,
-                (Reach::Beyond, 0) => mark < CLOSED,
-                (Reach::Beyond, _) => mark == UNKNOWN,
-            };
-            let source = |mark: u8| match (reach, layer) {
-                (Reach::Closed, _) => mark == SOLVED,
-                (Reach::Beyond, 0) => mark >= CLOSED,
-                (Reach::Beyond, _) => mark != UNKNOWN,
-            };
-            if !known[range].iter().any(|m| replaced(*m)) {
-                return;
+        team.each(&mut scratch.blocks, |_, new| extend_block(blocks, rule, (before, volume), (old, known), new));
+        for new in scratch.blocks.iter().filter(|new| new.which != 0) {
+            for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
+                let slot = new.block as usize * cells + i;
+                values[slot] = new.values[i];
+                marks[slot] = marks[slot].max(EXTRAPOLATED);
             }
-            let (mut tile, mut from) = ([0.0; TILE_CELLS], [0; TILE_CELLS]);
-            blocks.load(b, known, UNKNOWN, &mut from);
-            blocks.load(b, old, 0.0, &mut tile);
-            let mut start = [0.0; TILE_CELLS];
-            if let Some(before) = before {
-                blocks.load(b, before, 0.0, &mut start);
+        }
+    }
+}
+
+/// Faces that a layer replaces, and those that it takes velocities from.
+#[derive(Clone, Copy)]
+struct Rule {
+    reach: Reach,
+    layer: usize,
+}
+
+impl Rule {
+    #[inline(always)]
+    fn replaces(self, mark: u8) -> bool {
+        match (self.reach, self.layer) {
+            (Reach::Closed, _) => mark == CLOSED,
+            (Reach::Beyond, 0) => mark < CLOSED,
+            (Reach::Beyond, _) => mark == UNKNOWN,
+        }
+    }
+    #[inline(always)]
+    fn takes(self, mark: u8) -> bool {
+        match (self.reach, self.layer) {
+            (Reach::Closed, _) => mark == SOLVED,
+            (Reach::Beyond, 0) => mark >= CLOSED,
+            (Reach::Beyond, _) => mark != UNKNOWN,
+        }
+    }
+}
+
+/// Find the new values of a block.
+fn extend_block<const D: usize>(
+    blocks: &Blocks<D>,
+    rule: Rule,
+    (before, volume): (Option<&[f64]>, &[f64]),
+    (old, known): (&[f64], &[u8]),
+    new: &mut Replaced,
+) {
+    let (b, cells) = (new.block as usize, Blocks::<D>::CELLS);
+    let mut from = [0; TILE_CELLS];
+    blocks.load(b, known, UNKNOWN, &mut from);
+    if !from[..TILE.pow(D as u32)].iter().any(|m| rule.takes(*m)) {
+        return;
+    }
+    let (mut tile, mut start) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
+    blocks.load(b, old, 0.0, &mut tile);
+    if let Some(before) = before {
+        blocks.load(b, before, 0.0, &mut start);
+    }
+    for i in 0..cells {
+        let at = in_tile(&local::<D>(i));
+        if !rule.replaces(from[at]) {
+            continue;
+        }
+        let changes = before.is_some() && volume[b * cells + i] > 0.0;
+        let (mut sum, mut count) = (0.0, 0);
+        for e in 0..D {
+            for other in [at - stride(e), at + stride(e)] {
+                if rule.takes(from[other]) {
+                    sum += if changes { tile[other] - start[other] } else { tile[other] };
+                    count += 1;
+                }
             }
-            for i in 0..cells {
-                let at = in_tile(&local::<D>(i));
-                if !replaced(from[at]) {
-                    continue;
-                }
-                let changes = before.is_some() && volume[b * cells + i] > 0.0;
-                let (mut sum, mut count) = (0.0, 0);
-                for e in 0..D {
-                    for other in [at - stride(e), at + stride(e)] {
-                        if source(from[other]) {
-                            sum += if changes { tile[other] - start[other] } else { tile[other] };
-                            count += 1;
-                        }
-                    }
-                }
-                if count > 0 {
-                    new[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
-                    new_marks[i] = new_marks[i].max(EXTRAPOLATED);
-                }
-            }
-        });
-        std::mem::swap(values, &mut scratch.values);
-        std::mem::swap(marks, &mut scratch.marks);
+        }
+        if count > 0 {
+            new.values[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
+            new.which |= 1 << i;
+        }
     }
 }
 

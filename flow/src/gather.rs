@@ -178,7 +178,9 @@ impl<const D: usize> Gather<'_, D> {
             let b = self.blocks.find(&key);
             if let Some(Some(cut)) = (b != NONE).then(|| &self.cuts[b as usize]) {
                 let at = self.frame.local(&p.x, &key).map(|y| y.clamp(0.0, SIDE as f64));
-                (gap, slope, _) = cut.sample(&at);
+                if cut.is_near(&at) {
+                    (gap, slope, _) = cut.sample(&at);
+                }
             }
         }
         let square: f64 = slope.iter().map(|s| s * s).sum();

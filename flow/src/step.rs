@@ -387,7 +387,7 @@ impl<const D: usize> Flow<D> {
             for reach in [Reach::Closed, Reach::Beyond] {
                 for d in 0..D {
                     grid.scratch.marks[d].clone_from(&grid.marks[d]);
-                    let values = (&mut field[d], &mut grid.scratch.marks[d]);
+                    let values = (&mut field[d][..], &mut grid.scratch.marks[d][..]);
                     let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
                     extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate);
                 }
@@ -500,6 +500,15 @@ impl<const D: usize> Flow<D> {
             self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);
         }
         self.booked_walls = walls;
+    }
+
+    /// Volume within the surface at the start of the last step, m^3 (m^2 in the plane): that of the level set, by the liquid share of each
+    /// cell. Particles keep their volumes; this is the volume that they occupy.
+    pub fn liquid_volume(&self) -> f64 {
+        let grid = &self.grid;
+        let cell = self.frame.h.powi(D as i32);
+        let share = |(level, open): (&f64, &f64)| (0.5 - level).clamp(0.0, 1.0) * open;
+        grid.surface.level.iter().zip(&grid.open_cell).map(share).sum::<f64>() * cell
     }
 
     /// Iterations of the last step: of the pressure equation and of the density correction.
