@@ -74,6 +74,14 @@ pub enum Stopped {
          materials, or fix the step (`TimeControl::Fixed`)"
     )]
     NoTimeStep(f64),
+    /// System of equations that was not solved.
+    #[error("{what} was not solved: {why}")]
+    Solve {
+        /// Name of the system.
+        what: &'static str,
+        /// Error of the solve, with the remedy.
+        why: String,
+    },
     /// Finding of a check after a completed step: results are not to be trusted ([`crate::watch`]).
     #[error("{0}")]
     Watch(Box<Finding>),

@@ -225,8 +225,9 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<Vec<String>> {
 }
 
 /// Library crates, leaf first.
-const LIBRARIES: [&str; 16] = [
+const LIBRARIES: [&str; 17] = [
     "impactite-simd",
+    "impactite-solve",
     "mpm-materials",
     "impactite-geometry",
     "impactite-output",

@@ -465,7 +465,11 @@ pub fn errors(_: Scene<'_>, tests: &SolverTests) -> Check {
                 return broken(&*solver, "errors name the place", text);
             }
         }
-        Stopped::Outside { .. } | Stopped::Scene(_) | Stopped::NoTimeStep(_) | Stopped::Watch(_) => {}
+        Stopped::Outside { .. }
+        | Stopped::Scene(_)
+        | Stopped::NoTimeStep(_)
+        | Stopped::Solve { .. }
+        | Stopped::Watch(_) => {}
         _ => return broken(&*solver, "a scene that breaks is not refused by its clock", text),
     }
     if solver.stopped_by() != Some(&error) {

@@ -1,0 +1,231 @@
+//! Velocities at faces beyond the liquid, and in walls.
+
+use impactite_simd::Team;
+
+use crate::blocks::{Blocks, TILE, TILE_CELLS, in_tile, local, stride};
+use crate::cuts::Cuts;
+use crate::surface::LIQUID;
+use crate::transfer::{face_centre, sample};
+
+/// Mark of a face without a velocity.
+pub(crate) const UNKNOWN: u8 = 0;
+/// Mark of a face with the velocity of particles that no liquid cell is beside.
+pub(crate) const FREE: u8 = 1;
+/// Mark of a face with an extrapolated velocity.
+const EXTRAPOLATED: u8 = 2;
+/// Mark of a closed face of a liquid cell.
+pub(crate) const CLOSED: u8 = 3;
+/// Mark of an open face of a liquid cell.
+pub(crate) const SOLVED: u8 = 4;
+
+/// Layers of faces with extrapolated velocities.
+const LAYERS: usize = 3;
+
+/// Mark the faces across axis `d`.
+pub(crate) fn mark<const D: usize>(
+    team: &Team,
+    blocks: &Blocks<D>,
+    (kind, open, volume): (&[u8], &[f64], &[f64]),
+    d: usize,
+    marks: &mut Vec<u8>,
+) {
+    let cells = Blocks::<D>::CELLS;
+    marks.resize(blocks.cells(), UNKNOWN);
+    team.each_piece(marks, cells, &mut vec![(); blocks.len()], |b, marks, ()| {
+        let mut tile = [0; TILE_CELLS];
+        blocks.load(b, kind, 0, &mut tile);
+        for (i, mark) in marks.iter_mut().enumerate() {
+            let at = in_tile(&local::<D>(i));
+            let beside = tile[at] == LIQUID || tile[at - stride(d)] == LIQUID;
+            let slot = b * cells + i;
+            *mark = match (beside, open[slot] > 0.0, volume[slot] > 0.0) {
+                (true, true, _) => SOLVED,
+                (true, false, _) => CLOSED,
+                (false, _, true) => FREE,
+                _ => UNKNOWN,
+            };
+        }
+    });
+}
+
+/// Scratch memory of the extrapolation: blocks with faces to replace, and their new values.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Scratch {
+    blocks: Vec<Replaced>,
+}
+
+/// New values of a block.
+#[derive(Clone, Debug)]
+struct Replaced {
+    block: u32,
+    /// Cells whose faces are replaced, one bit each.
+    which: u64,
+    values: [f64; 64],
+}
+
+/// Faces that an extrapolation replaces.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reach {
+    /// Closed faces of liquid cells, from the open faces.
+    Closed,
+    /// Faces beyond the liquid, from the faces of liquid cells.
+    Beyond,
+}
+
+/// Extrapolate the velocity across one axis: each layer is the mean of the known faces beside it. In the first layer, faces with particles
+/// get the mean change of velocity of the faces beside them instead, from that in `before`: so that affine velocities stay as they are.
+/// Farther faces with particles keep their velocities.
+pub(crate) fn extrapolate<const D: usize>(
+    team: &Team,
+    blocks: &Blocks<D>,
+    reach: Reach,
+    (before, volume): (Option<&[f64]>, &[f64]),
+    (values, marks): (&mut [f64], &mut [u8]),
+    scratch: &mut Scratch,
+) {
+    let cells = Blocks::<D>::CELLS;
+    let layers = if reach == Reach::Closed { 1 } else { LAYERS };
+    for layer in 0..layers {
+        let rule = Rule { reach, layer };
+        scratch.blocks.clear();
+        for (b, marks) in marks.chunks(cells).enumerate() {
+            if marks.iter().any(|m| rule.replaces(*m)) {
+                scratch.blocks.push(Replaced { block: b as u32, which: 0, values: [0.0; 64] });
+            }
+        }
+        let (old, known) = (&*values, &*marks);
+        team.each(&mut scratch.blocks, |_, new| extend_block(blocks, rule, (before, volume), (old, known), new));
+        for new in scratch.blocks.iter().filter(|new| new.which != 0) {
+            for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
+                let slot = new.block as usize * cells + i;
+                values[slot] = new.values[i];
+                marks[slot] = marks[slot].max(EXTRAPOLATED);
+            }
+        }
+    }
+}
+
+/// Faces that a layer replaces, and those that it takes velocities from.
+#[derive(Clone, Copy)]
+struct Rule {
+    reach: Reach,
+    layer: usize,
+}
+
+impl Rule {
+    #[inline(always)]
+    fn replaces(self, mark: u8) -> bool {
+        match (self.reach, self.layer) {
+            (Reach::Closed, _) => mark == CLOSED,
+            (Reach::Beyond, 0) => mark < CLOSED,
+            (Reach::Beyond, _) => mark == UNKNOWN,
+        }
+    }
+    #[inline(always)]
+    fn takes(self, mark: u8) -> bool {
+        match (self.reach, self.layer) {
+            (Reach::Closed, _) => mark == SOLVED,
+            (Reach::Beyond, 0) => mark >= CLOSED,
+            (Reach::Beyond, _) => mark != UNKNOWN,
+        }
+    }
+}
+
+/// Find the new values of a block.
+fn extend_block<const D: usize>(
+    blocks: &Blocks<D>,
+    rule: Rule,
+    (before, volume): (Option<&[f64]>, &[f64]),
+    (old, known): (&[f64], &[u8]),
+    new: &mut Replaced,
+) {
+    let (b, cells) = (new.block as usize, Blocks::<D>::CELLS);
+    let mut from = [0; TILE_CELLS];
+    blocks.load(b, known, UNKNOWN, &mut from);
+    if !from[..TILE.pow(D as u32)].iter().any(|m| rule.takes(*m)) {
+        return;
+    }
+    let (mut tile, mut start) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
+    blocks.load(b, old, 0.0, &mut tile);
+    if let Some(before) = before {
+        blocks.load(b, before, 0.0, &mut start);
+    }
+    for i in 0..cells {
+        let at = in_tile(&local::<D>(i));
+        if !rule.replaces(from[at]) {
+            continue;
+        }
+        let changes = before.is_some() && volume[b * cells + i] > 0.0;
+        let (mut sum, mut count) = (0.0, 0);
+        for e in 0..D {
+            for other in [at - stride(e), at + stride(e)] {
+                if rule.takes(from[other]) {
+                    sum += if changes { tile[other] - start[other] } else { tile[other] };
+                    count += 1;
+                }
+            }
+        }
+        if count > 0 {
+            new.values[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
+            new.which |= 1 << i;
+        }
+    }
+}
+
+/// Apply the velocities of walls to closed faces, either those of liquid cells or all: the normal component at slip walls, and the mirrored velocity at walls without slip.
+/// Faces beside no liquid cell are held against approach alone.
+pub(crate) fn constrain<const D: usize>(
+    team: &Team,
+    blocks: &Blocks<D>,
+    (cuts, open, marks): (&Cuts<D>, &[Vec<f64>; D], &[Vec<u8>; D]),
+    reach: Reach,
+    walls: &[([f64; D], bool)],
+    velocity: &mut [Vec<f64>; D],
+    scratch: &mut [Vec<f64>; D],
+) {
+    let cells = Blocks::<D>::CELLS;
+    if walls.is_empty() {
+        return;
+    }
+    let old = &*velocity;
+    for d in 0..D {
+        scratch[d].resize(blocks.cells(), 0.0);
+        team.each_piece(&mut scratch[d], cells, &mut vec![(); blocks.len()], |b, new, ()| {
+            new.copy_from_slice(&old[d][b * cells..(b + 1) * cells]);
+            let Some(cut) = &cuts[b] else { return };
+            let beside = |i: usize| marks[d][b * cells + i] == CLOSED;
+            let closed = |i: usize| open[d][b * cells + i] <= 0.0 && (reach == Reach::Beyond || beside(i));
+            if !(0..cells).any(closed) {
+                return;
+            }
+            let mut tiles = [[0.0; TILE_CELLS]; 3];
+            (0..D).for_each(|e| blocks.load(b, &old[e], 0.0, &mut tiles[e]));
+            for i in (0..cells).filter(|i| closed(*i)) {
+                let at = face_centre::<D>(i, d);
+                let (gap, slope, wall) = cut.sample(&at);
+                let length = slope.iter().map(|s| s * s).sum::<f64>().sqrt();
+                if length <= 0.0 {
+                    continue;
+                }
+                let normal = slope.map(|s| s / length);
+                let (moves, no_slip) = walls[wall];
+                if no_slip {
+                    // Within the tile: at most one cell beyond the block.
+                    let depth = (-gap).clamp(0.0, 0.5);
+                    let mirror: [f64; D] = std::array::from_fn(|e| at[e] + 2.0 * depth * normal[e]);
+                    let fluid = sample(&tiles[d], &mirror, d).0;
+                    new[i] = if depth > 0.0 { 2.0 * moves[d] - fluid } else { moves[d] };
+                    continue;
+                }
+                let mut approach = 0.0;
+                for e in 0..D {
+                    approach += (sample(&tiles[e], &at, e).0 - moves[e]) * normal[e];
+                }
+                if beside(i) || approach < 0.0 {
+                    new[i] -= normal[d] * approach;
+                }
+            }
+        });
+    }
+    (0..D).for_each(|d| std::mem::swap(&mut velocity[d], &mut scratch[d]));
+}

@@ -1,0 +1,451 @@
+//! Scene of incompressible flow: data, set-up, and the interface to the run loop.
+
+use std::sync::Arc;
+
+use impactite_geometry::{Filling, GeometryError, Seeds, Shape, fill};
+use impactite_scene::boundary::BodyForce;
+use impactite_scene::constants::over;
+use impactite_scene::control::ControlError;
+use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::{
+    Account, Archive, Body, CheckpointError, Clock, Exchange, SceneError, Solver, StepError, StepLimit, Stopped,
+    TimeControl, Warning, Watch,
+};
+use impactite_simd::Team;
+
+use crate::grid::Grid;
+use crate::options::{Fluid, FlowOptions, parameter};
+use crate::particles::{Frame, Liquid, Particle};
+use crate::surface::Profile;
+use crate::view::wide;
+use crate::wall::Wall;
+
+/// Default share of the Courant limit.
+const COURANT: f64 = 0.5;
+/// Default largest ratio of a step to the last one.
+const GROWTH: f64 = 1.1;
+/// Largest number of walls.
+const MOST_WALLS: usize = 1 << 15;
+
+/// Error in the set-up of a liquid from a shape.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FluidError {
+    /// Invalid shape or filling.
+    #[error(transparent)]
+    Geometry(#[from] GeometryError),
+    /// Invalid scene.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// Scene of incompressible free-surface flow in `D` = 2 or 3 dimensions.
+///
+/// ```
+/// use flow::{Flow, FlowOptions, Fluid, Wall};
+/// use impactite_geometry::{Cuboid, Lattice};
+/// let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0, 0.0], 0.05)?));
+/// flow.add_wall(Wall::container(Cuboid::new([0.0, 0.0], [2.0, 1.0])?))?;
+/// flow.add_shape("water", Fluid::new(1000.0)?, &Cuboid::new([0.0, 0.0], [0.5, 0.5])?, 2, |_| [0.0; 2])?;
+/// flow.set_body_force(|_| [0.0, -9.81]);
+/// flow.run_until(0.1)?;
+/// assert!(flow.points().iter().all(|p| p.position[1] > 0.0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone)]
+pub struct Flow<const D: usize> {
+    pub(crate) options: FlowOptions<D>,
+    pub(crate) frame: Frame<D>,
+    pub(crate) fluid: Option<Fluid>,
+    pub(crate) liquids: Vec<Liquid<D>>,
+    pub(crate) walls: Vec<Wall<D>>,
+    pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) grid: Grid<D>,
+    pub(crate) team: Team,
+    pub(crate) control: TimeControl,
+    pub(crate) clock: Clock,
+    /// Time from the velocities to the positions, s.
+    pub(crate) lag: f64,
+    /// Largest speed of a particle, m/s.
+    pub(crate) speed: f64,
+    pub(crate) exchange: Exchange,
+    /// Impulse of the walls at the end of the last step, N s.
+    pub(crate) booked_walls: [f64; 3],
+    pub(crate) watcher: Watcher,
+    /// Wall times of the stages, if measured.
+    pub(crate) times: Option<StepTimes>,
+}
+
+/// Wall times of the stages of steps, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTimes {
+    /// Sort of the particles, blocks, cut cells.
+    pub sort: f64,
+    /// Transfer of the particles to faces.
+    pub scatter: f64,
+    /// Liquid fraction, level set, kinds of cells.
+    pub surface: f64,
+    /// Body force, viscosity, surface tension, and impulses of walls.
+    pub forces: f64,
+    /// Pressure: matrix, solve and projection.
+    pub pressure: f64,
+    /// Density correction.
+    pub density: f64,
+    /// Velocities beyond the liquid.
+    pub extrapolation: f64,
+    /// Transfer to the particles, and their motion.
+    pub gather: f64,
+}
+
+impl<const D: usize> Flow<D> {
+    const PLANE_OR_SPACE: () = assert!(D == 2 || D == 3, "flow is in the plane or in space");
+
+    /// Create a scene without liquid and walls. It runs on the caller's thread, with half of the largest time step.
+    pub fn new(options: FlowOptions<D>) -> Self {
+        let () = Self::PLANE_OR_SPACE;
+        Flow {
+            frame: Frame::new(&options.lattice, options.period),
+            options,
+            fluid: None,
+            liquids: Vec::new(),
+            walls: Vec::new(),
+            body_force: None,
+            grid: Grid::default(),
+            team: Team::one(),
+            control: TimeControl::Courant { factor: COURANT, growth: GROWTH },
+            clock: Clock::default(),
+            lag: 0.0,
+            speed: 0.0,
+            exchange: Exchange::default(),
+            booked_walls: [0.0; 3],
+            watcher: Watcher::default(),
+            times: None,
+        }
+    }
+
+    /// Add a body of liquid from particles, with the velocity (m/s) at a position (m), and return its number. Four particles a cell in the
+    /// plane and eight in space are usual.
+    ///
+    /// # Errors
+    /// A name that is empty or in use; no particle; positions, volumes or velocities that are not finite, or not positive volumes; a fluid
+    /// that differs from that of the other bodies, since the liquid of a scene is one.
+    pub fn add_fluid(
+        &mut self,
+        name: impl Into<String>,
+        fluid: Fluid,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) -> Result<usize, SceneError> {
+        let name = name.into();
+        self.check_name(&name)?;
+        if let Some(other) = self.fluid.filter(|other| *other != fluid) {
+            return Err(SceneError::NotWith {
+                what: format!("a fluid {fluid:?} beside {other:?}"),
+                method: self.method(),
+                why: "the liquid of a scene is one; take the same constants",
+            });
+        }
+        parameter(!seeds.is_empty(), "particles", 0.0, "at least 1")?;
+        parameter(seeds.len() < u32::MAX as usize, "particles", seeds.len() as f64, "below 2^32")?;
+        let mut particles = Vec::with_capacity(seeds.len());
+        for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
+            let mut p = Particle { x, v: velocity(x), c: [[0.0; D]; D], volume, pressure: 0.0, number: n as u32 };
+            for d in 0..D {
+                parameter(x[d].is_finite(), "position", x[d], "finite")?;
+                parameter(p.v[d].is_finite(), "velocity", p.v[d], "finite")?;
+            }
+            parameter(volume > 0.0 && volume.is_finite(), "volume", volume, "positive and finite")?;
+            p.c = affine(&velocity, x, self.frame.h);
+            self.frame.wrap(&mut p.x);
+            self.speed = self.speed.max(p.v.iter().map(|v| v * v).sum::<f64>().sqrt());
+            particles.push(p);
+        }
+        let mut liquid = Liquid::new(name, fluid.density, particles);
+        liquid.force = self.force(self.clock.time);
+        self.liquids.push(liquid);
+        self.fluid = Some(fluid);
+        self.set_profile();
+        self.watcher.reopen();
+        Ok(self.liquids.len() - 1)
+    }
+
+    /// Add a body of liquid that fills a shape, with `per_axis` particles along an edge of a cell, usually 2, and return its number.
+    ///
+    /// # Errors
+    /// A shape that cannot be filled; errors of [`Flow::add_fluid`].
+    pub fn add_shape(
+        &mut self,
+        name: impl Into<String>,
+        fluid: Fluid,
+        shape: &(impl Shape<D> + ?Sized),
+        per_axis: usize,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) -> Result<usize, FluidError> {
+        let seeds = fill(shape, &self.options.lattice, per_axis, &Filling::new())?;
+        Ok(self.add_fluid(name, fluid, &seeds, velocity)?)
+    }
+
+    /// Set the profile of the surface, by the mean volume of the particles.
+    fn set_profile(&mut self) {
+        let count: usize = self.liquids.iter().map(|l| l.particles.len()).sum();
+        let volume: f64 = self.liquids.iter().flat_map(|l| &l.particles).map(|p| p.volume).sum();
+        let spacing = (volume / count as f64).powf(1.0 / D as f64) / self.frame.h;
+        self.grid.profile = Profile::new(D, spacing.clamp(0.05, 1.0));
+    }
+
+    fn check_name(&self, name: &str) -> Result<(), SceneError> {
+        let refuse = |allowed| Err(SceneError::Name { name: name.into(), allowed });
+        if name.is_empty() {
+            return refuse("not empty");
+        }
+        if self.liquids.iter().any(|l| l.name == name) {
+            return refuse("unique in the scene");
+        }
+        Ok(())
+    }
+
+    /// Add a wall.
+    ///
+    /// # Errors
+    /// Too many walls; a displacement that is not finite at the present time.
+    pub fn add_wall(&mut self, wall: Wall<D>) -> Result<(), SceneError> {
+        parameter(self.walls.len() < MOST_WALLS, "walls", self.walls.len() as f64 + 1.0, "at most 32768")?;
+        for value in wall.displacement(self.clock.time) {
+            parameter(value.is_finite(), "displacement of a wall", value, "finite")?;
+        }
+        self.walls.push(wall);
+        // Cuts by the walls that were there are of no use.
+        self.grid = Grid { profile: self.grid.profile.clone(), ..Grid::default() };
+        Ok(())
+    }
+
+    /// Set the body force of all liquid over time, m/s^2: gravity, less the acceleration of the frame of a moving tank.
+    pub fn set_body_force(&mut self, force: impl Fn(f64) -> [f64; D] + Send + Sync + 'static) {
+        self.body_force = Some(Arc::new(force));
+        let now = self.force(self.clock.time);
+        self.liquids.iter_mut().for_each(|l| l.force = now);
+    }
+
+    pub(crate) fn force(&self, time: f64) -> [f64; D] {
+        self.body_force.as_ref().map_or([0.0; D], |force| force(time))
+    }
+
+    /// Set the time step control: a Courant factor of 1 is a displacement of one cell in a step, or the stability limit of surface tension.
+    ///
+    /// # Errors
+    /// An invalid time step control, or one for grids of another method.
+    pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
+        control.check_without_grid()?;
+        self.control = control;
+        Ok(())
+    }
+
+    /// Set the run checks: [`Watch`]. A run that a check stopped may be continued after this.
+    pub fn set_watch(&mut self, watch: Watch) {
+        self.watcher.set(watch);
+    }
+
+    /// Step until the time `end` (s), which is reached exactly.
+    ///
+    /// # Errors
+    /// Errors of [`Solver::run_until`].
+    pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        Solver::run_until(self, end)
+    }
+
+    /// All particles, body by body, sorted by number.
+    pub fn points(&self) -> Vec<impactite_scene::PointView> {
+        self.liquids.iter().flat_map(|l| l.points()).collect()
+    }
+
+    /// Time from the velocities to the positions, s: velocities are those of the middle of the last step.
+    pub fn velocity_lag(&self) -> f64 {
+        self.lag
+    }
+
+    /// Rate of the Courant condition, 1/s: speed over cell, gravity and surface tension.
+    fn rate(&self) -> f64 {
+        let h = self.frame.h;
+        let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
+        let mut rate = self.speed / h;
+        rate = rate.max((gravity / h).sqrt());
+        if let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) {
+            // Brackbill et al. 1992.
+            let limit = fluid.density * h.powi(3) / (4.0 * std::f64::consts::PI * fluid.tension);
+            rate = rate.max(1.0 / limit.sqrt());
+        }
+        rate
+    }
+
+    fn look(&mut self) -> Result<(), StepError> {
+        let (totals, exchange, clock) = (self.totals(), self.exchange, self.clock);
+        let at = Look {
+            clock: &clock,
+            exchange: &exchange,
+            rounding: f64::EPSILON,
+            speed: self.speed.max(f64::MIN_POSITIVE),
+            // The energy of the surface is in no balance.
+            energy: self.fluid.is_none_or(|fluid| fluid.tension == 0.0),
+            loss: LOSS,
+        };
+        let mut watcher = std::mem::take(&mut self.watcher);
+        let bodies = self.bodies();
+        let gain = gain_at_the_fastest(&bodies, |_| GAIN);
+        let looked = watcher.look(&totals, false, &at, || not_finite(&bodies), gain);
+        self.watcher = watcher;
+        looked
+    }
+
+    fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
+        let dt = self.clock.step_within(self.next_step(), left)?;
+        self.check(dt).map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        if self.watcher.opens() {
+            let (totals, exchange) = (self.totals(), self.exchange);
+            self.watcher.open(self.clock.steps, &totals, &exchange, false);
+        }
+        self.step(dt)?;
+        if self.watcher.due(self.clock.steps).is_some() {
+            self.look()?;
+        }
+        Ok(dt)
+    }
+
+    /// Size of the next step, s. A scene without motion and forces has no limit.
+    fn next_step(&self) -> f64 {
+        self.control.next(self.rate(), self.clock.last)
+    }
+
+    /// Check that forces and walls are finite in a step.
+    fn check(&self, dt: f64) -> Result<(), SceneError> {
+        if self.liquids.is_empty() {
+            return Err(SceneError::NoBodies);
+        }
+        let finite = |what: &str, values: [f64; D], time: f64| {
+            let wrong = values.into_iter().find(|x| !x.is_finite());
+            wrong.map_or(Ok(()), |value| Err(SceneError::NotFinite { what: what.into(), value, time }))
+        };
+        let time = self.clock.time;
+        finite("body force", self.force(time), time)?;
+        self.walls.iter().try_for_each(|w| finite("displacement of a wall", w.displacement(time + dt), time + dt))
+    }
+
+    fn archive_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let times = [0.0, self.clock.time];
+        file.same("options", &format!("{:?}", self.options))?;
+        file.same("fluid", &format!("{:?}", self.fluid))?;
+        let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
+        file.same("body force", &force.unwrap_or_default())?;
+        file.same("number of walls", &self.walls.len().to_string())?;
+        for (n, wall) in self.walls.iter().enumerate() {
+            let motion = over(times, |t| wall.displacement(t));
+            file.same(&format!("wall {n}"), &format!("{wall:?} {motion} m"))?;
+        }
+        file.same("number of bodies", &self.liquids.len().to_string())
+    }
+}
+
+/// Affine matrix h dv_d/dx_e of a velocity by central differences over a thousandth of a cell; exact for affine velocities up to rounding.
+fn affine<const D: usize>(velocity: &impl Fn([f64; D]) -> [f64; D], x: [f64; D], h: f64) -> [[f64; D]; D] {
+    let mut c = [[0.0; D]; D];
+    for e in 0..D {
+        let at = |by: f64| {
+            let mut place = x;
+            place[e] += by * h;
+            velocity(place)
+        };
+        let (up, low) = (at(5e-4), at(-5e-4));
+        for d in 0..D {
+            let slope = (up[d] - low[d]) / 1e-3;
+            c[d][e] = if slope.is_finite() { slope } else { 0.0 };
+        }
+    }
+    c
+}
+
+/// Likely sinks of energy.
+const LOSS: Loss = Loss {
+    by: "the transfer between particles and grid (APIC), or liquid that collided",
+    remedy: "take smaller cells; a splash or impact of an incompressible liquid loses energy by its nature",
+};
+/// Likely source of energy.
+const GAIN: &str = "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
+
+impl<const D: usize> Solver for Flow<D> {
+    fn method(&self) -> String {
+        "incompressible free-surface flow: affine particle-in-cell on a staggered grid".into()
+    }
+    fn dimensions(&self) -> usize {
+        D
+    }
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+    fn stable_step(&mut self) -> Result<f64, StepError> {
+        Ok(self.next_step())
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        Some(self.control.limit(self.rate(), self.clock.last, 0))
+    }
+    #[inline(never)]
+    fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
+        self.watcher.may_go_on()?;
+        let made = self.make_step(left);
+        self.watcher.note(made)
+    }
+    fn set_team(&mut self, team: Team) {
+        self.team = team;
+    }
+    fn bodies(&self) -> Vec<&dyn Body> {
+        self.liquids.iter().map(|l| l as &dyn Body).collect()
+    }
+    fn exchange(&self) -> Exchange {
+        self.exchange
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.clock.archive(file)?;
+        self.archive_constants(file)?;
+        file.reals([&mut self.lag, &mut self.speed])?;
+        for liquid in &mut self.liquids {
+            file.same("name of a body", &liquid.name)?;
+            let count = liquid.particles.len();
+            file.same(&format!("number of particles of body `{}`", liquid.name), &count.to_string())?;
+            for p in &mut liquid.particles {
+                file.index(&mut p.number, count)?;
+                file.reals(p.x.iter_mut().chain(&mut p.v).chain(p.c.iter_mut().flatten()))?;
+                file.reals([&mut p.volume, &mut p.pressure])?;
+            }
+            file.reals([&mut liquid.lag, &mut liquid.heat, &mut liquid.acceleration])?;
+            file.reals(liquid.force.iter_mut().chain(&mut liquid.momentum_rate))?;
+        }
+        self.exchange.archive(file)?;
+        self.booked_walls = self.exchange.impulse;
+        self.watcher.archive(file)
+    }
+    fn stopped_by(&self) -> Option<&StepError> {
+        self.watcher.stopped_by()
+    }
+    fn look_at_the_end(&mut self) -> Result<(), StepError> {
+        if !self.watcher.due_at_the_end(self.clock.steps) {
+            return Ok(());
+        }
+        let looked = self.look();
+        self.watcher.note(looked)
+    }
+    fn warnings(&self) -> &[Warning] {
+        self.watcher.warnings()
+    }
+    fn account(&self) -> Account {
+        self.watcher.account(&self.totals(), &self.exchange, false)
+    }
+    fn bytes(&self) -> usize {
+        self.liquids.iter().map(Liquid::bytes).sum::<usize>() + self.grid.bytes()
+    }
+}
+
+/// Vector of the exchange.
+pub(crate) fn add_to<const D: usize>(sum: &mut [f64; 3], by: &[f64; D]) {
+    wide(by).iter().zip(sum).for_each(|(by, sum)| *sum += by);
+}

@@ -1,0 +1,570 @@
+//! Step of the scene: a list of stages.
+
+use std::time::Instant;
+
+use impactite_scene::{Cause, PointKind, StepError, Stopped};
+use impactite_solve::Stop;
+
+use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, offset, stride};
+use crate::cuts::cut;
+use crate::extrapolate::{Reach, constrain, extrapolate, mark};
+use crate::gather::{Gather, Sums};
+use crate::pressure::{Cells, PressureError, outflow, subtract_gradient};
+use crate::solver::{Flow, StepTimes, add_to};
+use crate::surface::{self, AIR, LIQUID};
+use crate::transfer::{face_centre, to_faces};
+use crate::view::wide;
+use crate::viscosity::Stress;
+use crate::wall::{Wall, Walls};
+
+/// Tolerance of the density correction, relative.
+const CORRECTION_TOLERANCE: f64 = 1e-2;
+/// Relative change of the volume of a cell in a step by the velocity that particles bring, up to which it comes from smooth motion.
+const SMOOTH: f64 = 0.02;
+/// Largest density error that a step corrects, before the relaxation.
+const LARGEST_ERROR: f64 = 0.5;
+/// Excess of density that is no error near the surface, where deficits are none either: the fraction there is that of few particles.
+const ALLOWED: f64 = 0.1;
+/// Density errors below which no correction is made.
+const NO_ERROR: f64 = 1e-9;
+
+impl<const D: usize> Flow<D> {
+    /// Make a step of `dt` seconds. Velocities are those of the middle between positions (leap-frog): forces act over the mean of the last
+    /// step and this one.
+    pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
+        let (time, kick) = (self.clock.time, self.lag + 0.5 * dt);
+        let list = std::mem::take(&mut self.walls);
+        let stepped = self.stages(dt, kick, &Walls::at(&list, time, dt));
+        self.walls = list;
+        let sums = stepped?;
+        self.book(&sums, kick);
+        self.lag = 0.5 * dt;
+        self.clock.advance(dt);
+        let force = self.force(self.clock.time);
+        for liquid in &mut self.liquids {
+            (liquid.lag, liquid.force) = (self.lag, force);
+        }
+        Ok(())
+    }
+
+    /// Run a stage, and measure its wall time if times are measured.
+    fn part<R>(&mut self, of: impl Fn(&mut StepTimes) -> &mut f64, work: impl FnOnce(&mut Self) -> R) -> R {
+        if self.times.is_none() {
+            return work(self);
+        }
+        let start = Instant::now();
+        let result = work(self);
+        if let Some(times) = &mut self.times {
+            *of(times) += start.elapsed().as_secs_f64();
+        }
+        result
+    }
+
+    fn stages(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<Vec<Sums<D>>, StepError> {
+        self.part(|t| &mut t.sort, |f| f.sort(walls))?;
+        self.part(|t| &mut t.scatter, Self::scatter);
+        self.part(|t| &mut t.surface, Self::find_surface);
+        self.part(|t| &mut t.pressure, Self::assemble)?;
+        self.part(|t| &mut t.forces, |f| f.apply_forces(dt, kick, walls))?;
+        self.part(|t| &mut t.pressure, Self::project)?;
+        let corrected = self.part(|t| &mut t.density, Self::correct_density)?;
+        let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
+        self.part(|t| &mut t.forces, |f| f.book_walls(kick * scale, walls));
+        self.part(|t| &mut t.extrapolation, |f| f.extend_velocities(walls));
+        self.finish_pressure(scale);
+        self.part(|t| &mut t.gather, |f| f.gather(dt, walls, corrected))
+    }
+
+    /// Apply body force, viscosity and surface tension to the velocity that particles brought.
+    fn apply_forces(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
+        self.find_advected_divergence(dt, walls);
+        self.apply_body_force(kick);
+        self.apply_viscosity(kick, walls)?;
+        self.find_jump(kick);
+        (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
+        Ok(())
+    }
+
+    /// Start to measure the wall times of the stages of steps.
+    pub fn measure_times(&mut self) {
+        self.times = Some(StepTimes::default());
+    }
+    /// Wall times of the stages since [`Flow::measure_times`]; none if they are not measured.
+    pub fn times(&self) -> Option<StepTimes> {
+        self.times
+    }
+
+    /// Sort the particles into blocks, and cut the cells by the walls.
+    fn sort(&mut self, walls: &Walls<'_, D>) -> Result<(), StepError> {
+        let mut occupied = Vec::new();
+        for (body, liquid) in self.liquids.iter().enumerate() {
+            let found = liquid.occupied(&self.frame, &mut occupied);
+            found.map_err(|n| self.failed(body, n, Cause::TooFast))?;
+        }
+        let blocks = Blocks::around(occupied, self.frame.period);
+        self.liquids.iter_mut().for_each(|l| l.sort(&blocks, &self.frame));
+        let grid = &mut self.grid;
+        let cuts = cut(&blocks, (&grid.blocks, &grid.cuts), &self.options.lattice, walls);
+        (grid.blocks, grid.cuts) = (blocks, cuts);
+        surface::open_fractions(&grid.blocks, &grid.cuts, &mut grid.open, &mut grid.open_cell);
+        Ok(())
+    }
+
+    fn scatter(&mut self) {
+        let grid = &mut self.grid;
+        let fields = (&mut grid.volume, &mut grid.velocity);
+        let scratch = &mut grid.scratch.transfer;
+        to_faces(&self.team, &grid.blocks, &self.frame, &self.liquids, scratch, fields);
+    }
+
+    fn find_surface(&mut self) {
+        let grid = &mut self.grid;
+        let walls = (&grid.cuts, &grid.open, &grid.open_cell[..]);
+        surface::find(&self.team, &grid.blocks, walls, &grid.volume, &grid.profile, &mut grid.surface);
+        for d in 0..D {
+            let at = (&grid.surface.kind[..], &grid.open[d][..], &grid.volume[d][..]);
+            mark(&self.team, &grid.blocks, at, d, &mut grid.marks[d]);
+        }
+    }
+
+    /// Find what the reflection adds to the right-hand side of the pressure equation: the divergence of the velocity that particles brought,
+    /// once more, where it is small enough to come from smooth motion and not from an impact. Liquid that fills a closed region has no impact.
+    fn find_advected_divergence(&mut self, dt: f64, walls: &Walls<'_, D>) {
+        self.find_wall_velocities(walls);
+        let mut once_more = std::mem::take(&mut self.grid.advected);
+        if self.options.reflection {
+            outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut once_more);
+            let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
+            for r in &mut once_more {
+                *r *= (2.0 - r.abs() * scale / SMOOTH).clamp(0.0, 1.0);
+            }
+        } else {
+            once_more.clear();
+        }
+        self.grid.advected = once_more;
+    }
+
+    fn wall_velocities(&self) -> Option<&[Vec<f64>; D]> {
+        (!self.grid.wall[0].is_empty()).then_some(&self.grid.wall)
+    }
+
+    fn apply_body_force(&mut self, kick: f64) {
+        let force = self.force(self.clock.time);
+        for d in 0..D {
+            let by = kick * force[d];
+            if by != 0.0 {
+                self.grid.velocity[d].iter_mut().for_each(|u| *u += by);
+            }
+        }
+    }
+
+    /// Find the pressure at the surface by surface tension, sigma kappa, in the unit of q.
+    fn find_jump(&mut self, kick: f64) {
+        let grid = &mut self.grid;
+        grid.jump.clear();
+        let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) else { return };
+        let at = (&grid.surface.fraction[..], &grid.open_cell[..], grid.cuts.iter().any(Option::is_some));
+        grid.tension.find(&self.team, &grid.blocks, at, &grid.profile);
+        let h = self.frame.h;
+        let scale = fluid.tension / h * kick / (fluid.density * h);
+        grid.jump.extend(grid.tension.curvature.iter().map(|kappa| kappa * scale));
+    }
+
+    /// Apply the viscous stress, and book its heat and the impulse of walls.
+    fn apply_viscosity(&mut self, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
+        let Some(fluid) = self.fluid.filter(|fluid| fluid.viscosity > 0.0) else { return Ok(()) };
+        let (grid, h) = (&self.grid, self.frame.h);
+        let stick = self.sticking_faces(walls);
+        let stress = Stress {
+            blocks: &grid.blocks,
+            kind: &grid.surface.kind,
+            marks: &grid.marks,
+            open: &grid.open,
+            stick: &stick,
+            wall: &grid.wall,
+            number: fluid.viscosity * kick / (fluid.density * h * h),
+        };
+        let mut u: Vec<f64> = grid.velocity.iter().flatten().copied().collect();
+        let stepped = stress.step(&self.team, &mut u);
+        stepped.map_err(|error| {
+            self.clock.stopped(Stopped::Solve { what: "the viscous step", why: error.to_string() })
+        })?;
+        let (count, mass) = (grid.blocks.cells(), fluid.density * h.powi(D as i32));
+        let (mut impulse, mut heat) = ([0.0; D], 0.0);
+        for d in 0..D {
+            for (old, new) in self.grid.velocity[d].iter_mut().zip(&u[d * count..(d + 1) * count]) {
+                impulse[d] += mass * (new - *old);
+                heat += 0.5 * mass * (*old * *old - new * new);
+                *old = *new;
+            }
+        }
+        add_to(&mut self.exchange.impulse, &impulse);
+        let volume = |l: &crate::particles::Liquid<D>| l.particles.iter().map(|p| p.volume).sum::<f64>();
+        let total: f64 = self.liquids.iter().map(volume).sum();
+        self.liquids.iter_mut().for_each(|l| l.heat += heat * volume(l) / total);
+        Ok(())
+    }
+
+    /// Closed faces of walls without slip, as 1; empty if there are none.
+    fn sticking_faces(&self, walls: &Walls<'_, D>) -> [Vec<f64>; D] {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        std::array::from_fn(|d| {
+            if !walls.list.iter().any(Wall::is_no_slip) {
+                return Vec::new();
+            }
+            let mut list = vec![0.0; grid.blocks.cells()];
+            for (b, cut) in grid.cuts.iter().enumerate() {
+                let Some(cut) = cut else { continue };
+                for i in (0..cells).filter(|i| grid.open[d][b * cells + i] <= 0.0) {
+                    let wall = cut.sample(&face_centre::<D>(i, d)).2;
+                    list[b * cells + i] = if walls.list[wall].is_no_slip() { 1.0 } else { 0.0 };
+                }
+            }
+            list
+        })
+    }
+
+    /// Find the velocities of walls at faces, if any wall moves.
+    fn find_wall_velocities(&mut self, walls: &Walls<'_, D>) {
+        let (grid, cells) = (&mut self.grid, Blocks::<D>::CELLS);
+        for list in &mut grid.wall {
+            list.clear();
+        }
+        if !walls.moving() {
+            return;
+        }
+        for (d, list) in grid.wall.iter_mut().enumerate() {
+            list.resize(grid.blocks.cells(), 0.0);
+            for (b, cut) in grid.cuts.iter().enumerate() {
+                let Some(cut) = cut else { continue };
+                for i in 0..cells {
+                    list[b * cells + i] = walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d];
+                }
+            }
+        }
+    }
+
+    fn cells(&self) -> Cells<'_, D> {
+        let grid = &self.grid;
+        let (kind, level) = (&grid.surface.kind[..], &grid.surface.level[..]);
+        Cells { blocks: &grid.blocks, kind, level, open: &grid.open, surface: None }
+    }
+
+    fn unsolved(&self, what: &'static str, why: &PressureError) -> StepError {
+        self.clock.stopped(Stopped::Solve { what, why: why.to_string() })
+    }
+
+    fn assemble(&mut self) -> Result<(), StepError> {
+        let mut system = std::mem::take(&mut self.grid.system);
+        let periodic = self.frame.period.iter().any(|p| *p > 0);
+        let assembled = system.assemble(&self.team, &self.cells(), periodic);
+        self.grid.system = system;
+        assembled.map_err(|error| self.unsolved("the pressure equation", &error))
+    }
+
+    /// Turn q into the pressure, Pa. Air has that of the surface.
+    fn finish_pressure(&mut self, scale: f64) {
+        let (grid, ambient) = (&mut self.grid, self.options.ambient);
+        for (n, p) in grid.pressure.iter_mut().enumerate() {
+            let q = if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
+            *p = ambient + q * scale;
+        }
+    }
+
+    /// Solve for the pressure, and make the velocity free of divergence.
+    fn project(&mut self) -> Result<(), StepError> {
+        let mut right = std::mem::take(&mut self.grid.right);
+        let mut system = std::mem::take(&mut self.grid.system);
+        let mut q = std::mem::take(&mut self.grid.pressure);
+        let mut velocity = std::mem::replace(&mut self.grid.velocity, crate::grid::faces());
+        q.clear();
+        q.resize(self.grid.blocks.cells(), 0.0);
+        let jump = (!self.grid.jump.is_empty()).then_some(&self.grid.jump[..]);
+        let at = Cells { surface: jump, ..self.cells() };
+        outflow(&self.team, &at, &velocity, self.wall_velocities(), &mut right);
+        right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
+        // The rounding of velocities at the faces of all cells.
+        let speed = self.speed + 1e-3 * self.frame.h;
+        let absolute = 1e-14 * speed * (system.unknowns as f64).sqrt();
+        let stop = Stop { relative: self.options.tolerance, absolute, ..Stop::default() };
+        let solved = system.solve(&self.team, &at, &right, &mut q, &stop);
+        if solved.is_ok() {
+            subtract_gradient(&self.team, &at, &q, &mut velocity);
+        }
+        let grid = &mut self.grid;
+        (grid.right, grid.system, grid.pressure, grid.velocity) = (right, system, q, velocity);
+        match solved {
+            Ok(iterations) => {
+                self.grid.system.iterations[0] = iterations;
+                Ok(())
+            }
+            Err(error) => Err(self.unsolved("the pressure equation", &error)),
+        }
+    }
+
+    /// Find the displacement that restores the density, and return whether there is any: div dx = (rho - rho0) / rho0, dx = -grad q.
+    fn correct_density(&mut self) -> Result<bool, StepError> {
+        if self.options.correction == 0.0 || self.grid.system.unknowns == 0 {
+            return Ok(false);
+        }
+        let mut right = std::mem::take(&mut self.grid.right);
+        let largest = self.density_errors(&mut right);
+        if largest < NO_ERROR {
+            self.grid.right = right;
+            self.grid.system.iterations[1] = 0;
+            return Ok(false);
+        }
+        let mut system = std::mem::take(&mut self.grid.system);
+        let mut q = std::mem::take(&mut self.grid.potential);
+        let mut shift = std::mem::replace(&mut self.grid.shift, crate::grid::faces());
+        q.clear();
+        q.resize(self.grid.blocks.cells(), 0.0);
+        let at = self.cells();
+        // A closed region keeps its volume: the mean of its errors is no error.
+        let stop =
+            Stop { relative: CORRECTION_TOLERANCE, absolute: NO_ERROR, incompatible: 1.0, ..Stop::default() };
+        let solved = system.solve(&self.team, &at, &right, &mut q, &stop);
+        for list in &mut shift {
+            list.clear();
+            list.resize(at.blocks.cells(), 0.0);
+        }
+        if solved.is_ok() {
+            subtract_gradient(&self.team, &at, &q, &mut shift);
+        }
+        let grid = &mut self.grid;
+        (grid.right, grid.system, grid.potential, grid.shift) = (right, system, q, shift);
+        match solved {
+            Ok(iterations) => {
+                self.grid.system.iterations[1] = iterations;
+                Ok(true)
+            }
+            Err(error) => Err(self.unsolved("the density correction", &error)),
+        }
+    }
+
+    /// Relaxed density error of each liquid cell. Cells near air may be thin, but not dense. Return the largest magnitude.
+    fn density_errors(&self, right: &mut Vec<f64>) -> f64 {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        let surface = &grid.surface;
+        right.resize(grid.blocks.cells(), 0.0);
+        let mut largest = vec![0.0f64; grid.blocks.len()];
+        self.team.each_piece(right, cells, &mut largest, |b, right, largest| {
+            right.fill(0.0);
+            if !surface.kind[b * cells..(b + 1) * cells].contains(&LIQUID) {
+                return;
+            }
+            let mut kind = [0; TILE_CELLS];
+            grid.blocks.load(b, &surface.kind, AIR, &mut kind);
+            for (i, right) in right.iter_mut().enumerate() {
+                let slot = b * cells + i;
+                if surface.kind[slot] != LIQUID {
+                    continue;
+                }
+                let mut error = surface.fraction[slot] - 1.0;
+                if near_air::<D>(&kind, i) {
+                    error = (error - ALLOWED).max(0.0);
+                }
+                error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
+                *right = self.options.correction * error * grid.open_cell[slot];
+                *largest = largest.max(error.abs());
+            }
+        });
+        largest.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Extrapolate the velocities beyond the liquid, and apply the walls.
+    fn extend_velocities(&mut self, walls: &Walls<'_, D>) {
+        let (grid, team) = (&mut self.grid, &self.team);
+        let moves: Vec<_> =
+            walls.list.iter().zip(&walls.velocities).map(|(w, v)| (*v, w.is_no_slip())).collect();
+        let rests: Vec<_> = walls.list.iter().map(|_| ([0.0; D], false)).collect();
+        let at = (&grid.cuts, &grid.open, &grid.marks);
+        let fields = [(&mut grid.velocity, &moves, true), (&mut grid.shift, &rests, false)];
+        for (field, walls, changed) in fields {
+            if field[0].len() != grid.blocks.cells() {
+                continue;
+            }
+            for reach in [Reach::Closed, Reach::Beyond] {
+                for d in 0..D {
+                    grid.scratch.marks[d].clone_from(&grid.marks[d]);
+                    let values = (&mut field[d][..], &mut grid.scratch.marks[d][..]);
+                    let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
+                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate);
+                }
+                constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.faces);
+            }
+        }
+    }
+
+    fn gather(
+        &mut self,
+        dt: f64,
+        walls: &Walls<'_, D>,
+        corrected: bool,
+    ) -> Result<Vec<Sums<D>>, StepError> {
+        let ends = walls.moving().then(|| Walls::at(walls.list, self.clock.time + dt, 0.0));
+        let mut liquids = std::mem::take(&mut self.liquids);
+        let grid = &self.grid;
+        let gather = Gather {
+            blocks: &grid.blocks,
+            frame: &self.frame,
+            cuts: &grid.cuts,
+            velocity: &grid.velocity,
+            shift: corrected.then_some(&grid.shift),
+            pressure: &grid.pressure,
+            walls: ends.as_ref(),
+            midpoint: !self.options.reflection,
+            dt,
+        };
+        let sums: Vec<_> = liquids.iter_mut().map(|l| gather.run(&self.team, l)).collect();
+        self.liquids = liquids;
+        for (body, sum) in sums.iter().enumerate() {
+            if let Some(n) = sum.failed {
+                let finite = self.liquids[body].particles[n].v.iter().all(|v| v.is_finite());
+                return Err(self.failed(body, n, if finite { Cause::TooFast } else { Cause::Velocity }));
+            }
+        }
+        Ok(sums)
+    }
+
+    fn failed(&self, body: usize, n: usize, cause: Cause) -> StepError {
+        let liquid = &self.liquids[body];
+        let p = &liquid.particles[n];
+        self.clock.stopped(Stopped::Point {
+            kind: PointKind::Particle,
+            body: liquid.name.clone(),
+            number: p.number as usize,
+            position: wide(&p.x),
+            law: "incompressible liquid",
+            cause,
+        })
+    }
+
+    /// Book the impulse and the work of the walls: that of the pressure in the cells, and that on the mass at closed faces, which gets the
+    /// velocity of the wall. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
+    fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        let area = self.frame.h.powi(D as i32 - 1);
+        let beside = |slot: Option<usize>| slot.is_some_and(|s| grid.surface.kind[s] == LIQUID);
+        for (b, cut) in grid.cuts.iter().enumerate() {
+            let Some(cut) = cut else { continue };
+            for (i, d) in (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))) {
+                let slot = b * cells + i;
+                if grid.open[d][slot] <= 0.0
+                    && grid.volume[d][slot] > 0.0
+                    && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
+                {
+                    let wall = if walls.moving() { walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d] } else { 0.0 };
+                    let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
+                    self.exchange.impulse[d] += impulse;
+                    self.exchange.work += impulse * wall;
+                }
+            }
+            for i in (0..cells).filter(|i| grid.surface.kind[b * cells + i] == LIQUID) {
+                let impulse = (grid.pressure[b * cells + i] * scale) * area;
+                for d in 0..D {
+                    let low = b * cells + i;
+                    let Some(up) = grid.blocks.beside(b, i, d, true) else { continue };
+                    let open = &grid.open[d];
+                    self.exchange.impulse[d] += impulse * (open[up] - open[low]);
+                    if let (Some(a), Some(b)) = (grid.wall[d].get(low), grid.wall[d].get(up)) {
+                        self.exchange.work += impulse * ((1.0 - open[low]) * a - (1.0 - open[up]) * b);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Book the body force, and the momentum that the transfer lost.
+    fn book(&mut self, sums: &[Sums<D>], kick: f64) {
+        let force = self.force(self.clock.time);
+        self.speed = sums.iter().fold(0.0, |speed, s| speed.max(s.speed));
+        let walls = self.exchange.impulse;
+        let mut change = [0.0; 3];
+        for (liquid, sum) in self.liquids.iter_mut().zip(sums) {
+            let volume: f64 = liquid.particles.iter().map(|p| p.volume).sum();
+            let mass = liquid.density * volume;
+            liquid.acceleration = liquid.density * sum.change / (kick * kick);
+            let mut load = [0.0; D];
+            for d in 0..D {
+                let gained = liquid.density * (sum.after[d] - sum.before[d]);
+                liquid.momentum_rate[d] = gained / kick;
+                change[d] += gained;
+                load[d] = mass * force[d] * kick;
+                self.exchange.work += liquid.density * sum.moved[d] * force[d];
+            }
+            add_to(&mut self.exchange.load, &load);
+            (0..D).for_each(|d| change[d] -= load[d]);
+        }
+        for d in 0..D {
+            self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);
+        }
+        self.booked_walls = walls;
+    }
+
+    /// Volume within the surface at the start of the last step, m^3 (m^2 in the plane): that of the level set, by the liquid share of each
+    /// cell. Particles keep their volumes; this is the volume that they occupy.
+    pub fn liquid_volume(&self) -> f64 {
+        let grid = &self.grid;
+        let cell = self.frame.h.powi(D as i32);
+        let share = |(level, open): (&f64, &f64)| (0.5 - level).clamp(0.0, 1.0) * open;
+        grid.surface.level.iter().zip(&grid.open_cell).map(share).sum::<f64>() * cell
+    }
+
+    /// Iterations of the last step: of the pressure equation and of the density correction.
+    pub fn iterations(&self) -> [usize; 2] {
+        self.grid.system.iterations
+    }
+
+    /// Largest net outflow of a liquid cell in the last step over the area of a face, m/s: of the velocity at the time of the positions at
+    /// its start, which is the mean of those in the middles of the steps before and after.
+    pub fn largest_divergence(&self) -> f64 {
+        let mut right = Vec::new();
+        outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut right);
+        right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
+        right.iter().fold(0.0, |most, r| most.max(r.abs()))
+    }
+}
+
+/// True if a cell within two cells of cell `i` along the axes, or one of the 3^D around it, is without liquid: its kernel may reach the air.
+fn near_air<const D: usize>(kind: &[u8; TILE_CELLS], i: usize) -> bool {
+    let at = in_tile(&local::<D>(i));
+    for d in 0..D {
+        if kind[at - 2 * stride(d)] == AIR || kind[at + 2 * stride(d)] == AIR {
+            return true;
+        }
+    }
+    (0..Blocks::<D>::AROUND).any(|n| {
+        let by = offset::<D>(n);
+        let place = (0..D).fold(at as isize, |place, d| place + by[d] as isize * stride(d) as isize);
+        kind[place as usize] == AIR
+    })
+}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{FlowOptions, Fluid, Wall};
+    use impactite_geometry::{Cuboid, Lattice};
+
+    #[test]
+    fn liquid_on_a_lattice_has_no_density_error() {
+        let mut flow = Flow::new(FlowOptions::<2>::new(Lattice::new([0.0; 2], 1.0).unwrap()));
+        flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [9.0, 20.0]).unwrap())).unwrap();
+        let block = Cuboid::new([0.0; 2], [9.0, 8.0]).unwrap();
+        flow.add_shape("water", Fluid::new(1.0).unwrap(), &block, 2, |_| [0.0; 2]).unwrap();
+        let walls = flow.walls.clone();
+        let walls = Walls::at(&walls, 0.0, 1.0);
+        flow.sort(&walls).unwrap();
+        flow.scatter();
+        flow.find_surface();
+        let mut right = Vec::new();
+        let largest = flow.density_errors(&mut right);
+        for (slot, r) in right.iter().enumerate() {
+            if r.abs() > 1e-12 {
+                let cell = flow.grid.blocks.cell(slot / 16, slot % 16);
+                panic!("{cell:?} {r} {}", flow.grid.surface.fraction[slot]);
+            }
+        }
+        assert!(largest < 1e-14, "{largest}");
+    }
+}

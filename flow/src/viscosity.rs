@@ -1,0 +1,176 @@
+//! Viscous stress on the staggered grid: tau = mu (grad v + grad v^T), in full, so that solid rotation has no stress.
+//!
+//! Normal stresses are at liquid cells, shear stresses at the edges between four cells that are liquid or wall. At a surface the shear stress
+//! is zero. At a wall without slip, velocity gradients are those to the wall, half a cell from the face beside it; at a slip wall the shear
+//! stress is zero. Steps are explicit, by the second-order Runge-Kutta method, up to [`EXPLICIT`] of mu dt / (rho h^2), and implicit beyond
+//! by conjugate gradients: the trapezoidal rule while the fastest mode decays by a rate times dt below 6, and towards Euler's method,
+//! of first order, for larger ones.
+
+use impactite_simd::Team;
+use impactite_solve::{Identity, Operator, SolveError, Stop, conjugate_gradients};
+
+use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
+use crate::extrapolate::SOLVED;
+use crate::surface::{AIR, LIQUID};
+
+/// Largest mu dt / (rho h^2) of explicit steps: the limit of stability is 1 / (2 (1 + D)), 1/8 in space.
+pub(crate) const EXPLICIT: f64 = 0.1;
+/// Largest rate of decay times dt of the explicit share of an implicit step, which is half a step up to twice this rate: the fastest mode then
+/// keeps at most half of its amplitude.
+const DAMPED: f64 = 3.0;
+/// Relative tolerance of implicit steps.
+const TOLERANCE: f64 = 1e-10;
+/// Largest number of iterations of implicit steps.
+const ITERATIONS: usize = 2000;
+
+/// Liquid and walls of a step, for stresses.
+pub(crate) struct Stress<'a, const D: usize> {
+    pub blocks: &'a Blocks<D>,
+    pub kind: &'a [u8],
+    pub marks: &'a [Vec<u8>; D],
+    pub open: &'a [Vec<f64>; D],
+    /// 1 at closed faces of walls without slip, else 0; empty without such walls.
+    pub stick: &'a [Vec<f64>; D],
+    /// Velocity of walls at faces; empty if they rest.
+    pub wall: &'a [Vec<f64>; D],
+    /// mu dt / (rho h^2).
+    pub number: f64,
+}
+
+/// Copies of the fields around a block.
+struct Tiles {
+    kind: [u8; TILE_CELLS],
+    open: [[f64; TILE_CELLS]; 3],
+    stick: [[f64; TILE_CELLS]; 3],
+    wall: [[f64; TILE_CELLS]; 3],
+    u: [[f64; TILE_CELLS]; 3],
+}
+
+impl Tiles {
+    /// Difference of component `d` over a cell along `e`, up to the face at `at`; none where a slip wall or a surface makes it useless.
+    /// `moves` is 1 if walls have their velocity, 0 if they rest.
+    #[inline]
+    fn difference(&self, d: usize, e: usize, at: usize, moves: f64) -> Option<f64> {
+        let low = at - stride(e);
+        let closed = [low, at].map(|f| self.open[d][f] <= 0.0);
+        match closed {
+            [false, false] => Some(self.u[d][at] - self.u[d][low]),
+            [true, true] => Some(0.0),
+            [true, false] if self.stick[d][low] > 0.0 => {
+                Some(2.0 * (self.u[d][at] - moves * self.wall[d][low]))
+            }
+            [false, true] if self.stick[d][at] > 0.0 => {
+                Some(2.0 * (moves * self.wall[d][at] - self.u[d][low]))
+            }
+            _ => None,
+        }
+    }
+
+    /// Shear stress of components `d` and `e` over mu / h, at the edge at the lower end of cell `at` along both.
+    #[inline]
+    fn shear(&self, d: usize, e: usize, at: usize, moves: f64) -> f64 {
+        let cells = [at, at - stride(d), at - stride(e), at - stride(d) - stride(e)];
+        if cells.iter().any(|c| self.kind[*c] == AIR) || !cells.iter().any(|c| self.kind[*c] == LIQUID) {
+            return 0.0;
+        }
+        match (self.difference(d, e, at, moves), self.difference(e, d, at, moves)) {
+            (Some(a), Some(b)) => a + b,
+            _ => 0.0,
+        }
+    }
+
+    /// Normal stress at a cell over mu / h.
+    #[inline]
+    fn normal(&self, d: usize, at: usize) -> f64 {
+        if self.kind[at] == LIQUID { 2.0 * (self.u[d][at + stride(d)] - self.u[d][at]) } else { 0.0 }
+    }
+}
+
+impl<const D: usize> Stress<'_, D> {
+    fn load(&self, b: usize, u: &[f64]) -> Tiles {
+        let zero = [[0.0; TILE_CELLS]; 3];
+        let mut tiles = Tiles { kind: [0; TILE_CELLS], open: zero, stick: zero, wall: zero, u: zero };
+        let count = self.blocks.cells();
+        self.blocks.load(b, self.kind, 0, &mut tiles.kind);
+        for d in 0..D {
+            self.blocks.load(b, &self.open[d], 1.0, &mut tiles.open[d]);
+            self.blocks.load(b, &u[d * count..(d + 1) * count], 0.0, &mut tiles.u[d]);
+            if !self.stick[d].is_empty() {
+                self.blocks.load(b, &self.stick[d], 0.0, &mut tiles.stick[d]);
+            }
+            if !self.wall[d].is_empty() {
+                self.blocks.load(b, &self.wall[d], 0.0, &mut tiles.wall[d]);
+            }
+        }
+        tiles
+    }
+
+    /// Change of velocity in the step by the stresses of the velocity `u`, at the faces of one axis after another. Walls have their
+    /// velocity if `moves` is 1, and rest if it is 0.
+    fn change(&self, team: &Team, u: &[f64], moves: f64, out: &mut [f64]) {
+        let (cells, blocks) = (Blocks::<D>::CELLS, self.blocks.len());
+        team.each_piece(out, cells, &mut vec![(); D * blocks], |n, out, ()| {
+            let (d, b) = (n / blocks, n % blocks);
+            out.fill(0.0);
+            if !self.marks[d][b * cells..(b + 1) * cells].contains(&SOLVED) {
+                return;
+            }
+            let tiles = self.load(b, u);
+            for (i, out) in out.iter_mut().enumerate() {
+                if self.marks[d][b * cells + i] != SOLVED {
+                    continue;
+                }
+                let at = in_tile(&local::<D>(i));
+                let mut sum = tiles.normal(d, at) - tiles.normal(d, at - stride(d));
+                for e in (0..D).filter(|e| *e != d) {
+                    sum += tiles.shear(d, e, at + stride(e), moves) - tiles.shear(d, e, at, moves);
+                }
+                *out = self.number * sum;
+            }
+        });
+    }
+
+    /// Update the velocity `u`, at the faces of one axis after another, by the viscous stress.
+    ///
+    /// # Errors
+    /// An implicit step that does not reach its tolerance.
+    pub fn step(&self, team: &Team, u: &mut [f64]) -> Result<(), SolveError> {
+        let mut first = vec![0.0; u.len()];
+        if self.number <= EXPLICIT {
+            let (mut middle, mut second) = (u.to_vec(), vec![0.0; u.len()]);
+            self.change(team, u, 1.0, &mut first);
+            middle.iter_mut().zip(&first).for_each(|(m, f)| *m += f);
+            self.change(team, &middle, 1.0, &mut second);
+            for (u, (a, b)) in u.iter_mut().zip(first.iter().zip(&second)) {
+                *u += 0.5 * (a + b);
+            }
+            return Ok(());
+        }
+        // (1 - s L) u = u* + (1 - s) L u* + c, where the change is L u + c with c from the walls.
+        let largest = 4.0 * (1 + D) as f64 * self.number;
+        let share = (1.0 - DAMPED / largest).max(0.5);
+        let mut walls = vec![0.0; u.len()];
+        self.change(team, &walls.clone(), 1.0, &mut walls);
+        self.change(team, u, 0.0, &mut first);
+        for (right, (u, c)) in first.iter_mut().zip(u.iter().zip(&walls)) {
+            *right = u + (1.0 - share) * *right + c;
+        }
+        let stop = Stop { relative: TOLERANCE, iterations: ITERATIONS, ..Stop::default() };
+        conjugate_gradients(team, &Implicit(self, share), &mut Identity, &first, u, &stop)?;
+        Ok(())
+    }
+}
+
+/// Operator of an implicit step, 1 - s L, with the share s.
+struct Implicit<'a, 'b, const D: usize>(&'a Stress<'b, D>, f64);
+
+impl<const D: usize> Operator for Implicit<'_, '_, D> {
+    fn len(&self) -> usize {
+        D * self.0.blocks.cells()
+    }
+    fn apply(&self, team: &Team, x: &[f64], y: &mut [f64]) {
+        // Faces that are not solved are no unknowns: what they have does not reach the others.
+        self.0.change(team, x, 0.0, y);
+        y.iter_mut().zip(x).for_each(|(y, x)| *y = x - self.1 * *y);
+    }
+}

@@ -1,0 +1,82 @@
+//! Surface tension.
+
+use flow::{Flow, FlowOptions, Fluid};
+use impactite_geometry::{Ball, Lattice};
+use impactite_scene::{Solver, Watch};
+
+const RADIUS: f64 = 5.0e-3;
+const TENSION: f64 = 0.072;
+const DENSITY: f64 = 1000.0;
+
+/// Drop of radius 5 mm of `cells` cells, of water with this viscosity, stretched along x by 1 + `stretch`.
+fn drop<const D: usize>(cells: f64, viscosity: f64, stretch: f64) -> Flow<D> {
+    let h = RADIUS / cells;
+    // Not centred at a node.
+    let lattice = Lattice::new([0.37 * h; D], h).unwrap();
+    let fluid = Fluid::new(DENSITY).unwrap().with_surface_tension(TENSION).unwrap();
+    let fluid = fluid.with_viscosity(viscosity).unwrap();
+    let mut flow = Flow::new(FlowOptions::new(lattice));
+    let filling = impactite_geometry::Filling::new();
+    let ball = Ball::new([0.0; D], RADIUS).unwrap();
+    let mut seeds = impactite_geometry::fill(&ball, &lattice, 2, &filling).unwrap();
+    for x in &mut seeds.positions {
+        x[0] *= 1.0 + stretch;
+        let across = (1.0 + stretch).powf(-1.0 / (D as f64 - 1.0));
+        (1..D).for_each(|d| x[d] *= across);
+    }
+    flow.add_fluid("drop", fluid, &seeds, |_| [0.0; D]).unwrap();
+    flow.set_watch(Watch::off());
+    flow
+}
+
+/// Mean pressure within half of the radius, Pa.
+fn pressure<const D: usize>(flow: &Flow<D>) -> f64 {
+    let points = flow.points();
+    let inner: Vec<_> = points
+        .iter()
+        .filter(|p| p.position.iter().map(|x| x * x).sum::<f64>() < 0.25 * RADIUS * RADIUS)
+        .collect();
+    inner.iter().map(|p| p.pressure()).sum::<f64>() / inner.len() as f64
+}
+
+#[test]
+fn a_drop_at_rest_has_its_pressure() {
+    for cells in [8.0, 16.0, 32.0] {
+        let mut flow = drop::<2>(cells, 1e-3, 0.0);
+        let time = 0.02;
+        flow.step_at_most(f64::INFINITY).unwrap();
+        let first = pressure(&flow) / 14.4 - 1.0;
+        flow.run_until(time).unwrap();
+        let fastest = flow.points().iter().map(|p| p.velocity[0].hypot(p.velocity[1])).fold(0.0, f64::max);
+        println!("{cells}: {first:e} {:e} speed {fastest:e} steps {} momentum {:?}", pressure(&flow) / 14.4 - 1.0, flow.steps(), flow.totals().momentum);
+    }
+    let mut flow = drop::<3>(8.0, 1e-3, 0.0);
+    flow.step_at_most(f64::INFINITY).unwrap();
+    println!("3D {:e}", pressure(&flow) / 28.8 - 1.0);
+}
+
+#[test]
+fn a_drop_oscillates_with_its_period() {
+    for cells in [8.0, 16.0] {
+        let mut flow = drop::<2>(cells, 1e-3, 0.05);
+        const EXACT: f64 = 0.10688;
+        let at = |flow: &Flow<2>| {
+            let points = flow.points();
+            let sum = |d: usize| points.iter().map(|p| p.volume * p.position[d].powi(2)).sum::<f64>();
+            (sum(0) / sum(1)).ln() / 4.0
+        };
+        let (mut last, mut crossings, mut peak) = ((0.0, at(&flow)), Vec::new(), vec![0.0f64]);
+        while !flow.reached(1.3 * EXACT) {
+            flow.step_towards(1.3 * EXACT).unwrap();
+            let now = (flow.time(), at(&flow));
+            let n = peak.len() - 1;
+            peak[n] = peak[n].max(now.1.abs());
+            if now.1 * last.1 < 0.0 {
+                crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
+                peak.push(0.0);
+            }
+            last = now;
+        }
+        println!("{cells}: steps {} {crossings:?} {:?} peaks {peak:?}", flow.steps(), 2.0 * (crossings[1] - crossings[0]) / EXACT);
+    }
+}
