@@ -7,10 +7,10 @@ use crate::krylov::{Problem, Solved, Stop};
 use crate::operator::{Operator, Preconditioner};
 use crate::vectors::{add, dot_piece, scale_and_add, sum_pieces, update};
 
-/// Solve A x = b by preconditioned conjugate gradients [HestenesStiefel1952], for a symmetric positive (semi)definite operator. `x` holds the
+/// Solve A x = b by preconditioned conjugate gradients \[HestenesStiefel1952\], for a symmetric positive (semi)definite operator. `x` holds the
 /// start and the result.
 ///
-/// The update of the search direction is the flexible one, beta = z' . (r' - r) / (z . r) [Notay2000], which admits a preconditioner that is
+/// The update of the search direction is the flexible one, beta = z' . (r' - r) / (z . r) \[Notay2000\], which admits a preconditioner that is
 /// symmetric but for round-off, as a multigrid cycle in single precision. The returned residual is the true one; the iteration starts anew
 /// from it when the recurrence drifts away.
 ///

@@ -85,6 +85,9 @@ impl<'a> Problem<'a> {
         }
         let size = finite_norm(team, "b", b)?;
         finite_norm(team, "x", x)?;
+        if let Some(index) = operator.unreachable(team, b) {
+            return Err(SolveError::NoUnknown { value: b[index], index });
+        }
         let mut problem = Problem {
             team,
             operator,
