@@ -50,13 +50,15 @@ pub fn conjugate_gradients(
         operator.project(team, &mut z);
         let [rz, qz] = products(team, &r, &q, &z);
         if !(rz > 0.0 && rz.is_finite()) {
-            return Err(SolveError::Preconditioner { value: rz, iteration: iterations });
+            let cause = SolveError::Preconditioner { value: rz, iteration: iterations };
+            return Err(problem.broken(iterations, cause, x, &mut r));
         }
         let beta = if rho == 0.0 { 0.0 } else { -alpha * qz / rho };
         scale_and_add(team, &mut p, beta, &z);
         let curvature = operator.apply_dot(team, &p, &mut q);
         if !(curvature > 0.0 && curvature.is_finite()) {
-            return Err(SolveError::Curvature { value: curvature, iteration: iterations });
+            let cause = SolveError::Curvature { value: curvature, iteration: iterations };
+            return Err(problem.broken(iterations, cause, x, &mut r));
         }
         (rho, alpha) = (rz, rz / curvature);
         add(team, x, alpha, &p);
