@@ -1,0 +1,288 @@
+//! Scenes of incompressible flow with a free surface.
+
+use std::sync::Arc;
+
+use impactite::flow::{Flow as Scene, FlowOptions, Fluid, Wall};
+use impactite::geometry::{HalfSpace, Lattice};
+use impactite::scene::Solver;
+
+use super::common::World;
+use super::seeds::{Cells, seeds};
+use super::wrong::{At, Made, Wrong, of_body, wrong};
+use super::{accounts, placement};
+use crate::formula::Formula;
+use crate::model::body::Body;
+use crate::model::condition::{Condition, Plane, Side};
+use crate::model::material::{FluidLaw, Library, Material};
+use crate::model::method::Flow;
+use crate::model::{fixed, formulas};
+use crate::quantity::Speed;
+
+/// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
+const GAUSS: [[f64; 2]; 4] = [
+    [-0.861_136_311_594_052_6, 0.347_854_845_137_453_86],
+    [-0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+    [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
+    [0.861_136_311_594_052_6, 0.347_854_845_137_453_86],
+];
+/// Number of intervals of a run by which a velocity over time is integrated.
+const INTERVALS: usize = 4096;
+
+/// Displacement over time, m.
+type Displacement<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
+
+pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Made<Box<dyn Solver>> {
+    let key = "method.flow";
+    if !(1..=8).contains(&options.particles_per_cell) {
+        let message = format!("{} is not allowed; it must be 1 to 8", options.particles_per_cell);
+        return wrong(format!("{key}.particles_per_cell"), message);
+    }
+    refuse_what_is_not_read(world)?;
+    let lattice =
+        Lattice::new(origin(world)?, options.cell.value).at(format!("{key}.cell"))?;
+    let mut made = FlowOptions::new(lattice);
+    if let Some(share) = options.density_correction {
+        made = made.density_correction(share.value).at(format!("{key}.density_correction"))?;
+    }
+    for (n, condition) in world.scene.conditions.iter().enumerate() {
+        if let Condition::Periodic(period) = condition {
+            let key = format!("conditions[{n}].periodic");
+            let axis = world.space().axis(period.axis).at(format!("{key}.axis"))?;
+            let cells = (period.high.value - period.low.value) / options.cell.value;
+            if (cells - cells.round()).abs() > 1e-6 * cells.abs().max(1.0) {
+                return wrong(key, format!("the period is {cells} cells; it must be a multiple of 4 cells"));
+            }
+            made = made.periodic(axis, cells.round().max(0.0) as usize).at(key)?;
+        }
+    }
+    let mut flow = Scene::new(made);
+    for (n, condition) in world.scene.conditions.iter().enumerate() {
+        if let Some(wall) = wall(world, &format!("conditions[{n}]"), condition)? {
+            flow.add_wall(wall).at(format!("conditions[{n}]"))?;
+        }
+    }
+    let cells = Cells { lattice: &lattice, parts: options.particles_per_cell as usize, key: "method.flow.cell" };
+    for (name, body) in &world.scene.expanded {
+        let key = format!("bodies.{name}");
+        if body.rigid.is_some() {
+            flow.add_wall(solid(world, &key, body)?).at(&key)?;
+            continue;
+        }
+        let fluid = fluid(world, &key, body)?;
+        let seeds = seeds(world, &key, body, &cells)?;
+        let velocity = world.velocity(&key, body, || Ok(seeds.centroid()))?;
+        flow.add_fluid(name, fluid, &seeds, |x| velocity(x)).map_err(|e| of_body(&key, e))?;
+    }
+    placement::check_planes(world, &flow)?;
+    if let Some(gravity) = world.gravity()? {
+        flow.set_body_force(move |t| gravity(t));
+    }
+    if let Some(control) = world.time_control() {
+        flow.set_time_control(control).at("time_step")?;
+    }
+    flow.set_watch(world.watch());
+    Ok(Box::new(flow))
+}
+
+/// Refuse keys of the scene that incompressible flow does not read.
+fn refuse_what_is_not_read<const D: usize>(world: &World<'_, D>) -> Made<()> {
+    if world.scene.mass_scaling.is_some() {
+        return wrong("mass_scaling", "is not of `flow`, whose step no speed of sound limits");
+    }
+    if world.scene.contact.is_some() {
+        let message = "is not of `flow`: liquids of a scene are one, and solids and walls are impermeable";
+        return wrong("contact", message);
+    }
+    if let Some(n) = accounts::of(world.scene).first() {
+        return Err(Wrong {
+            key: format!("conditions[{n}]"),
+            message: "forces of single conditions are not measured in `flow`".into(),
+            help: Some("leave `condition` out of the measure: it is then that of all walls together".into()),
+        });
+    }
+    Ok(())
+}
+
+/// Return the origin of the grid: at the lower planes of periods, else zero.
+fn origin<const D: usize>(world: &World<'_, D>) -> Made<[f64; D]> {
+    let mut origin = [0.0; D];
+    for (n, condition) in world.scene.conditions.iter().enumerate() {
+        if let Condition::Periodic(period) = condition {
+            let axis = world.space().axis(period.axis).at(format!("conditions[{n}].periodic.axis"))?;
+            origin[axis] = period.low.value;
+        }
+    }
+    Ok(origin)
+}
+
+/// Return the half space behind a plane, m.
+fn behind<const D: usize>(key: &str, axis: usize, at: f64, side: Side) -> Made<HalfSpace<D>> {
+    let mut outward = [0.0; D];
+    outward[axis] = if side == Side::Above { 1.0 } else { -1.0 };
+    let mut point = [0.0; D];
+    point[axis] = at;
+    HalfSpace::new(point, outward).at(key)
+}
+
+/// Return the wall of a condition, unless it is periodic.
+fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) -> Made<Option<Wall<D>>> {
+    let plane = |plane: &Plane, word: &str| -> Made<Wall<D>> {
+        let axis = world.space().axis(plane.axis).at(format!("{key}.{word}.axis"))?;
+        Ok(Wall::solid(behind(key, axis, plane.at.value, plane.side)?))
+    };
+    Ok(Some(match condition {
+        Condition::Periodic(_) => return Ok(None),
+        Condition::Symmetry(p) => plane(p, "symmetry")?,
+        Condition::Fixed(p) => plane(p, "fixed")?.no_slip(),
+        Condition::Wall(spec) => {
+            let key = format!("{key}.wall");
+            if spec.friction.is_some() {
+                return Err(Wrong {
+                    key: format!("{key}.friction"),
+                    message: "is not of a liquid".into(),
+                    help: Some("`fixed` instead of `wall` is a wall without slip, by the viscosity".into()),
+                });
+            }
+            let axis = world.space().axis(spec.axis).at(format!("{key}.axis"))?;
+            let wall = Wall::solid(behind(&key, axis, spec.at.value, spec.side)?);
+            match (&spec.velocity, &spec.position) {
+                (Some(_), Some(_)) => return wrong(format!("{key}.position"), "either `velocity` or `position`"),
+                (None, None) => wall,
+                (Some(list), None) => {
+                    let moved = displacement(world, &format!("{key}.velocity"), list)?;
+                    wall.moving(move |t| moved(t))
+                }
+                (None, Some(position)) => {
+                    let key = format!("{key}.position");
+                    position.check(world.space().coordinates(), false, true).at(&key)?;
+                    let (position, at) = (position.clone(), spec.at.value);
+                    let start = position.at(&[0.0; D], false, 0.0);
+                    let begins = (start - at).abs() <= 1e-9 * at.abs().max(start.abs());
+                    if !begins {
+                        let message = format!("is {start} m at the start; it must begin at `at`, {at} m");
+                        return wrong(key, message);
+                    }
+                    wall.moving(move |t| {
+                        let mut moved = [0.0; D];
+                        moved[axis] = position.at(&[0.0; D], false, t) - at;
+                        moved
+                    })
+                }
+            }
+        }
+        Condition::Absorbing(_) | Condition::Prescribed(_) => {
+            return Err(Wrong {
+                key: key.into(),
+                message: format!("`{}` is not available in `flow`", condition.kind()),
+                help: Some("planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid".into()),
+            });
+        }
+    }))
+}
+
+/// Return the wall of a rigid body, whose motion is prescribed.
+fn solid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Wall<D>> {
+    let Some(spec) = &body.rigid else { return wrong(key, "is not rigid") };
+    if !spec.prescribed {
+        return Err(Wrong {
+            key: format!("{key}.rigid"),
+            message: "a rigid body that a liquid moves is not available in `flow`".into(),
+            help: Some("`rigid.prescribed = true` is a body that rests, or moves as `velocity` says".into()),
+        });
+    }
+    if world.spin(key, body)? != [0.0; 3] {
+        return wrong(format!("{key}.spin"), "a rigid body of `flow` moves without turning");
+    }
+    let wall = Wall::solid(world.shape(key, body)?);
+    match &body.velocity {
+        Some(list) => {
+            let moved = displacement(world, &format!("{key}.velocity"), list)?;
+            Ok(wall.moving(move |t| moved(t)))
+        }
+        None => {
+            let velocity = world.velocity(key, body, || Ok([0.0; D]))?([0.0; D]);
+            Ok(if velocity == [0.0; D] { wall } else { wall.moving(move |t| velocity.map(|v| v * t)) })
+        }
+    }
+}
+
+/// Integrate velocities over time, m/s, from the start: exact for constant ones, else by Gauss's quadrature over parts of the run.
+fn displacement<const D: usize>(
+    world: &World<'_, D>,
+    key: &str,
+    list: &[Formula<Speed>],
+) -> Made<Displacement<D>> {
+    let list: [Formula<Speed>; D] = formulas(list).at(key)?;
+    for (n, formula) in list.iter().enumerate() {
+        formula.check(world.space().coordinates(), false, true).at(format!("{key}[{n}]"))?;
+    }
+    let constant = list.each_ref().map(Formula::as_constant);
+    if constant.iter().all(Option::is_some) {
+        let velocity = constant.map(|v| v.unwrap_or(0.0));
+        return Ok(Arc::new(move |t| velocity.map(|v| v * t)));
+    }
+    let velocity = move |t: f64| -> [f64; D] { std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)) };
+    let part = world.scene.end.value / INTERVALS as f64;
+    let over = move |from: f64, to: f64| -> [f64; D] {
+        let (mean, half) = (0.5 * (from + to), 0.5 * (to - from));
+        GAUSS.iter().fold([0.0; D], |sum, [node, weight]| {
+            let v = velocity(mean + half * node);
+            std::array::from_fn(|d| sum[d] + weight * half * v[d])
+        })
+    };
+    let mut table = vec![[0.0; D]];
+    for n in 0..INTERVALS {
+        let step = over(part * n as f64, part * (n + 1) as f64);
+        let last = table[n];
+        table.push(std::array::from_fn(|d| last[d] + step[d]));
+    }
+    Ok(Arc::new(move |t| {
+        let n = ((t / part).floor().max(0.0) as usize).min(INTERVALS);
+        let rest = over(part * n as f64, t);
+        std::array::from_fn(|d| table[n][d] + rest[d])
+    }))
+}
+
+/// Return the liquid of a body.
+fn fluid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Fluid> {
+    let Some(name) = &body.material else { return wrong(key, "needs a `material`") };
+    let Some(spec) = world.scene.materials.get(name) else {
+        return wrong(format!("{key}.material"), format!("no material has the name `{name}`"));
+    };
+    let at = format!("materials.{name}");
+    if spec.bulk_viscosity.is_some() {
+        return wrong(format!("{at}.bulk_viscosity"), "has no effect on an incompressible liquid");
+    }
+    let Some([density, viscosity, tension]) = constants(world, key, body, spec)? else {
+        return Err(Wrong {
+            key: at,
+            message: "is no liquid, as `flow` needs".into(),
+            help: Some(
+                "take `fluid.incompressible = { density, viscosity, surface_tension }`, or `library = \"water\"`".into(),
+            ),
+        });
+    };
+    let at = format!("{at}.fluid");
+    let fluid = Fluid::new(density).at(&at)?.with_viscosity(viscosity).at(&at)?;
+    fluid.with_surface_tension(tension).at(&at)
+}
+
+/// Return density, kg/m^3, dynamic viscosity, Pa s, and surface tension, N/m, of a liquid; `None` for other materials.
+fn constants<const D: usize>(
+    world: &World<'_, D>,
+    key: &str,
+    body: &Body,
+    spec: &Material,
+) -> Made<Option<[f64; 3]>> {
+    Ok(match (&spec.fluid, spec.library) {
+        (Some(FluidLaw::Incompressible(k)), None) => {
+            Some([k.density.value, k.viscosity.value, k.surface_tension.value])
+        }
+        (Some(FluidLaw::Tait(k)), None) => Some([k.density.value, k.viscosity.map_or(0.0, |q| q.value), 0.0]),
+        (Some(FluidLaw::MieGruneisen(k)), None) => Some([k.density.value, 0.0, 0.0]),
+        (None, Some(Library::Water | Library::WaterShocked)) => {
+            Some([world.law(key, body)?.material.density(), 0.0, 0.0])
+        }
+        _ => None,
+    })
+}
