@@ -107,7 +107,7 @@ impl Source {
             // Particles of a lattice have equal volumes, scaled by one factor to that of the shape; other points have individual volumes.
             let lattice = match &scene.method {
                 Method::Mpm(_) => spec.is_some_and(|b| b.elements.is_none()),
-                Method::Sph(_) => true,
+                Method::Sph(_) | Method::Flow(_) => true,
                 _ => false,
             };
             // Boxes are divided to fit.
@@ -232,7 +232,7 @@ impl Source {
             };
             if splines && scene.bodies.values().any(|b| fluid(&b)) {
                 notes.push(
-                    "method.mpm: quadratic B-splines stir a fluid at rest; `parts = { shape_function = \"cpgimp\", transfer = \"flip\", \
+                    "method.mpm: quadratic B-splines stir a fluid at rest; a liquid with a free surface is at rest with `method.flow`, or with `parts = { shape_function = \"cpgimp\", transfer = \"flip\", \
                      stress_update = \"musl\" }` instead of `for` keeps it at rest"
                         .into(),
                 );

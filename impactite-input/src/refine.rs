@@ -38,6 +38,7 @@ impl Source {
             Method::Sph(m) => Some(("method.sph.spacing", m.spacing)),
             Method::Fpm(m) => Some(("method.fpm.spacing", m.spacing)),
             Method::Pcmm(m) => Some(("method.pcmm.spacing", m.spacing)),
+            Method::Flow(m) => Some(("method.flow.cell", m.cell)),
             Method::Fem(_) => None,
         };
         let mut sizes: Vec<Size> =

@@ -67,6 +67,8 @@ measures! {
     HeatCapacity: "heat capacity", "J/(kg K)";
     /// Energy per area, J/m^2.
     SurfaceEnergy: "energy of an area", "J/m^2";
+    /// Surface tension, N/m.
+    SurfaceTension: "surface tension", "N/m";
     /// Energy per volume, J/m^3.
     EnergyDensity: "energy of a volume", "J/m^3";
     /// Energy, J.

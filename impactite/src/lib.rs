@@ -48,6 +48,7 @@
 
 pub use coupling;
 pub use fem;
+pub use flow;
 pub use fpm;
 pub use impactite_geometry as geometry;
 pub use impactite_output as output;

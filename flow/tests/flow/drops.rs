@@ -59,7 +59,14 @@ fn solid_rotation_is_kept() {
         flow.run_until(2.0 * std::f64::consts::PI).unwrap();
         let now = flow.totals();
         let radius = flow.points().iter().map(|p| p.position[0].hypot(p.position[1])).fold(0.0, f64::max);
-        println!("steps {} spin {} energy {} momentum {:?} {:?} radius {radius}", flow.steps(), now.angular_momentum[2] / before.angular_momentum[2], now.kinetic / before.kinetic, now.momentum, centroid(&flow.points()));
+        println!(
+            "steps {} spin {} energy {} momentum {:?} {:?} radius {radius}",
+            flow.steps(),
+            now.angular_momentum[2] / before.angular_momentum[2],
+            now.kinetic / before.kinetic,
+            now.momentum,
+            centroid(&flow.points())
+        );
     }
 }
 
@@ -80,7 +87,15 @@ fn an_elliptic_drop_follows_its_equations() {
                 2.0 * (points.iter().map(|p| p.volume * p.position[d].powi(2)).sum::<f64>() / volume).sqrt()
             };
             let now = flow.totals();
-            println!("cells {cells} steps {} t {t}: a {} {a} b {} {} energy {} momentum {:?}", flow.steps(), axis(0), axis(1), 1.0 / a, now.kinetic / before.kinetic, now.momentum);
+            println!(
+                "cells {cells} steps {} t {t}: a {} {a} b {} {} energy {} momentum {:?}",
+                flow.steps(),
+                axis(0),
+                axis(1),
+                1.0 / a,
+                now.kinetic / before.kinetic,
+                now.momentum
+            );
         }
     }
 }

@@ -48,7 +48,12 @@ fn a_drop_at_rest_has_its_pressure() {
         let first = pressure(&flow) / 14.4 - 1.0;
         flow.run_until(time).unwrap();
         let fastest = flow.points().iter().map(|p| p.velocity[0].hypot(p.velocity[1])).fold(0.0, f64::max);
-        println!("{cells}: {first:e} {:e} speed {fastest:e} steps {} momentum {:?}", pressure(&flow) / 14.4 - 1.0, flow.steps(), flow.totals().momentum);
+        println!(
+            "{cells}: {first:e} {:e} speed {fastest:e} steps {} momentum {:?}",
+            pressure(&flow) / 14.4 - 1.0,
+            flow.steps(),
+            flow.totals().momentum
+        );
     }
     let mut flow = drop::<3>(8.0, 1e-3, 0.0);
     flow.step_at_most(f64::INFINITY).unwrap();
@@ -77,6 +82,10 @@ fn a_drop_oscillates_with_its_period() {
             }
             last = now;
         }
-        println!("{cells}: steps {} {crossings:?} {:?} peaks {peak:?}", flow.steps(), 2.0 * (crossings[1] - crossings[0]) / EXACT);
+        println!(
+            "{cells}: steps {} {crossings:?} {:?} peaks {peak:?}",
+            flow.steps(),
+            2.0 * (crossings[1] - crossings[0]) / EXACT
+        );
     }
 }

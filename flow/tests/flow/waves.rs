@@ -11,7 +11,8 @@ fn standing_wave(cells: usize, periods: usize) -> [f64; 2] {
     let at = |flow: &flow::Flow<2>| centroid(&flow.points())[0] - 0.5;
     let first = energy(&flow);
     let rest = energy(&tank(1.0, 0.5, cells, |_| 0.0));
-    let (mut crossings, mut peaks, mut last, mut peak) = (Vec::new(), vec![at(&flow).abs()], (0.0, at(&flow)), 0.0f64);
+    let (mut crossings, mut peaks, mut last, mut peak) =
+        (Vec::new(), vec![at(&flow).abs()], (0.0, at(&flow)), 0.0f64);
     while !flow.reached((periods as f64 + 0.1) * EXACT) {
         flow.step_towards((periods as f64 + 0.1) * EXACT).unwrap();
         let now = (flow.time(), at(&flow));
@@ -77,6 +78,10 @@ fn volume_is_kept_in_long_sloshing() {
         (least, most) = (least.min(volume), most.max(volume));
     }
     let account = flow.account();
-    println!("{} steps, volume {least} to {most}, centroid {first} to {}, energy {account:?}", flow.steps(), centroid(&flow.points())[1]);
+    println!(
+        "{} steps, volume {least} to {most}, centroid {first} to {}, energy {account:?}",
+        flow.steps(),
+        centroid(&flow.points())[1]
+    );
     assert!(flow.largest_divergence() < 1e-10 * 0.3);
 }

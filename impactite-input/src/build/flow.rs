@@ -15,7 +15,7 @@ use crate::model::body::Body;
 use crate::model::condition::{Condition, Plane, Side};
 use crate::model::material::{FluidLaw, Library, Material};
 use crate::model::method::Flow;
-use crate::model::{fixed, formulas};
+use crate::model::formulas;
 use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
@@ -38,8 +38,7 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
         return wrong(format!("{key}.particles_per_cell"), message);
     }
     refuse_what_is_not_read(world)?;
-    let lattice =
-        Lattice::new(origin(world)?, options.cell.value).at(format!("{key}.cell"))?;
+    let lattice = Lattice::new(origin(world)?, options.cell.value).at(format!("{key}.cell"))?;
     let mut made = FlowOptions::new(lattice);
     if let Some(share) = options.density_correction {
         made = made.density_correction(share.value).at(format!("{key}.density_correction"))?;
@@ -61,7 +60,8 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
             flow.add_wall(wall).at(format!("conditions[{n}]"))?;
         }
     }
-    let cells = Cells { lattice: &lattice, parts: options.particles_per_cell as usize, key: "method.flow.cell" };
+    let cells =
+        Cells { lattice: &lattice, parts: options.particles_per_cell as usize, key: "method.flow.cell" };
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
         if body.rigid.is_some() {
@@ -146,7 +146,9 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
             let axis = world.space().axis(spec.axis).at(format!("{key}.axis"))?;
             let wall = Wall::solid(behind(&key, axis, spec.at.value, spec.side)?);
             match (&spec.velocity, &spec.position) {
-                (Some(_), Some(_)) => return wrong(format!("{key}.position"), "either `velocity` or `position`"),
+                (Some(_), Some(_)) => {
+                    return wrong(format!("{key}.position"), "either `velocity` or `position`");
+                }
                 (None, None) => wall,
                 (Some(list), None) => {
                     let moved = displacement(world, &format!("{key}.velocity"), list)?;
@@ -174,7 +176,10 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
             return Err(Wrong {
                 key: key.into(),
                 message: format!("`{}` is not available in `flow`", condition.kind()),
-                help: Some("planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid".into()),
+                help: Some(
+                    "planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid"
+                        .into(),
+                ),
             });
         }
     }))

@@ -21,8 +21,12 @@ enum Kind {
     Fpm,
     /// Finite elements.
     Fem,
+    /// Incompressible liquid.
+    Liquid,
+    /// Rigid body in a liquid.
+    Solid,
 }
-use Kind::{Elements, Fem, Fpm, Particles, Pcmm, Rigid, Sph};
+use Kind::{Elements, Fem, Fpm, Liquid, Particles, Pcmm, Rigid, Solid, Sph};
 
 impl Kind {
     fn of(method: &Method, body: &Body) -> Kind {
@@ -34,6 +38,8 @@ impl Kind {
             Method::Sph(_) => Sph,
             Method::Fpm(_) => Fpm,
             Method::Fem(_) => Fem,
+            Method::Flow(_) if body.rigid.is_some() => Solid,
+            Method::Flow(_) => Liquid,
         }
     }
 
@@ -47,6 +53,8 @@ impl Kind {
             Sph => "`sph`",
             Fpm => "`fpm`",
             Fem => "`fem`",
+            Liquid => "liquids of `flow`",
+            Solid => "rigid bodies of `flow`",
         }
     }
 }
@@ -64,12 +72,12 @@ struct Key {
 
 /// Keys that some kinds alone read. Other keys of bodies are read for every kind.
 const KEYS: &[Key] = &[
-    Key { name: "rigid", used: |b| b.rigid.is_some(), kinds: &[Rigid], instead: None },
+    Key { name: "rigid", used: |b| b.rigid.is_some(), kinds: &[Rigid, Solid], instead: None },
     Key { name: "elements", used: |b| b.elements.is_some(), kinds: &[Elements], instead: None },
     Key {
         name: "material",
         used: |b| b.material.is_some(),
-        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem],
+        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem, Liquid],
         instead: Some("a rigid body has `rigid.density` instead"),
     },
     Key { name: "deactivated", used: |b| b.deactivated, kinds: &[Particles], instead: None },

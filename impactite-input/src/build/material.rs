@@ -11,7 +11,7 @@ use impactite::materials::{
 };
 use impactite::mpm::{Deformable, FieldForce, Mpm, Splitting, Traction};
 
-use super::wrong::{At, Made, wrong};
+use super::wrong::{At, Made, Wrong, wrong};
 use crate::model::material::{
     BURN_WIDTH, ConeWord, ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants,
     GroundLaw, Library, Material as Spec, Strength, TAYLOR_QUINNEY,
@@ -645,6 +645,11 @@ fn of_fluid(key: &str, fluid: &FluidLaw, viscosity: Option<[f64; 2]>) -> Made<La
             let at = format!("{key}.fluid.tait");
             sheared!(at, Tait::new(k.density.value, k.sound_speed.value), k.viscosity)
         }
+        FluidLaw::Incompressible(_) => Err(Wrong {
+            key: format!("{key}.fluid.incompressible"),
+            message: "is for the method `flow` alone".into(),
+            help: Some("take `tait`, with a speed of sound of ten times the fastest flow".into()),
+        }),
         FluidLaw::MieGruneisen(k) => {
             let at = format!("{key}.fluid.mie_gruneisen");
             let eos =

@@ -5,6 +5,7 @@ mod common;
 mod conditions;
 pub(crate) mod describe;
 mod fem;
+mod flow;
 mod fpm;
 pub(crate) mod kernels;
 mod kinds;
@@ -94,11 +95,13 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
     match scene.space {
         Space::Full => checked(&common::World::<3>::new(scene, folder), |world| match &scene.method {
             Method::Fpm(options) => fpm::build(FullSpace, world, options),
+            Method::Flow(options) => flow::build(world, options),
             _ => in_space(FullSpace, world),
         }),
         Space::PlaneStrain | Space::PlaneStress => {
             checked(&common::World::<2>::new(scene, folder), |world| match &scene.method {
                 Method::Fpm(options) => fpm::build(PlaneStrain, world, options),
+                Method::Flow(options) if scene.space == Space::PlaneStrain => flow::build(world, options),
                 _ => in_space(PlaneStrain, world),
             })
         }
@@ -130,5 +133,6 @@ fn in_space<E: Setting<D>, const D: usize>(
         Method::Sph(options) => particles::sph(embedding, world, options),
         Method::Fpm(_) => wrong("space", "fragile points are of `3d`, `plane strain` or `plane stress`"),
         Method::Pcmm(options) => particles::pcmm(embedding, world, options),
+        Method::Flow(_) => wrong("space", "incompressible flow is in `plane strain` or `3d`"),
     }
 }

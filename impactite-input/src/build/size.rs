@@ -20,6 +20,7 @@ pub fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
         (Method::Fpm(_), 3) => 2500.0,
         (Method::Fpm(_), _) => 1100.0,
         (Method::Pcmm(_), _) => 400.0,
+        (Method::Flow(_), _) => 100.0,
     }
 }
 
@@ -37,6 +38,8 @@ pub(super) fn check<const D: usize>(world: &World<'_, D>) -> Made<()> {
         method @ Method::Sph(_) => (method, "method.sph.spacing".into()),
         method @ Method::Fpm(_) => (method, "method.fpm.spacing".into()),
         method @ Method::Pcmm(_) => (method, "method.pcmm.spacing".into()),
+        Method::Flow(m) if m.particles_per_cell > 8 => return Ok(()),
+        method @ Method::Flow(_) => (method, "method.flow.cell".into()),
         method @ Method::Fem(_) => {
             let finest = world.scene.expanded.iter().max_by(|a, b| {
                 let edge = |body: &Body| edge_of(body).map_or(0.0, |e| 1.0 / e);
@@ -78,6 +81,7 @@ pub(crate) fn spacing(method: &Method, body: &Body) -> Option<f64> {
         (Method::Sph(m), _) => Some(m.spacing.value),
         (Method::Fpm(m), _) => Some(m.spacing.value),
         (Method::Pcmm(m), _) => Some(m.spacing.value),
+        (Method::Flow(m), _) => Some(m.cell.value / f64::from(m.particles_per_cell.max(1))),
         (Method::Fem(_), None) => None,
     }
 }

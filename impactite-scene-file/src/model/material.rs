@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::parts::parts;
 use crate::quantity::{
-    Angle, Density, EnergyDensity, HeatCapacity, Plain, Pressure, Quantity, Rate, Speed, Temperature,
-    Viscosity,
+    Angle, Density, EnergyDensity, HeatCapacity, Plain, Pressure, Quantity, Rate, Speed, SurfaceTension,
+    Temperature, Viscosity,
 };
 
 /// Default Taylor-Quinney coefficient.
@@ -180,6 +180,8 @@ pub enum FluidLaw {
     /// Liquid under shock: Mie-Grueneisen.
     #[schemars(extend("examples" = [{"mie_gruneisen": {"density": 1000, "sound_speed": "1490 m/s", "slope": 1.79, "gruneisen": 1.65}}]))]
     MieGruneisen(ShockConstants),
+    /// Incompressible Newtonian liquid (`flow`).
+    Incompressible(LiquidConstants),
 }
 
 /// Explosive with JWL products.
@@ -391,6 +393,20 @@ parts! {
         #[serde(default)]
         #[schemars(example = "1 mPa s")]
         viscosity: Option<Quantity<Viscosity>>,
+    }
+    /// Constants of an incompressible liquid.
+    LiquidConstants {
+        /// Density rho.
+        #[schemars(example = "1000 kg/m^3")]
+        density: Quantity<Density>,
+        /// Dynamic viscosity mu; inviscid if not given.
+        #[serde(default)]
+        #[schemars(example = "1 mPa s")]
+        viscosity: Quantity<Viscosity>,
+        /// Surface tension sigma; none if not given.
+        #[serde(default)]
+        #[schemars(example = "0.072 N/m")]
+        surface_tension: Quantity<SurfaceTension>,
     }
     /// p = A (1 - omega / (R1 V)) exp(-R1 V) + B (1 - omega / (R2 V)) exp(-R2 V) + omega e.
     JwlConstants {

@@ -31,6 +31,8 @@ pub enum Method {
     Fpm(Fpm),
     /// Particle-contact meshfree method.
     Pcmm(Pcmm),
+    /// Incompressible flow of a liquid with a free surface, by particles on a staggered grid; `plane strain` and `3d`.
+    Flow(Flow),
 }
 
 parts! {
@@ -68,6 +70,19 @@ parts! {
         #[serde(default)]
         #[schemars(example = 10)]
         null_space_filter: Option<u64>,
+    }
+    /// Incompressible flow of a liquid with a free surface.
+    Flow {
+        /// Edge of a cell of the grid.
+        cell: Quantity<Length>,
+        /// Particles in a cell along each axis at the start.
+        #[serde(default = "two")]
+        #[schemars(example = 2, extend("minimum" = 1, "maximum" = 8))]
+        particles_per_cell: u32,
+        /// Share of the density error of a cell that a step removes; 0 switches the correction of volumes off.
+        #[serde(default)]
+        #[schemars(example = 0.25, extend("minimum" = 0, "maximum" = 1, "default" = 0.25))]
+        density_correction: Option<Quantity<Plain>>,
     }
     /// A grid that holds all nodes of a box.
     Dense {
