@@ -117,7 +117,7 @@ impl<const D: usize> BoundaryEntry<D> {
     /// An account beyond [`ACCOUNTS`].
     pub fn with_account(mut self, account: usize) -> Result<Self, BoundaryError> {
         if account >= ACCOUNTS {
-            return Err(BoundaryError::Account { account });
+            return Err(BoundaryError::Account { account, count: ACCOUNTS });
         }
         self.account = Some(account);
         Ok(self)
@@ -377,7 +377,6 @@ impl<const D: usize> Boundaries<D> {
     /// Apply the constraints of the conditions selected by `acts` to the velocity of a grid node at `x`, as [`Boundary::constrain`], and
     /// book impulse and work of each to its account. `mass`, kg, is that of the node, times the share that particles receive. The sums of
     /// all conditions are left to the caller.
-    #[allow(clippy::too_many_arguments, reason = "the arguments of `Boundary::constrain`, and where to book")]
     pub fn constrain(
         &self,
         acts: impl Fn(&Boundary<D>) -> bool,
@@ -545,6 +544,6 @@ mod tests {
         assert!(matches!(fixed().with_position(Arc::new(|_| 0.0)), Err(BoundaryError::Course { .. })));
         assert!(matches!(fixed().following(), Err(BoundaryError::Course { .. })));
         let beyond = fixed().with_account(ACCOUNTS);
-        assert!(matches!(beyond, Err(BoundaryError::Account { account: ACCOUNTS })));
+        assert!(matches!(beyond, Err(BoundaryError::Account { account: ACCOUNTS, count: ACCOUNTS })));
     }
 }
