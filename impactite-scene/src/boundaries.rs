@@ -252,7 +252,7 @@ impl<const D: usize> Shape<D> for Shifted<D> {
     }
 }
 
-/// Boundary conditions of a scene in the order in which they act ([`Boundary::add_to`]). As a slice they are those of the present step.
+/// Boundary conditions of a scene in the order in which they act ([`Boundaries::add`]). As a slice they are those of the present step.
 #[derive(Clone, Debug, Default)]
 pub struct Boundaries<const D: usize> {
     /// Conditions of the present step.
@@ -285,7 +285,8 @@ impl<const D: usize> Boundaries<D> {
     }
 
     /// Add a condition at its place in the order: planes of symmetry and walls, fixed planes, prescribed velocities, then those that react
-    /// (friction, dashpots, custom conditions), each in the order of addition.
+    /// (friction, dashpots, custom conditions), each in the order of addition. Where conditions overlap, prescribed velocities thus prevail
+    /// over fixed ones, and friction acts on the constrained motion.
     pub fn add(&mut self, entry: impl Into<BoundaryEntry<D>>) {
         let entry = entry.into();
         let place = entry.boundary.place_in(&self.list);
