@@ -469,7 +469,7 @@ fn a_key_that_stands_elsewhere_is_named() {
 
 #[test]
 fn motions_of_conditions_that_cannot_be_are_refused() {
-    let with = |condition: &str| blocks(METHODS[1], FRICTION, &format!("[[conditions]]\n{condition}\n"));
+    let with = |condition: &str| blocks(METHODS[1], FRICTION, &format!("conditions = [{{ {condition} }}]"));
     let wall = |keys: &str| with(&format!("wall = {{ axis = \"y\", at = 0, {keys} }}"));
     refused(
         &wall("position = \"= 1 + t\""),
@@ -486,10 +486,13 @@ fn motions_of_conditions_that_cannot_be_are_refused() {
 #[test]
 fn measures_name_conditions_that_exist() {
     let scene = |method: &str, measure: &str| {
-        let conditions = "[[conditions]]\nwall = { axis = \"y\", at = 0, name = \"floor\" }\n\
-            [[conditions]]\nsymmetry = { axis = \"x\", at = 0 }\n\
-            [[conditions]]\nsymmetry = { axis = \"x\", at = \"30 mm\", side = \"below\" }\n";
-        blocks(method, FRICTION, &format!("{conditions}[measures]\nforce = {{ {measure} }}\n"))
+        let planes = [
+            "{ wall = { axis = \"y\", at = 0, name = \"floor\" } }",
+            "{ symmetry = { axis = \"x\", at = 0 } }",
+            "{ symmetry = { axis = \"x\", at = \"30 mm\", side = \"below\" } }",
+        ];
+        let rest = format!("conditions = [{}]\nmeasures.force = {{ {measure} }}", planes.join(", "));
+        blocks(method, FRICTION, &rest)
     };
     let force = |of: &str| format!("condition_force = {{ axis = \"y\", condition = {of} }}");
     for method in METHODS {
@@ -532,12 +535,14 @@ fn loads_profiles_and_masses_that_cannot_be_are_refused() {
     refused(&load(fem, &format!("{region}, traction = [0, 0]")), &["needs the axis `normal`"]);
     let with = |rest: &str| blocks(fem, FRICTION, rest);
     refused(&with("mass_scaling = 0.5"), &["mass_scaling", "0.5 is not allowed; it must be at least 1"]);
-    let profile = |keys: &str| {
-        with(&format!("[profiles.p]\nbody = \"left\"\nfield = \"speed\"\nfrom = [0, 0]\n{keys}\n"))
+    let profile = |keys: &str, rest: &str| {
+        let line = "body = \"left\", field = \"speed\", from = [0, 0]";
+        with(&format!("profiles.p = {{ {line}, {keys} }}\n{rest}"))
     };
-    refused(&profile("to = [0, 0]\nbins = 3"), &["profiles.p.to", "needs a length"]);
-    refused(&profile("to = [1, 0]\nbins = 0"), &["profiles.p.bins", "1 to 1000"]);
-    refused(&profile("to = [1, 0, 0]\nbins = 3"), &["profiles.p.to", "has 3 components"]);
-    let bin = profile("to = [1, 0]\nbins = 3\n[measures]\nx = { profile = { of = \"p\", bin = 4 } }");
+    refused(&profile("to = [0, 0], bins = 3", ""), &["profiles.p.to", "needs a length"]);
+    refused(&profile("to = [1, 0], bins = 0", ""), &["profiles.p.bins", "1 to 1000"]);
+    refused(&profile("to = [1, 0, 0], bins = 3", ""), &["profiles.p.to", "has 3 components"]);
+    let measure = "measures.x = { profile = { of = \"p\", bin = 4 } }";
+    let bin = profile("to = [1, 0], bins = 3", measure);
     refused(&bin, &["measures.x.profile.bin", "4 is not allowed; it must be 1 to 3"]);
 }
