@@ -102,7 +102,8 @@ impl<const D: usize> Fem<D> {
         Ok(self.bodies.len() - 1)
     }
 
-    /// Add a boundary condition on all nodes ([`Boundary::hold`]). Their order is that of [`Boundary::add_to`].
+    /// Add a boundary condition on all nodes ([`Boundary::hold`](impactite_scene::Boundary::hold)). Their order is that of
+    /// [`Boundaries::add`].
     ///
     /// # Errors
     /// Invalid parameters of the condition; periodic planes.

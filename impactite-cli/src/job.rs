@@ -331,7 +331,7 @@ impl Job {
             measures.borrow().missing(solver)?.iter().for_each(|line| tracing::warn!("{line}"));
         }
         if ended.is_ok() {
-            report_inertia(scene, solver);
+            crate::inertia::report(scene, solver);
         }
         if let Err(RunError::Interrupted { time, .. }) = &ended {
             tracing::warn!(
@@ -509,30 +509,6 @@ fn checks(scene: &SceneFile, columns: &[(String, String)], values: &[f64]) -> Ve
         Some(Check::within(name, values[place], unit, reference, check.tolerance.value, &check.source))
     };
     scene.checks.iter().enumerate().filter_map(judged).collect()
-}
-
-/// Largest kinetic over internal energy of a slow process.
-const SLOW: f64 = 0.05;
-
-/// Report the kinetic over the internal energy at the end of a run with scaled masses; warn where inertia matters.
-fn report_inertia(scene: &SceneFile, solver: &dyn Solver) {
-    let Some(factor) = scene.mass_scaling else { return };
-    let totals = solver.totals();
-    let share = totals.kinetic_now() / totals.internal;
-    let said = format!(
-        "with {} times the mass the kinetic energy is {:.2} % of the internal energy at the end",
-        factor.value,
-        100.0 * share
-    );
-    // False for a share that is no number: nothing moved.
-    if share > SLOW {
-        tracing::warn!(
-            "{said}; above {} % inertia matters: take a smaller `mass_scaling`, or load more slowly",
-            100.0 * SLOW
-        );
-    } else {
-        tracing::info!("{said}");
-    }
 }
 
 /// Number of symmetry planes that halve the model; the axis of revolution does not count.

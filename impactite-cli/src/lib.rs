@@ -3,6 +3,7 @@
 pub mod converge;
 pub mod error;
 pub mod folder;
+mod inertia;
 pub mod job;
 pub mod lists;
 pub mod pictures;

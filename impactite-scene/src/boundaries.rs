@@ -117,7 +117,7 @@ impl<const D: usize> BoundaryEntry<D> {
     /// An account beyond [`ACCOUNTS`].
     pub fn with_account(mut self, account: usize) -> Result<Self, BoundaryError> {
         if account >= ACCOUNTS {
-            return Err(BoundaryError::Account { account });
+            return Err(BoundaryError::Account { account, count: ACCOUNTS });
         }
         self.account = Some(account);
         Ok(self)
@@ -252,7 +252,7 @@ impl<const D: usize> Shape<D> for Shifted<D> {
     }
 }
 
-/// Boundary conditions of a scene in the order in which they act ([`Boundary::add_to`]). As a slice they are those of the present step.
+/// Boundary conditions of a scene in the order in which they act ([`Boundaries::add`]). As a slice they are those of the present step.
 #[derive(Clone, Debug, Default)]
 pub struct Boundaries<const D: usize> {
     /// Conditions of the present step.
@@ -285,7 +285,8 @@ impl<const D: usize> Boundaries<D> {
     }
 
     /// Add a condition at its place in the order: planes of symmetry and walls, fixed planes, prescribed velocities, then those that react
-    /// (friction, dashpots, custom conditions), each in the order of addition.
+    /// (friction, dashpots, custom conditions), each in the order of addition. Where conditions overlap, prescribed velocities thus prevail
+    /// over fixed ones, and friction acts on the constrained motion.
     pub fn add(&mut self, entry: impl Into<BoundaryEntry<D>>) {
         let entry = entry.into();
         let place = entry.boundary.place_in(&self.list);
@@ -377,7 +378,6 @@ impl<const D: usize> Boundaries<D> {
     /// Apply the constraints of the conditions selected by `acts` to the velocity of a grid node at `x`, as [`Boundary::constrain`], and
     /// book impulse and work of each to its account. `mass`, kg, is that of the node, times the share that particles receive. The sums of
     /// all conditions are left to the caller.
-    #[allow(clippy::too_many_arguments, reason = "the arguments of `Boundary::constrain`, and where to book")]
     pub fn constrain(
         &self,
         acts: impl Fn(&Boundary<D>) -> bool,
@@ -545,6 +545,6 @@ mod tests {
         assert!(matches!(fixed().with_position(Arc::new(|_| 0.0)), Err(BoundaryError::Course { .. })));
         assert!(matches!(fixed().following(), Err(BoundaryError::Course { .. })));
         let beyond = fixed().with_account(ACCOUNTS);
-        assert!(matches!(beyond, Err(BoundaryError::Account { account: ACCOUNTS })));
+        assert!(matches!(beyond, Err(BoundaryError::Account { account: ACCOUNTS, count: ACCOUNTS })));
     }
 }

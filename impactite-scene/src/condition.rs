@@ -2,8 +2,6 @@
 
 use std::fmt::Debug;
 
-use crate::exchange::ACCOUNTS;
-
 /// Side of a plane on which the material is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
@@ -82,10 +80,12 @@ pub enum BoundaryError {
         allowed: &'static str,
     },
     /// Account of a condition that does not exist.
-    #[error("account = {account} of a boundary is not allowed; it must be below {ACCOUNTS}")]
+    #[error("account = {account} of a boundary is not allowed; it must be below {count}")]
     Account {
         /// Account given.
         account: usize,
+        /// Number of accounts.
+        count: usize,
     },
     /// Value that is not finite.
     #[error("boundary {field} = {value} is not allowed; it must be finite")]

@@ -47,15 +47,8 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// Add the condition to a list in the order in which conditions act: planes of symmetry and walls, fixed planes, prescribed velocities,
-    /// then those that react (friction, dashpots, custom conditions), each in the order of addition. Where conditions overlap, prescribed
-    /// velocities thus prevail over fixed ones, and friction acts on the constrained motion.
-    pub fn add_to(self, list: &mut Vec<Self>) {
-        let place = self.place_in(list);
-        list.insert(place, self);
-    }
-
-    /// Return the index at which [`Boundary::add_to`] adds the condition to a list.
+    /// Return the index in a list at which [`Boundaries::add`](crate::Boundaries::add) adds the condition: planes of symmetry and walls,
+    /// fixed planes, prescribed velocities, then those that react (friction, dashpots, custom conditions), each in the order of addition.
     pub(crate) fn place_in(&self, list: &[Self]) -> usize {
         let rank = |boundary: &Self| match boundary {
             Boundary::Fixed { .. } => 1,

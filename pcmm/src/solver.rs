@@ -357,7 +357,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Add a boundary condition. A wall keeps the centres of particles in front of it, in compression only; a plane of symmetry removes the
     /// normal velocity of particles on it; fixed and prescribed velocities apply to particles behind the plane, or in the region, at that
     /// time; a rough wall applies friction to particles in contact; an absorbing plane or a user-defined condition acts on particles whose
-    /// surface is within half a radius, with their `depth` as the thickness. Their order is that of [`Boundary::add_to`].
+    /// surface is within half a radius, with their `depth` as the thickness. Their order is that of [`Boundaries::add`].
     ///
     /// # Errors
     /// An invalid axis, a position or velocity that is not finite, invalid numbers of a condition; periodic planes, which particles do not

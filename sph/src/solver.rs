@@ -317,7 +317,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Add a boundary condition; [`Boundary::hold`](Boundary::check_moving) describes its effect on particles. Beyond a plane of symmetry
     /// particles have mirror images as neighbours; beyond an axis of revolution they have images only without gradient correction. Walls
-    /// keep the surface ([`Layout::surface`]) in front of them. Their order is that of [`Boundary::add_to`].
+    /// keep the surface ([`Layout::surface`]) in front of them. Their order is that of [`Boundaries::add`].
     ///
     /// # Errors
     /// Invalid numbers of a condition; periodic planes; a particle behind a plane of symmetry.

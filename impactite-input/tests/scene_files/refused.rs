@@ -526,3 +526,83 @@ fn elements_meet_all_particles_by_one_law() {
     assert_eq!(said(&two), None);
     refused(&format!("{elements}\n{third}{pairs}"), &["contact.law", "`left`", "by = \"grid\""]);
 }
+
+#[test]
+fn motions_of_conditions_that_cannot_be_are_refused() {
+    let with = |condition: &str| blocks(METHODS[1], FRICTION, &format!("conditions = [{{ {condition} }}]"));
+    let wall = |keys: &str| with(&format!("wall = {{ axis = \"y\", at = 0, {keys} }}"));
+    refused(
+        &wall("position = \"= 1 + t\""),
+        &["conditions[0].wall.position", "is 1 m at the start", "`at`, 0 m"],
+    );
+    let both = "velocity = [0, 1], position = \"= t\"";
+    refused(&wall(both), &["conditions[0].wall.position", "either `velocity` or `position`"]);
+    refused(&wall("velocity = [\"= t\", 0]"), &["conditions[0].wall.velocity", "drags nothing along"]);
+    refused(&wall("velocity = [0, \"= x\"]"), &["conditions[0].wall.velocity[1]", "cannot depend on `x`"]);
+    assert_eq!(said(&wall("velocity = [\"= t\", \"= -t\"], friction = 0.3")), None);
+    assert_eq!(said(&wall("position = \"= -0.1 * t\"")), None);
+}
+
+#[test]
+fn measures_name_conditions_that_exist() {
+    let scene = |method: &str, measure: &str| {
+        let planes = [
+            "{ wall = { axis = \"y\", at = 0, name = \"floor\" } }",
+            "{ symmetry = { axis = \"x\", at = 0 } }",
+            "{ symmetry = { axis = \"x\", at = \"30 mm\", side = \"below\" } }",
+        ];
+        let rest = format!("conditions = [{}]\nmeasures.force = {{ {measure} }}", planes.join(", "));
+        blocks(method, FRICTION, &rest)
+    };
+    let force = |of: &str| format!("condition_force = {{ axis = \"y\", condition = {of} }}");
+    for method in METHODS {
+        let key = "measures.force.condition_force.condition";
+        refused(
+            &scene(method, &force("\"flor\"")),
+            &[key, "`flor`", "floor, symmetry, wall", "did you mean `floor`"],
+        );
+        refused(&scene(method, &force("3")), &[key, "no condition has the place 3; there are 3, from 0"]);
+        for of in ["\"floor\"", "\"wall\"", "0"] {
+            assert_eq!(said(&scene(method, &force(of))), None, "{method}");
+        }
+        // On a grid the impulse of planes is that along their axis.
+        let told = !(method.contains("mpm") || method.contains("sph"));
+        assert_eq!(said(&scene(method, &force("\"symmetry\""))).is_none(), told, "{method}");
+    }
+}
+
+#[test]
+fn loads_profiles_and_masses_that_cannot_be_are_refused() {
+    let load = |method: &str, keys: &str| {
+        let text = blocks(method, FRICTION, "");
+        text.replacen("[bodies.right]", &format!("traction = {{ {keys} }}\n[bodies.right]"), 1)
+    };
+    let region = "region.box = { from = [\"-1 mm\", \"-1 mm\"], to = [\"1 mm\", \"11 mm\"] }";
+    let pressure = format!("{region}, pressure = \"1 MPa\"");
+    for method in METHODS {
+        match said(&load(method, &pressure)) {
+            None => assert!(method.contains("fem") || method.contains("fpm"), "{method}"),
+            Some(said) => assert!(said.contains("bodies.left.traction"), "{said}"),
+        }
+    }
+    let fem = METHODS[1];
+    refused(
+        &load(fem, &format!("{pressure}, traction = [0, 0]")),
+        &["a `traction` or a `pressure`, and not both"],
+    );
+    refused(&load(fem, "pressure = 1"), &["a `region` or a `surface`, and not both"]);
+    refused(&load(fem, "surface = \"top\", pressure = 1"), &["bodies.left.traction.surface", "`top`"]);
+    refused(&load(fem, &format!("{region}, traction = [0, 0]")), &["needs the axis `normal`"]);
+    let with = |rest: &str| blocks(fem, FRICTION, rest);
+    refused(&with("mass_scaling = 0.5"), &["mass_scaling", "0.5 is not allowed; it must be at least 1"]);
+    let profile = |keys: &str, rest: &str| {
+        let line = "body = \"left\", field = \"speed\", from = [0, 0]";
+        with(&format!("profiles.p = {{ {line}, {keys} }}\n{rest}"))
+    };
+    refused(&profile("to = [0, 0], bins = 3", ""), &["profiles.p.to", "needs a length"]);
+    refused(&profile("to = [1, 0], bins = 0", ""), &["profiles.p.bins", "1 to 1000"]);
+    refused(&profile("to = [1, 0, 0], bins = 3", ""), &["profiles.p.to", "has 3 components"]);
+    let measure = "measures.x = { profile = { of = \"p\", bin = 4 } }";
+    let bin = profile("to = [1, 0], bins = 3", measure);
+    refused(&bin, &["measures.x.profile.bin", "4 is not allowed; it must be 1 to 3"]);
+}

@@ -100,8 +100,10 @@ fn seen(solver: &dyn Solver) -> Seen {
         viscosity,
         conversion,
         node_contact,
+        accounts,
     } = solver.exchange();
-    let vectors = impulse.into_iter().chain(load).chain(dropped);
+    let accounts = accounts.into_iter().flat_map(|booking| booking.impulse.into_iter().chain([booking.work]));
+    let vectors = impulse.into_iter().chain(load).chain(dropped).chain(accounts);
     let exchange =
         bits(vectors.chain([work, friction, impacts, damping, viscosity, conversion, node_contact]));
     Seen { time: solver.time().to_bits(), steps: solver.steps(), points, exchange }
