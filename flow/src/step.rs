@@ -78,8 +78,10 @@ impl<const D: usize> Flow<D> {
     /// Apply body force, viscosity and surface tension to the velocity that particles brought.
     fn apply_forces(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
         self.find_advected_divergence(dt, walls);
-        self.apply_body_force(kick);
+        // Viscosity in the middle of the impulse: of second order.
+        self.apply_body_force(0.5 * kick);
         self.apply_viscosity(kick, walls)?;
+        self.apply_body_force(0.5 * kick);
         self.find_jump(kick);
         (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
         Ok(())
