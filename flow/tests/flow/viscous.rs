@@ -86,7 +86,7 @@ fn poiseuille(cells: usize, viscosity: f64) -> Vec<[f64; 2]> {
 
 #[test]
 fn channel_flow_starts_as_it_should() {
-    for (cells, viscosity, allowed) in [(8, 0.1, 2e-3), (16, 0.1, 2e-3), (16, 2.0, 2e-3)] {
+    for (cells, viscosity, allowed) in [(8, 0.1, 3e-3), (16, 0.1, 2e-3), (16, 2.0, 2e-3)] {
         for [found, exact] in poiseuille(cells, viscosity) {
             println!("{cells} cells, viscosity {viscosity}: {found:.5} for {exact:.5}");
             assert!((found - exact).abs() < allowed, "{cells} {viscosity}: {found} {exact}");
