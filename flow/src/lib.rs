@@ -3,9 +3,9 @@
 mod blocks;
 mod cuts;
 mod extrapolate;
+mod gather;
 #[cfg(test)]
 mod gates;
-mod gather;
 mod grid;
 mod options;
 mod particles;

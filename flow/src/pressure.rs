@@ -169,8 +169,7 @@ impl<const D: usize> System<D> {
         if let Some(stencil) = self.stencil.take() {
             self.parts = stencil.into_parts();
         }
-        let (mut weights, mut diagonal) =
-            std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
+        let (mut weights, mut diagonal) = std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
         let slots = self.mine.len() * cells;
         for list in weights.iter_mut().chain([&mut diagonal]) {
             list.clear();

@@ -8,13 +8,13 @@ use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, CheckpointError, Clock, Exchange, SceneError, Solver, StepError, StepLimit,
-    Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, CheckpointError, Clock, Exchange, SceneError, Solver, StepError, StepLimit, Stopped,
+    TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 
 use crate::grid::Grid;
-use crate::options::{FlowOptions, Fluid, parameter};
+use crate::options::{Fluid, FlowOptions, parameter};
 use crate::particles::{Frame, Liquid, Particle};
 use crate::surface::Profile;
 use crate::view::wide;
@@ -149,8 +149,7 @@ impl<const D: usize> Flow<D> {
         parameter(seeds.len() < u32::MAX as usize, "particles", seeds.len() as f64, "below 2^32")?;
         let mut particles = Vec::with_capacity(seeds.len());
         for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
-            let mut p =
-                Particle { x, v: velocity(x), c: [[0.0; D]; D], volume, pressure: 0.0, number: n as u32 };
+            let mut p = Particle { x, v: velocity(x), c: [[0.0; D]; D], volume, pressure: 0.0, number: n as u32 };
             for d in 0..D {
                 parameter(x[d].is_finite(), "position", x[d], "finite")?;
                 parameter(p.v[d].is_finite(), "velocity", p.v[d], "finite")?;
@@ -327,9 +326,7 @@ impl<const D: usize> Flow<D> {
         };
         let time = self.clock.time;
         finite("body force", self.force(time), time)?;
-        self.walls
-            .iter()
-            .try_for_each(|w| finite("displacement of a wall", w.displacement(time + dt), time + dt))
+        self.walls.iter().try_for_each(|w| finite("displacement of a wall", w.displacement(time + dt), time + dt))
     }
 
     fn archive_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
@@ -371,8 +368,7 @@ const LOSS: Loss = Loss {
     remedy: "take smaller cells; a splash or impact of an incompressible liquid loses energy by its nature",
 };
 /// Likely source of energy.
-const GAIN: &str =
-    "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
+const GAIN: &str = "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
 
 impl<const D: usize> Solver for Flow<D> {
     fn method(&self) -> String {

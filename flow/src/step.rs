@@ -9,7 +9,7 @@ use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, offset, stride};
 use crate::cuts::cut;
 use crate::extrapolate::{Reach, constrain, extrapolate, mark};
 use crate::gather::{Gather, Sums};
-use crate::pressure::{Cells, PressureError, outflow, subtract_gradient};
+use crate::pressure::{Cells, PressureError, outflow, subtract_gradient, theta};
 use crate::solver::{Flow, StepTimes, add_to};
 use crate::surface::{self, AIR, LIQUID};
 use crate::transfer::{face_centre, to_faces};
@@ -23,7 +23,7 @@ const CORRECTION_TOLERANCE: f64 = 1e-2;
 const SMOOTH: f64 = 0.02;
 /// Largest density error that a step corrects, before the relaxation.
 const LARGEST_ERROR: f64 = 0.5;
-/// Excess of density that is no error near the surface, where deficits are none either: the fraction there is that of few particles.
+/// Excess of density that is no error beside air, where deficits are none either: the fraction there is the level of the surface.
 const ALLOWED: f64 = 0.1;
 /// Density errors below which no correction is made.
 const NO_ERROR: f64 = 1e-9;
@@ -78,8 +78,10 @@ impl<const D: usize> Flow<D> {
     /// Apply body force, viscosity and surface tension to the velocity that particles brought.
     fn apply_forces(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
         self.find_advected_divergence(dt, walls);
-        self.apply_body_force(kick);
+        // Viscosity in the middle of the impulse: of second order.
+        self.apply_body_force(0.5 * kick);
         self.apply_viscosity(kick, walls)?;
+        self.apply_body_force(0.5 * kick);
         self.find_jump(kick);
         (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
         Ok(())
@@ -266,8 +268,7 @@ impl<const D: usize> Flow<D> {
     fn finish_pressure(&mut self, scale: f64) {
         let (grid, ambient) = (&mut self.grid, self.options.ambient);
         for (n, p) in grid.pressure.iter_mut().enumerate() {
-            let q =
-                if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
+            let q = if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
             *p = ambient + q * scale;
         }
     }
@@ -343,7 +344,7 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// Relaxed density error of each liquid cell. Cells near air may be thin, but not dense. Return the largest magnitude.
+    /// Relaxed density error of each liquid cell, against the fraction at its distance from the surface. Return the largest magnitude.
     fn density_errors(&self, right: &mut Vec<f64>) -> f64 {
         let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
         let surface = &grid.surface;
@@ -354,17 +355,19 @@ impl<const D: usize> Flow<D> {
             if !surface.kind[b * cells..(b + 1) * cells].contains(&LIQUID) {
                 return;
             }
-            let mut kind = [0; TILE_CELLS];
+            let (mut kind, mut level) = ([0; TILE_CELLS], [0.0; TILE_CELLS]);
             grid.blocks.load(b, &surface.kind, AIR, &mut kind);
+            grid.blocks.load(b, &surface.level, 1.0, &mut level);
             for (i, right) in right.iter_mut().enumerate() {
                 let slot = b * cells + i;
                 if surface.kind[slot] != LIQUID {
                     continue;
                 }
-                let mut error = surface.fraction[slot] - 1.0;
-                if near_air::<D>(&kind, i) {
-                    error = (error - ALLOWED).max(0.0);
-                }
+                let mut error = if beside_air::<D>(&kind, i) {
+                    (surface.fraction[slot] - 1.0 - ALLOWED).max(0.0)
+                } else {
+                    surface.fraction[slot] - grid.profile.fraction(depth::<D>(&kind, &level, i))
+                };
                 error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
                 *right = self.options.correction * error * grid.open_cell[slot];
                 *largest = largest.max(error.abs());
@@ -397,7 +400,12 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
+    fn gather(
+        &mut self,
+        dt: f64,
+        walls: &Walls<'_, D>,
+        corrected: bool,
+    ) -> Result<Vec<Sums<D>>, StepError> {
         let ends = walls.moving().then(|| Walls::at(walls.list, self.clock.time + dt, 0.0));
         let mut liquids = std::mem::take(&mut self.liquids);
         let grid = &self.grid;
@@ -450,11 +458,7 @@ impl<const D: usize> Flow<D> {
                     && grid.volume[d][slot] > 0.0
                     && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
                 {
-                    let wall = if walls.moving() {
-                        walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d]
-                    } else {
-                        0.0
-                    };
+                    let wall = if walls.moving() { walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d] } else { 0.0 };
                     let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
                     self.exchange.impulse[d] += impulse;
                     self.exchange.work += impulse * wall;
@@ -526,20 +530,30 @@ impl<const D: usize> Flow<D> {
     }
 }
 
-/// True if a cell within two cells of cell `i` along the axes, or one of the 3^D around it, is without liquid: its kernel may reach the air.
-fn near_air<const D: usize>(kind: &[u8; TILE_CELLS], i: usize) -> bool {
+/// True if one of the 3^D cells around cell `i` is without liquid.
+fn beside_air<const D: usize>(kind: &[u8; TILE_CELLS], i: usize) -> bool {
     let at = in_tile(&local::<D>(i));
-    for d in 0..D {
-        if kind[at - 2 * stride(d)] == AIR || kind[at + 2 * stride(d)] == AIR {
-            return true;
-        }
-    }
     (0..Blocks::<D>::AROUND).any(|n| {
         let by = offset::<D>(n);
         let place = (0..D).fold(at as isize, |place, d| place + by[d] as isize * stride(d) as isize);
         kind[place as usize] == AIR
     })
 }
+
+/// Distance from cell `i` to the surface along an axis, in cells, if it is less than two; else two.
+fn depth<const D: usize>(kind: &[u8; TILE_CELLS], level: &[f64; TILE_CELLS], i: usize) -> f64 {
+    let at = in_tile(&local::<D>(i));
+    let mut least = 2.0f64;
+    for d in 0..D {
+        for [near, far] in [[at - stride(d), at - 2 * stride(d)], [at + stride(d), at + 2 * stride(d)]] {
+            if kind[near] == LIQUID && kind[far] == AIR {
+                least = least.min(1.0 + theta(level[near], level[far]));
+            }
+        }
+    }
+    least
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

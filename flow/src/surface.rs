@@ -42,6 +42,8 @@ pub(crate) fn fraction(dimension: usize, spacing: f64, depth: f64) -> f64 {
 /// Inverse of [`fraction`]: level set over liquid fraction, as it is and after the filters of the curvature.
 #[derive(Clone, Debug)]
 pub(crate) struct Profile {
+    dimension: usize,
+    spacing: f64,
     sharp: Vec<f64>,
     smooth: Vec<f64>,
 }
@@ -84,7 +86,11 @@ impl Profile {
             weights.iter().enumerate().map(|(n, w)| w * at(n)).sum()
         };
         let sharp = inverse(1.5, |depth| fraction(dimension, spacing, depth));
-        Profile { sharp, smooth: inverse(1.5 + PASSES as f64, smooth) }
+        Profile { dimension, spacing, sharp, smooth: inverse(1.5 + PASSES as f64, smooth) }
+    }
+    /// Liquid fraction at a distance from a flat surface, in cells.
+    pub fn fraction(&self, depth: f64) -> f64 {
+        if depth >= 1.5 { 1.0 } else { fraction(self.dimension, self.spacing, depth) }
     }
     /// Level set, in cells, at a liquid fraction: negative in the liquid, -1.5 to 1.5.
     #[inline]

@@ -178,7 +178,11 @@ pub(crate) fn sample_centres<const D: usize>(tile: &[f64; TILE_CELLS], at: &[f64
 }
 
 #[inline(always)]
-fn interpolate<const D: usize>(tile: &[f64; TILE_CELLS], base: usize, part: &[f64; D]) -> (f64, [f64; D]) {
+fn interpolate<const D: usize>(
+    tile: &[f64; TILE_CELLS],
+    base: usize,
+    part: &[f64; D],
+) -> (f64, [f64; D]) {
     let mut slope = [0.0; D];
     let plane = |first: usize| {
         let (a, b) = (tile[first], tile[first + 1]);

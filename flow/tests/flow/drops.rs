@@ -51,7 +51,7 @@ fn free_fall_is_exact() {
 /// A free drop in rotation is unstable without surface tension: its pressure is below that of the surface. A full round tank is stable.
 #[test]
 fn solid_rotation_is_kept() {
-    for cells in [8.0, 16.0, 32.0] {
+    for (cells, lost) in [(8.0, 0.08), (16.0, 0.06), (32.0, 0.04)] {
         let options = FlowOptions::<2>::new(Lattice::new([0.0; 2], 1.0 / cells).unwrap());
         let mut flow = drop(options, 1.0, |x| [-x[1], x[0]]);
         flow.add_wall(Wall::container(Disc::new([0.0; 2], 1.0).unwrap())).unwrap();
@@ -59,14 +59,11 @@ fn solid_rotation_is_kept() {
         flow.run_until(2.0 * std::f64::consts::PI).unwrap();
         let now = flow.totals();
         let radius = flow.points().iter().map(|p| p.position[0].hypot(p.position[1])).fold(0.0, f64::max);
-        println!(
-            "steps {} spin {} energy {} momentum {:?} {:?} radius {radius}",
-            flow.steps(),
-            now.angular_momentum[2] / before.angular_momentum[2],
-            now.kinetic / before.kinetic,
-            now.momentum,
-            centroid(&flow.points())
-        );
+        let spin = now.angular_momentum[2] / before.angular_momentum[2];
+        println!("{cells} cells: spin {spin:.4} after a revolution in {} steps, radius {radius:.4}", flow.steps());
+        // Of first order, by the velocities beyond the curved wall: 6.3, 4.7 and 3.0 %.
+        assert!((1.0 - spin).abs() < lost, "{cells}: {spin}");
+        assert!(radius < 1.0 && centroid(&flow.points()).iter().all(|x| x.abs() < 2e-3));
     }
 }
 
@@ -87,15 +84,13 @@ fn an_elliptic_drop_follows_its_equations() {
                 2.0 * (points.iter().map(|p| p.volume * p.position[d].powi(2)).sum::<f64>() / volume).sqrt()
             };
             let now = flow.totals();
-            println!(
-                "cells {cells} steps {} t {t}: a {} {a} b {} {} energy {} momentum {:?}",
-                flow.steps(),
-                axis(0),
-                axis(1),
-                1.0 / a,
-                now.kinetic / before.kinetic,
-                now.momentum
-            );
+            let error = [axis(0) / a - 1.0, axis(1) * a - 1.0, now.kinetic / before.kinetic - 1.0];
+            println!("{cells} cells: errors of a, b, energy at {t}: {error:.5?}");
+            // The short axis is 2.2 cells at the end, on the coarse grid.
+            assert!(error[0].abs() < 6e-3 && error[1].abs() < 0.05, "{cells} {t}: {error:?}");
+            assert!(error[2].abs() < 0.02, "{cells} {t}: {error:?}");
+            let momentum: f64 = now.momentum.iter().map(|p| p * p).sum::<f64>().sqrt();
+            assert!(momentum < 1e-9 * now.momentum_scale, "{momentum}");
         }
     }
 }

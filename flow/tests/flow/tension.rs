@@ -39,30 +39,33 @@ fn pressure<const D: usize>(flow: &Flow<D>) -> f64 {
     inner.iter().map(|p| p.pressure()).sum::<f64>() / inner.len() as f64
 }
 
+/// The pressure is sigma / R in the plane and 2 sigma / R in space. Speeds at rest come from the noise of the particles: they do not fall with
+/// the cells, since the filters of the curvature are some cells wide.
 #[test]
 fn a_drop_at_rest_has_its_pressure() {
-    for cells in [8.0, 16.0, 32.0] {
+    for (cells, allowed) in [(8.0, 0.01), (16.0, 0.005)] {
         let mut flow = drop::<2>(cells, 1e-3, 0.0);
-        let time = 0.02;
         flow.step_at_most(f64::INFINITY).unwrap();
         let first = pressure(&flow) / 14.4 - 1.0;
-        flow.run_until(time).unwrap();
+        flow.run_until(0.01).unwrap();
         let fastest = flow.points().iter().map(|p| p.velocity[0].hypot(p.velocity[1])).fold(0.0, f64::max);
-        println!(
-            "{cells}: {first:e} {:e} speed {fastest:e} steps {} momentum {:?}",
-            pressure(&flow) / 14.4 - 1.0,
-            flow.steps(),
-            flow.totals().momentum
-        );
+        let last = pressure(&flow) / 14.4 - 1.0;
+        println!("{cells} cells: errors of the pressure {first:.1e}, {last:.1e} after 10 ms; speed {fastest:.1e} m/s");
+        assert!(first.abs() < allowed && last.abs() < 5.0 * allowed, "{cells}: {first} {last}");
+        // A tenth of sqrt(sigma / (rho R)), 0.12 m/s.
+        assert!(fastest < 0.02, "{cells}: {fastest}");
     }
-    let mut flow = drop::<3>(8.0, 1e-3, 0.0);
+    let mut flow = drop::<3>(6.0, 1e-3, 0.0);
     flow.step_at_most(f64::INFINITY).unwrap();
-    println!("3D {:e}", pressure(&flow) / 28.8 - 1.0);
+    let error = pressure(&flow) / 28.8 - 1.0;
+    println!("6 cells in space: error of the pressure {error:.1e}");
+    assert!(error.abs() < 0.03, "{error}");
 }
 
+/// Small drops oscillate slowly, since the filters of the curvature, 1.9 cells wide, weaken it by (1.9 / R)^2 in cells: 11 % at 6 cells.
 #[test]
 fn a_drop_oscillates_with_its_period() {
-    for cells in [8.0, 16.0] {
+    for (cells, slow) in [(6.0, 0.12), (12.0, 0.04)] {
         let mut flow = drop::<2>(cells, 1e-3, 0.05);
         const EXACT: f64 = 0.10688;
         let at = |flow: &Flow<2>| {
@@ -82,10 +85,10 @@ fn a_drop_oscillates_with_its_period() {
             }
             last = now;
         }
-        println!(
-            "{cells}: steps {} {crossings:?} {:?} peaks {peak:?}",
-            flow.steps(),
-            2.0 * (crossings[1] - crossings[0]) / EXACT
-        );
+        let late = 2.0 * (crossings[1] - crossings[0]) / EXACT - 1.0;
+        println!("{cells} cells: period {late:+.3}, peaks {peak:.4?} in {} steps", flow.steps());
+        assert!(late.abs() < slow, "{cells}: {late}");
+        // Viscosity takes 3 % in half a period.
+        assert!(peak[1] / peak[0] > 0.9 && peak[1] < peak[0], "{peak:?}");
     }
 }

@@ -1,5 +1,7 @@
 //! Waves in a tank.
 
+use std::f64::consts::PI;
+
 use impactite_scene::Solver;
 
 use crate::common::{GRAVITY, centroid, energy, tank};
@@ -7,12 +9,11 @@ use crate::common::{GRAVITY, centroid, energy, tank};
 /// Period and ratio of successive amplitudes of the first mode of a standing wave.
 fn standing_wave(cells: usize, periods: usize) -> [f64; 2] {
     const EXACT: f64 = 1.181_816;
-    let mut flow = tank(1.0, 0.5, cells, |x| 0.005 * (std::f64::consts::PI * x).cos());
+    let mut flow = tank(1.0, 0.5, cells, |x| 0.005 * (PI * x).cos());
     let at = |flow: &flow::Flow<2>| centroid(&flow.points())[0] - 0.5;
     let first = energy(&flow);
     let rest = energy(&tank(1.0, 0.5, cells, |_| 0.0));
-    let (mut crossings, mut peaks, mut last, mut peak) =
-        (Vec::new(), vec![at(&flow).abs()], (0.0, at(&flow)), 0.0f64);
+    let (mut crossings, mut peaks, mut last, mut peak) = (Vec::new(), vec![at(&flow).abs()], (0.0, at(&flow)), 0.0f64);
     while !flow.reached((periods as f64 + 0.1) * EXACT) {
         flow.step_towards((periods as f64 + 0.1) * EXACT).unwrap();
         let now = (flow.time(), at(&flow));
@@ -41,22 +42,36 @@ fn a_standing_wave_has_its_period_and_keeps_its_amplitude() {
     }
 }
 
-/// Response of the linear theory to x = A (1 - cos w t), w = 0.8 omega_1, at the wall over A, at multiples of the first period.
+/// Linear theory of a tank that moves by x = A (1 - cos w t): elevation at the wall x = 0, and shift of the centroid, both over A.
+fn sway(omega: f64, t: f64) -> [f64; 2] {
+    let (mut wall, mut shift) = (0.0, 0.0);
+    for n in (1..200).step_by(2) {
+        let k = f64::from(n) * PI;
+        let own = (GRAVITY * k * (0.5 * k).tanh()).sqrt();
+        let force = 4.0 / k * (0.5 * k).tanh() * omega * omega;
+        let b = force / (own * own - omega * omega) * ((omega * t).cos() - (own * t).cos());
+        wall += b;
+        shift -= b * 2.0 / (k * k) / 0.5;
+    }
+    [wall, shift]
+}
+
 #[test]
 fn forced_sway_follows_the_linear_theory() {
-    const EXACT: [[f64; 2]; 5] = [[1.0, -1.398], [1.5, 2.827], [2.0, -3.804], [2.5, 4.416], [3.0, -3.838]];
+    // Elevation at the wall at multiples of the first period, by an independent integration.
+    const WALL: [[f64; 2]; 5] = [[1.0, -1.398], [1.5, 2.827], [2.0, -3.804], [2.5, 4.416], [3.0, -3.838]];
     let (amplitude, omega) = (2e-3, 0.8 * 5.31655);
-    let mut flow = tank(1.0, 0.5, 64, |_| 0.0);
+    let mut flow = tank(1.0, 0.5, 48, |_| 0.0);
     flow.set_body_force(move |t| [-amplitude * omega * omega * (omega * t).cos(), -GRAVITY]);
-    // The first odd mode of the centroid: x = 2 L b / (pi^2 H), of the sum over modes at the wall nearly all.
-    let level = |flow: &flow::Flow<2>| {
-        let shift = centroid(&flow.points())[0] - 0.5;
-        -shift * std::f64::consts::PI.powi(2) * 0.5 / 2.0
-    };
-    for [periods, exact] in EXACT {
-        flow.run_until(periods * 1.181_816).unwrap();
-        let found = level(&flow) / amplitude;
-        println!("sway at {periods} T: {found:.3} for {exact}");
+    for [periods, wall] in WALL {
+        let t = periods * 1.181_816;
+        flow.run_until(t).unwrap();
+        let found = (centroid(&flow.points())[0] - 0.5) / amplitude;
+        let exact = sway(omega, t);
+        println!("sway at {periods} T: centroid {found:.4} for {:.4}, wall {:.3} for {wall}", exact[1], exact[0]);
+        assert!((exact[0] - wall).abs() < 1e-2, "{exact:?} {wall}");
+        // One per cent of the largest shift.
+        assert!((found - exact[1]).abs() < 0.02, "{found} for {exact:?}");
     }
 }
 
@@ -64,7 +79,6 @@ fn forced_sway_follows_the_linear_theory() {
 #[test]
 fn volume_is_kept_in_long_sloshing() {
     let mut flow = tank(1.0, 0.5, 24, |_| 0.0);
-    let first = centroid(&flow.points())[1];
     let omega = 0.95 * 5.31655;
     let forced = 6.0;
     flow.set_body_force(move |t| {
@@ -78,10 +92,12 @@ fn volume_is_kept_in_long_sloshing() {
         (least, most) = (least.min(volume), most.max(volume));
     }
     let account = flow.account();
-    println!(
-        "{} steps, volume {least} to {most}, centroid {first} to {}, energy {account:?}",
-        flow.steps(),
-        centroid(&flow.points())[1]
-    );
+    println!("{} steps, volume {least:.5} to {most:.5}, unexplained {:.3} J of {:.1} J", flow.steps(), account.unexplained, account.work);
+    // The surface of the level set, beside the walls and in crests, has the volume within some thousandths; see the crate for 0.1 %.
+    assert!((least - 1.0).abs() < 5e-3 && (most - 1.0).abs() < 5e-3, "{least} {most}");
+    // The density correction moves the centroid, and with it the potential energy of 1226 J by some joules: 0.7 to 2.8 J by the sequence of
+    // steps, of a largest kinetic energy of 36 J.
+    assert!(account.unexplained.abs() < 0.1 * account.energy_scale, "{account:?}");
+    // Speeds are of 0.3 m/s.
     assert!(flow.largest_divergence() < 1e-10 * 0.3);
 }
