@@ -109,6 +109,8 @@ mod pages {
     struct Elements;
     #[doc = include_str!("../../docs/book/src/extending.md")]
     struct Extending;
+    #[doc = include_str!("../../docs/book/src/flow.md")]
+    struct Flow;
     #[doc = include_str!("../../docs/book/src/fpm.md")]
     struct Fpm;
     #[doc = include_str!("../../docs/book/src/getting-started.md")]

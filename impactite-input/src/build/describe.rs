@@ -22,12 +22,17 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
     };
     use Measurement as M;
     match measure {
-        M::Extent(of)
-        | M::Highest(of)
-        | M::Lowest(of)
-        | M::Centre(of)
-        | M::MeanVelocity(of)
-        | M::Momentum(of) => {
+        M::Highest(of) | M::Lowest(of) => {
+            let word = word(measure);
+            body(&of.body, word)?;
+            scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;
+            let share = of.share.map_or(0.0, |share| share.value);
+            if (0.0..=1.0).contains(&share) {
+                return Ok(());
+            }
+            wrong(format!("{key}.{word}.share"), format!("{share} is not allowed; it must be from 0 to 1"))
+        }
+        M::Extent(of) | M::Centre(of) | M::MeanVelocity(of) | M::Momentum(of) => {
             let word = word(measure);
             body(&of.body, word)?;
             scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;

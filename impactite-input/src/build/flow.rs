@@ -13,9 +13,9 @@ use super::{accounts, placement};
 use crate::formula::Formula;
 use crate::model::body::Body;
 use crate::model::condition::{Condition, Plane, Side};
+use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
 use crate::model::method::Flow;
-use crate::model::formulas;
 use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.

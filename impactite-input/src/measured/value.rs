@@ -54,6 +54,24 @@ fn once<'a, X: Copy>(known: &Known<'a, X>, name: &'a str, find: impl FnOnce() ->
     })
 }
 
+/// Largest `sign` times a coordinate, m, without the outermost points of this share of the mass; negative infinity without a point.
+fn farthest(body: &dyn Body, axis: usize, sign: f64, share: f64) -> f64 {
+    if share <= 0.0 {
+        let mut most = f64::NEG_INFINITY;
+        body.for_each_with(Parts::NONE, &mut |p| most = most.max(sign * p.position[axis]));
+        return most;
+    }
+    let mut points: Vec<(f64, f64)> = Vec::with_capacity(body.len());
+    body.for_each_with(Parts::MASS, &mut |p| points.push((sign * p.position[axis], p.mass)));
+    points.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut left = share * points.iter().map(|(_, mass)| mass).sum::<f64>();
+    let place = points.iter().find(|(_, mass)| {
+        left -= mass;
+        left <= 0.0
+    });
+    place.or(points.last()).map_or(f64::NEG_INFINITY, |(x, _)| *x)
+}
+
 /// Evaluate an instantaneous measure.
 pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
     use Measurement as M;
@@ -82,12 +100,8 @@ pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
         }
         M::Highest(m) | M::Lowest(m) => {
             let axis = space.axis(m.axis)?;
-            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
-            find(&m.body)?.for_each_with(Parts::NONE, &mut |p| {
-                low = low.min(p.position[axis]);
-                high = high.max(p.position[axis]);
-            });
-            if matches!(measure, M::Highest(_)) { high } else { low }
+            let sign = if matches!(measure, M::Highest(_)) { 1.0 } else { -1.0 };
+            sign * farthest(find(&m.body)?, axis, sign, m.share.map_or(0.0, |share| share.value))
         }
         M::Centre(m) => {
             let axis = space.axis(m.axis)?;

@@ -15,10 +15,10 @@ use crate::quantity::{Length, Plain, Quantity, Time};
 pub enum Measurement {
     /// Extent of a body along an axis, between the surfaces of its outermost points, m.
     Extent(OfBody),
-    /// Largest coordinate of the centres of a body's points, m.
-    Highest(OfBody),
-    /// Smallest coordinate of the centres of a body's points, m.
-    Lowest(OfBody),
+    /// Largest coordinate of the centres of a body's points, m; with `share` the coordinate beyond which this share of its mass is.
+    Highest(Outermost),
+    /// Smallest coordinate of the centres of a body's points, m; with `share` the coordinate below which this share of its mass is.
+    Lowest(Outermost),
     /// Coordinate of the centre of mass, m.
     Centre(OfBody),
     /// Mean velocity: momentum over mass, m/s.
@@ -152,6 +152,19 @@ parts! {
         /// The axis.
         #[schemars(example = &"y")]
         axis: Axis,
+    }
+    /// Of the outermost points of a body, along an axis.
+    Outermost {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// The axis.
+        #[schemars(example = &"y")]
+        axis: Axis,
+        /// Share of the mass of the body that is farther out: 0.01 is the front of a flow without its last grains. The outermost point if not given.
+        #[serde(default)]
+        #[schemars(example = 0.01, extend("minimum" = 0, "maximum" = 1))]
+        share: Option<Quantity<Plain>>,
     }
     /// Of boundary conditions, along an axis.
     Along {
