@@ -2,7 +2,7 @@
 
 use impactite_simd::Team;
 
-use crate::blocks::{Blocks, TILE, TILE_CELLS, in_tile, local, stride};
+use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::cuts::Cuts;
 use crate::surface::LIQUID;
 use crate::transfer::{face_centre, sample};
@@ -142,7 +142,7 @@ fn extend_block<const D: usize>(
     let (b, cells) = (new.block as usize, Blocks::<D>::CELLS);
     let mut from = [0; TILE_CELLS];
     blocks.load(b, known, UNKNOWN, &mut from);
-    if !from[..TILE.pow(D as u32)].iter().any(|m| rule.takes(*m)) {
+    if !from[..1 << (3 * D)].iter().any(|m| rule.takes(*m)) {
         return;
     }
     let (mut tile, mut start) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
