@@ -382,7 +382,6 @@ impl<const D: usize> Flow<D> {
         let moves: Vec<_> =
             walls.list.iter().zip(&walls.velocities).map(|(w, v)| (*v, w.is_no_slip())).collect();
         let rests: Vec<_> = walls.list.iter().map(|_| ([0.0; D], false)).collect();
-        let at = (&grid.cuts, &grid.open, &grid.marks);
         let fields = [(&mut grid.velocity, &moves, true), (&mut grid.shift, &rests, false)];
         for (field, walls, changed) in fields {
             if field[0].len() != grid.blocks.cells() {
@@ -393,9 +392,10 @@ impl<const D: usize> Flow<D> {
                     grid.scratch.marks[d].clone_from(&grid.marks[d]);
                     let values = (&mut field[d][..], &mut grid.scratch.marks[d][..]);
                     let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
-                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate);
+                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate[d]);
                 }
-                constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.faces);
+                let at = (&grid.cuts, &grid.open, &grid.scratch.marks);
+                constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.extrapolate);
             }
         }
     }
