@@ -7,10 +7,10 @@ use crate::krylov::{Problem, Solved, Stop};
 use crate::operator::{Operator, Preconditioner};
 use crate::vectors::{add, dot_piece, scale_and_add, sum_pieces, update};
 
-/// Solve A x = b by preconditioned conjugate gradients [HestenesStiefel1952], for a symmetric positive (semi)definite operator. `x` holds the
+/// Solve A x = b by preconditioned conjugate gradients \[HestenesStiefel1952\], for a symmetric positive (semi)definite operator. `x` holds the
 /// start and the result.
 ///
-/// The update of the search direction is the flexible one, beta = z' . (r' - r) / (z . r) [Notay2000], which admits a preconditioner that is
+/// The update of the search direction is the flexible one, beta = z' . (r' - r) / (z . r) \[Notay2000\], which admits a preconditioner that is
 /// symmetric but for round-off, as a multigrid cycle in single precision. The returned residual is the true one; the iteration starts anew
 /// from it when the recurrence drifts away.
 ///
@@ -50,13 +50,15 @@ pub fn conjugate_gradients(
         operator.project(team, &mut z);
         let [rz, qz] = products(team, &r, &q, &z);
         if !(rz > 0.0 && rz.is_finite()) {
-            return Err(SolveError::Preconditioner { value: rz, iteration: iterations });
+            let cause = SolveError::Preconditioner { value: rz, iteration: iterations };
+            return Err(problem.broken(iterations, cause, x, &mut r));
         }
         let beta = if rho == 0.0 { 0.0 } else { -alpha * qz / rho };
         scale_and_add(team, &mut p, beta, &z);
         let curvature = operator.apply_dot(team, &p, &mut q);
         if !(curvature > 0.0 && curvature.is_finite()) {
-            return Err(SolveError::Curvature { value: curvature, iteration: iterations });
+            let cause = SolveError::Curvature { value: curvature, iteration: iterations };
+            return Err(problem.broken(iterations, cause, x, &mut r));
         }
         (rho, alpha) = (rz, rz / curvature);
         add(team, x, alpha, &p);

@@ -66,6 +66,16 @@ pub enum SolveError {
         /// Index of the first such entry.
         index: usize,
     },
+    /// Entry of the right-hand side in a row of the operator that is zero.
+    #[error(
+        "linear solve: b = {value:e} at index {index} is not allowed; it must be zero where the operator has no unknown"
+    )]
+    NoUnknown {
+        /// Value of the entry.
+        value: f64,
+        /// Index of the first such entry.
+        index: usize,
+    },
     /// Right-hand side with a component in the null space of a singular operator.
     #[error(
         "linear solve: the right-hand side is incompatible with the singular operator: its part in the null space has the norm {removed:e}, \

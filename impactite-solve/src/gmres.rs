@@ -7,11 +7,11 @@ use crate::krylov::{Problem, Solved, Stop};
 use crate::operator::{Operator, Preconditioner};
 use crate::vectors::{add, dot, norm, scale, update};
 
-/// Solve A x = b by restarted GMRES with a preconditioner on the right [SaadSchultz1986], for any regular operator. `x` holds the start and
+/// Solve A x = b by restarted GMRES with a preconditioner on the right \[SaadSchultz1986\], for any regular operator. `x` holds the start and
 /// the result.
 ///
 /// The iteration minimises the norm of the residual over the Krylov space of A M^-1, of at most `restart` dimensions, which needs memory for
-/// 2 `restart` + 3 vectors: preconditioned vectors are stored, so that the preconditioner may change between iterations [Saad1993]. The Arnoldi
+/// 2 `restart` + 2 vectors: preconditioned vectors are stored, so that the preconditioner may change between iterations \[Saad1993\]. The Arnoldi
 /// basis is orthogonalised twice by the modified Gram-Schmidt process.
 ///
 /// # Errors

@@ -63,6 +63,8 @@ pub(crate) struct Problem<'a> {
     pub operator: &'a dyn Operator,
     /// Right-hand side without its part in the null space.
     pub b: std::borrow::Cow<'a, [f64]>,
+    /// Norm of b.
+    pub size: f64,
     pub tolerance: f64,
     pub removed: f64,
     pub stop: Stop,
@@ -85,10 +87,14 @@ impl<'a> Problem<'a> {
         }
         let size = finite_norm(team, "b", b)?;
         finite_norm(team, "x", x)?;
+        if let Some(index) = operator.unreachable(team, b) {
+            return Err(SolveError::NoUnknown { value: b[index], index });
+        }
         let mut problem = Problem {
             team,
             operator,
             b: b.into(),
+            size,
             tolerance: (stop.relative * size).max(stop.absolute),
             removed: 0.0,
             stop: *stop,
@@ -120,6 +126,12 @@ impl<'a> Problem<'a> {
         Solved { iterations, residual, removed: self.removed }
     }
 
+    /// Error of a breakdown of the recurrence: `cause`, unless the true residual has come to the accuracy of round-off, where signs are random.
+    pub fn broken(&self, iterations: usize, cause: SolveError, x: &[f64], r: &mut [f64]) -> SolveError {
+        let residual = self.residual(x, r);
+        if residual <= ACCURACY * self.size { self.failed(iterations, residual) } else { cause }
+    }
+
     /// Error of a residual above the tolerance.
     pub fn failed(&self, iterations: usize, residual: f64) -> SolveError {
         let advice = if !residual.is_finite() {
@@ -132,6 +144,9 @@ impl<'a> Problem<'a> {
         SolveError::NotReached { residual, tolerance: self.tolerance, iterations, advice }
     }
 }
+
+/// Part of |b| below which a residual may be of round-off: eps times a condition number of 1e4.
+const ACCURACY: f64 = 1e4 * f64::EPSILON;
 
 /// Norm of a vector.
 fn finite_norm(team: &Team, field: &'static str, x: &[f64]) -> Result<f64, SolveError> {

@@ -7,7 +7,7 @@ use crate::krylov::{Problem, Solved, Stop};
 use crate::operator::{Operator, Preconditioner};
 use crate::vectors::{add, dot, scale, update};
 
-/// Solve A x = b by MINRES [PaigeSaunders1975], for a symmetric, possibly indefinite operator and a symmetric positive definite
+/// Solve A x = b by MINRES \[PaigeSaunders1975\], for a symmetric, possibly indefinite operator and a symmetric positive definite
 /// preconditioner. `x` holds the start and the result.
 ///
 /// The iteration minimises the norm of the residual induced by the preconditioner, (r . M^-1 r)^(1/2). It checks the true residual when that
@@ -35,7 +35,7 @@ pub fn minres(
             return Ok(problem.solved(iterations, residual));
         }
         // A run that gained less than a factor of two has come to the accuracy of round-off.
-        if !(residual < 0.5 * last) || iterations >= stop.iterations {
+        if residual.is_nan() || residual >= 0.5 * last || iterations >= stop.iterations {
             return Err(problem.failed(iterations, residual));
         }
         last = residual;

@@ -2,7 +2,7 @@
 
 use impactite_simd::Team;
 
-use crate::vectors::{PIECE, dot, update};
+use crate::vectors::{dot, update};
 
 /// Linear operator y = A x on vectors of f64.
 ///
@@ -28,6 +28,11 @@ pub trait Operator {
     /// Dimension of the known null space of A; 0 for a regular operator.
     fn nullity(&self) -> usize {
         0
+    }
+
+    /// Index of an entry of b that no x can produce, since its row of A is zero; None if there is no such entry.
+    fn unreachable(&self, _team: &Team, _b: &[f64]) -> Option<usize> {
+        None
     }
 
     /// Remove the part of x in the known null space of A.
@@ -81,5 +86,3 @@ impl Preconditioner for Jacobi {
         });
     }
 }
-
-const _: () = assert!(PIECE.is_multiple_of(64), "pieces consist of whole blocks");

@@ -8,7 +8,7 @@ use crate::cells::{CellBlocks, MOST, SIDE, slots, stride};
 use crate::error::StencilError;
 use crate::operator::Operator;
 use crate::regions::{BlockMasks, Regions};
-use crate::vectors::update;
+use crate::vectors::{sum_pieces, update};
 
 /// Symmetric (2D+1)-point operator of a finite-volume Poisson equation on the unknown cells of a [`CellBlocks`]:
 ///
@@ -294,6 +294,15 @@ impl<const D: usize> Operator for Stencil<D> {
 
     fn nullity(&self) -> usize {
         self.regions.len()
+    }
+
+    fn unreachable(&self, team: &Team, b: &[f64]) -> Option<usize> {
+        let outside = |(b, d): (&f64, &f64)| *b != 0.0 && *d == 0.0;
+        let [count] = sum_pieces(team, b.len(), |start, end| {
+            let pairs = b[start..end].iter().zip(&self.diagonal[start..end]);
+            [pairs.map(|pair| f64::from(u8::from(outside(pair)))).sum()]
+        });
+        if count == 0.0 { None } else { b.iter().zip(&self.diagonal).position(outside) }
     }
 
     fn project(&self, team: &Team, x: &mut [f64]) {

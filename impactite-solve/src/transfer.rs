@@ -17,8 +17,8 @@ type Sides = [[f32; MOST]; 6];
 /// x = (1 - sum_a t_a) x_C + sum_a t_a x_N(a),
 /// ```
 ///
-/// with the neighbours N(a) of C on these sides. On a uniform grid t = 1/4, which interpolates linear functions exactly. Factors follow from the
-/// conductances ([`crate::coarsen`]). Where there is no neighbour, x_N = 0.
+/// with the neighbours N(a) of C on these sides. On a uniform grid t = 1/8, half of what interpolates linear functions exactly. Factors follow
+/// from conductances (`coarsen`). Where there is no neighbour, x_N = 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Transfer<const D: usize> {
     /// Fine blocks of each coarse block, by octant.

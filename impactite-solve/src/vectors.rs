@@ -5,6 +5,8 @@ use impactite_simd::Team;
 /// Length of the pieces of vectors: one task of a loop and one term of a sum each. A multiple of the slots of a block.
 pub(crate) const PIECE: usize = 4096;
 
+const _: () = assert!(PIECE.is_multiple_of(64), "pieces consist of whole blocks");
+
 /// Return the sum over pieces of `term(start, end)`, each in a task, added in the order of the pieces.
 pub(crate) fn sum_pieces<const N: usize>(
     team: &Team,
@@ -65,9 +67,12 @@ pub(crate) fn norm(team: &Team, x: &[f64]) -> f64 {
     if square.is_finite() && square > 1e-280 {
         return square.sqrt();
     }
-    let largest = x.iter().fold(0.0_f64, |m, v| if v.is_nan() { f64::NAN } else { m.max(v.abs()) });
-    if largest == 0.0 || !largest.is_finite() {
-        return largest;
+    if let Some(v) = x.iter().find(|v| !v.is_finite()) {
+        return v.abs();
+    }
+    let largest = x.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
+    if largest == 0.0 {
+        return 0.0;
     }
     let sum: f64 = x.iter().map(|v| (v / largest) * (v / largest)).sum();
     largest * sum.sqrt()

@@ -25,7 +25,6 @@ pub const FLUIDS: [&str; 7] =
     ["open box", "closed tank", "ball", "dam column", "splash", "obstacle", "random theta"];
 
 /// Number in [0, 1) from an integer.
-
 pub fn hash(mut x: u64) -> f64 {
     x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
