@@ -36,7 +36,14 @@ pub(crate) struct Blocks<const D: usize> {
 
 impl<const D: usize> Default for Blocks<D> {
     fn default() -> Self {
-        Blocks { keys: Vec::new(), near: Vec::new(), period: [0; D], low: [0; D], size: [0; D], table: Vec::new() }
+        Blocks {
+            keys: Vec::new(),
+            near: Vec::new(),
+            period: [0; D],
+            low: [0; D],
+            size: [0; D],
+            table: Vec::new(),
+        }
     }
 }
 
@@ -259,14 +266,14 @@ mod tests {
     fn tiles_contain_the_cells_around_a_block() {
         for period in [[0, 0, 0], [3, 0, 4]] {
             let blocks = Blocks::around(vec![[0, 0, 0], [2, 1, 0], [2, 3, 3]], period);
-            let field: Vec<[i32; 3]> =
-                (0..blocks.cells()).map(|s| blocks.cell(s / 64, s % 64)).collect();
+            let field: Vec<[i32; 3]> = (0..blocks.cells()).map(|s| blocks.cell(s / 64, s % 64)).collect();
             let mut tile = [[i32::MAX; 3]; TILE_CELLS];
             for b in 0..blocks.len() {
                 blocks.load(b, &field, [i32::MAX; 3], &mut tile);
                 for (t, found) in tile.iter().enumerate() {
                     let at = [t % 8, t / 8 % 8, t / 64];
-                    let mut cell: [i32; 3] = std::array::from_fn(|d| blocks.keys[b][d] * 4 + at[d] as i32 - 2);
+                    let mut cell: [i32; 3] =
+                        std::array::from_fn(|d| blocks.keys[b][d] * 4 + at[d] as i32 - 2);
                     for d in (0..3).filter(|d| period[*d] > 0) {
                         cell[d] = cell[d].rem_euclid(4 * period[d]);
                     }

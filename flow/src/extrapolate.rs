@@ -94,7 +94,9 @@ pub(crate) fn extrapolate<const D: usize>(
             }
         }
         let (old, known) = (&*values, &*marks);
-        team.each(&mut scratch.blocks, |_, new| extend_block(blocks, rule, (before, volume), (old, known), new));
+        team.each(&mut scratch.blocks, |_, new| {
+            extend_block(blocks, rule, (before, volume), (old, known), new)
+        });
         for new in scratch.blocks.iter().filter(|new| new.which != 0) {
             for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
                 let slot = new.block as usize * cells + i;

@@ -268,7 +268,8 @@ impl<const D: usize> Flow<D> {
     fn finish_pressure(&mut self, scale: f64) {
         let (grid, ambient) = (&mut self.grid, self.options.ambient);
         for (n, p) in grid.pressure.iter_mut().enumerate() {
-            let q = if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
+            let q =
+                if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
             *p = ambient + q * scale;
         }
     }
@@ -400,12 +401,7 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    fn gather(
-        &mut self,
-        dt: f64,
-        walls: &Walls<'_, D>,
-        corrected: bool,
-    ) -> Result<Vec<Sums<D>>, StepError> {
+    fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
         let ends = walls.moving().then(|| Walls::at(walls.list, self.clock.time + dt, 0.0));
         let mut liquids = std::mem::take(&mut self.liquids);
         let grid = &self.grid;
@@ -458,7 +454,11 @@ impl<const D: usize> Flow<D> {
                     && grid.volume[d][slot] > 0.0
                     && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
                 {
-                    let wall = if walls.moving() { walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d] } else { 0.0 };
+                    let wall = if walls.moving() {
+                        walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d]
+                    } else {
+                        0.0
+                    };
                     let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
                     self.exchange.impulse[d] += impulse;
                     self.exchange.work += impulse * wall;
