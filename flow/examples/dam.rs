@@ -23,12 +23,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             let e = flow.exchange();
             println!(
                 "t {:.3} step {} front {front:.3} high {high:.3} kinetic {:.1} unexplained {:.2} dropped {:.2} {:.2} momentum {:.3} {:.3} it {:?} div {:.1e}",
-                flow.time(), flow.steps(), a.kinetic, a.unexplained, e.dropped[0], e.dropped[1], flow.totals().momentum[0], flow.totals().momentum[1],
-                flow.iterations(), flow.largest_divergence()
+                flow.time(),
+                flow.steps(),
+                a.kinetic,
+                a.unexplained,
+                e.dropped[0],
+                e.dropped[1],
+                flow.totals().momentum[0],
+                flow.totals().momentum[1],
+                flow.iterations(),
+                flow.largest_divergence()
             );
         }
     }
-    for w in flow.warnings() { println!("{w}"); }
+    for w in flow.warnings() {
+        println!("{w}");
+    }
     println!("{:.2} s, {} particles", start.elapsed().as_secs_f64(), flow.points().len());
     Ok(())
 }

@@ -14,8 +14,9 @@ pub(crate) const TILE_CELLS: usize = TILE * TILE * TILE;
 const SPARSE: usize = 64;
 
 /// Number of cells of a block, 4^D.
+#[inline(always)]
 pub(crate) const fn volume(dimension: usize) -> usize {
-    SIDE.pow(dimension as u32)
+    1 << (2 * dimension)
 }
 
 /// Sorted set of blocks of 4^D cells. The first axis varies fastest, in the order of blocks and of cells in a block.
@@ -35,7 +36,14 @@ pub(crate) struct Blocks<const D: usize> {
 
 impl<const D: usize> Default for Blocks<D> {
     fn default() -> Self {
-        Blocks { keys: Vec::new(), near: Vec::new(), period: [0; D], low: [0; D], size: [0; D], table: Vec::new() }
+        Blocks {
+            keys: Vec::new(),
+            near: Vec::new(),
+            period: [0; D],
+            low: [0; D],
+            size: [0; D],
+            table: Vec::new(),
+        }
     }
 }
 
@@ -77,8 +85,10 @@ pub(crate) fn in_tile<const D: usize>(at: &[usize; D]) -> usize {
 /// Distance in a tile between neighbours along an axis.
 #[inline(always)]
 pub(crate) const fn stride(axis: usize) -> usize {
-    TILE.pow(axis as u32)
+    1 << (3 * axis)
 }
+
+const _: () = assert!(SIDE == 1 << 2 && TILE == 1 << 3, "edges as powers of two");
 
 impl<const D: usize> Blocks<D> {
     /// Number of cells of a block.
@@ -173,7 +183,7 @@ impl<const D: usize> Blocks<D> {
         let mut at = local::<D>(i);
         let across = if up { at[axis] == SIDE - 1 } else { at[axis] == 0 };
         if !across {
-            let step = SIDE.pow(axis as u32);
+            let step = volume(axis);
             return Some(b * Self::CELLS + if up { i + step } else { i - step });
         }
         at[axis] = if up { 0 } else { SIDE - 1 };
@@ -194,20 +204,16 @@ impl<const D: usize> Blocks<D> {
     #[inline]
     pub fn load<X: Copy>(&self, b: usize, field: &[X], outside: X, tile: &mut [X; TILE_CELLS]) {
         let near = self.near(b);
-        let rows = TILE.pow(D as u32 - 1);
-        for row in 0..rows {
-            let (mut around, mut start, mut rest) = (0, 0, row);
-            for d in 1..D {
-                let at = rest % TILE;
-                rest /= TILE;
-                // Two layers below are rows 2 and 3 of the block below, two layers above rows 0 and 1 of that above.
-                around += (at + 2) / 4 * 3usize.pow(d as u32);
-                start += (at + 2) % 4 * SIDE.pow(d as u32);
+        let layers = if D == 3 { TILE } else { 1 };
+        for k in 0..layers {
+            let (slab, high) = if D == 3 { (9 * PART[k], 16 * WITHIN[k]) } else { (0, 0) };
+            for j in 0..TILE {
+                let (around, start) = (slab + 3 * PART[j], high + 4 * WITHIN[j]);
+                let row = &mut tile[(k * TILE + j) * TILE..][..TILE];
+                copy_row::<X, D, 2>(field, near[around], start + 2, outside, &mut row[..2]);
+                copy_row::<X, D, 4>(field, near[around + 1], start, outside, &mut row[2..6]);
+                copy_row::<X, D, 2>(field, near[around + 2], start, outside, &mut row[6..]);
             }
-            let out = &mut tile[row * TILE..(row + 1) * TILE];
-            copy_row(field, near[around], Self::CELLS, start + 2, outside, &mut out[..2]);
-            copy_row(field, near[around + 1], Self::CELLS, start, outside, &mut out[2..6]);
-            copy_row(field, near[around + 2], Self::CELLS, start, outside, &mut out[6..]);
         }
     }
 
@@ -217,13 +223,24 @@ impl<const D: usize> Blocks<D> {
     }
 }
 
+/// Block of each row of a tile: below, itself, above; and the row within it.
+const PART: [usize; TILE] = [0, 0, 1, 1, 1, 1, 2, 2];
+const WITHIN: [usize; TILE] = [2, 3, 0, 1, 2, 3, 0, 1];
+
+/// Copy `N` cells of a block.
 #[inline(always)]
-fn copy_row<X: Copy>(field: &[X], block: u32, cells: usize, start: usize, outside: X, out: &mut [X]) {
-    if block == NONE {
-        out.fill(outside);
-    } else {
-        let first = block as usize * cells + start;
-        out.copy_from_slice(&field[first..first + out.len()]);
+fn copy_row<X: Copy, const D: usize, const N: usize>(
+    field: &[X],
+    block: u32,
+    start: usize,
+    outside: X,
+    out: &mut [X],
+) {
+    let first = block as usize * volume(D) + start;
+    let from = if block == NONE { None } else { field.get(first..first + N) };
+    match from.and_then(|row| <&[X; N]>::try_from(row).ok()) {
+        Some(row) => out.copy_from_slice(row),
+        None => out.fill(outside),
     }
 }
 
@@ -249,14 +266,14 @@ mod tests {
     fn tiles_contain_the_cells_around_a_block() {
         for period in [[0, 0, 0], [3, 0, 4]] {
             let blocks = Blocks::around(vec![[0, 0, 0], [2, 1, 0], [2, 3, 3]], period);
-            let field: Vec<[i32; 3]> =
-                (0..blocks.cells()).map(|s| blocks.cell(s / 64, s % 64)).collect();
+            let field: Vec<[i32; 3]> = (0..blocks.cells()).map(|s| blocks.cell(s / 64, s % 64)).collect();
             let mut tile = [[i32::MAX; 3]; TILE_CELLS];
             for b in 0..blocks.len() {
                 blocks.load(b, &field, [i32::MAX; 3], &mut tile);
                 for (t, found) in tile.iter().enumerate() {
                     let at = [t % 8, t / 8 % 8, t / 64];
-                    let mut cell: [i32; 3] = std::array::from_fn(|d| blocks.keys[b][d] * 4 + at[d] as i32 - 2);
+                    let mut cell: [i32; 3] =
+                        std::array::from_fn(|d| blocks.keys[b][d] * 4 + at[d] as i32 - 2);
                     for d in (0..3).filter(|d| period[*d] > 0) {
                         cell[d] = cell[d].rem_euclid(4 * period[d]);
                     }

@@ -93,7 +93,13 @@ fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> f64
         });
         let part = 0.5 + walls.gap(x).0 / width;
         // Rounding of places on grid planes.
-        sum += if part > 1.0 - ON_WALL { 1.0 } else if part < ON_WALL { 0.0 } else { part };
+        sum += if part > 1.0 - ON_WALL {
+            1.0
+        } else if part < ON_WALL {
+            0.0
+        } else {
+            part
+        };
     }
     sum / count as f64
 }

@@ -2,8 +2,8 @@
 
 use impactite_simd::Team;
 
-use crate::blocks::{Blocks, TILE, TILE_CELLS, in_tile, local, stride};
-use crate::cuts::Cuts;
+use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
+use crate::cuts::{CutBlock, Cuts};
 use crate::surface::LIQUID;
 use crate::transfer::{face_centre, sample};
 
@@ -94,7 +94,9 @@ pub(crate) fn extrapolate<const D: usize>(
             }
         }
         let (old, known) = (&*values, &*marks);
-        team.each(&mut scratch.blocks, |_, new| extend_block(blocks, rule, (before, volume), (old, known), new));
+        team.each(&mut scratch.blocks, |_, new| {
+            extend_block(blocks, rule, (before, volume), (old, known), new)
+        });
         for new in scratch.blocks.iter().filter(|new| new.which != 0) {
             for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
                 let slot = new.block as usize * cells + i;
@@ -142,7 +144,7 @@ fn extend_block<const D: usize>(
     let (b, cells) = (new.block as usize, Blocks::<D>::CELLS);
     let mut from = [0; TILE_CELLS];
     blocks.load(b, known, UNKNOWN, &mut from);
-    if !from[..TILE.pow(D as u32)].iter().any(|m| rule.takes(*m)) {
+    if !from[..1 << (3 * D)].iter().any(|m| rule.takes(*m)) {
         return;
     }
     let (mut tile, mut start) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
@@ -172,8 +174,8 @@ fn extend_block<const D: usize>(
     }
 }
 
-/// Apply the velocities of walls to closed faces, either those of liquid cells or all: the normal component at slip walls, and the mirrored velocity at walls without slip.
-/// Faces beside no liquid cell are held against approach alone.
+/// Apply the velocities of walls to closed faces, either those of liquid cells or all with a velocity: the normal component at slip walls,
+/// and the mirrored velocity at walls without slip. Faces beside no liquid cell are held against approach alone.
 pub(crate) fn constrain<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
@@ -181,51 +183,73 @@ pub(crate) fn constrain<const D: usize>(
     reach: Reach,
     walls: &[([f64; D], bool)],
     velocity: &mut [Vec<f64>; D],
-    scratch: &mut [Vec<f64>; D],
+    scratch: &mut [Scratch; D],
 ) {
     let cells = Blocks::<D>::CELLS;
     if walls.is_empty() {
         return;
     }
     let old = &*velocity;
-    for d in 0..D {
-        scratch[d].resize(blocks.cells(), 0.0);
-        team.each_piece(&mut scratch[d], cells, &mut vec![(); blocks.len()], |b, new, ()| {
-            new.copy_from_slice(&old[d][b * cells..(b + 1) * cells]);
-            let Some(cut) = &cuts[b] else { return };
-            let beside = |i: usize| marks[d][b * cells + i] == CLOSED;
-            let closed = |i: usize| open[d][b * cells + i] <= 0.0 && (reach == Reach::Beyond || beside(i));
-            if !(0..cells).any(closed) {
-                return;
+    for (d, scratch) in scratch.iter_mut().enumerate() {
+        scratch.blocks.clear();
+        let held = |mark: u8| if reach == Reach::Closed { mark == CLOSED } else { mark != UNKNOWN };
+        for b in (0..blocks.len()).filter(|b| cuts[*b].is_some()) {
+            let mut which = 0;
+            for i in 0..cells {
+                let slot = b * cells + i;
+                which |= u64::from(open[d][slot] <= 0.0 && held(marks[d][slot])) << i;
             }
+            if which != 0 {
+                scratch.blocks.push(Replaced { block: b as u32, which, values: [0.0; 64] });
+            }
+        }
+        team.each(&mut scratch.blocks, |_, new| {
+            let b = new.block as usize;
+            let Some(cut) = &cuts[b] else { return };
             let mut tiles = [[0.0; TILE_CELLS]; 3];
             (0..D).for_each(|e| blocks.load(b, &old[e], 0.0, &mut tiles[e]));
-            for i in (0..cells).filter(|i| closed(*i)) {
-                let at = face_centre::<D>(i, d);
-                let (gap, slope, wall) = cut.sample(&at);
-                let length = slope.iter().map(|s| s * s).sum::<f64>().sqrt();
-                if length <= 0.0 {
-                    continue;
-                }
-                let normal = slope.map(|s| s / length);
-                let (moves, no_slip) = walls[wall];
-                if no_slip {
-                    // Within the tile: at most one cell beyond the block.
-                    let depth = (-gap).clamp(0.0, 0.5);
-                    let mirror: [f64; D] = std::array::from_fn(|e| at[e] + 2.0 * depth * normal[e]);
-                    let fluid = sample(&tiles[d], &mirror, d).0;
-                    new[i] = if depth > 0.0 { 2.0 * moves[d] - fluid } else { moves[d] };
-                    continue;
-                }
-                let mut approach = 0.0;
-                for e in 0..D {
-                    approach += (sample(&tiles[e], &at, e).0 - moves[e]) * normal[e];
-                }
-                if beside(i) || approach < 0.0 {
-                    new[i] -= normal[d] * approach;
-                }
+            for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
+                let beside = marks[d][b * cells + i] == CLOSED;
+                let free = old[d][b * cells + i];
+                new.values[i] = wall_velocity(cut, &tiles, (i, d, beside), free, walls);
             }
         });
     }
-    (0..D).for_each(|d| std::mem::swap(&mut velocity[d], &mut scratch[d]));
+    for (velocity, scratch) in velocity.iter_mut().zip(scratch) {
+        for new in &scratch.blocks {
+            for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
+                velocity[new.block as usize * cells + i] = new.values[i];
+            }
+        }
+    }
+}
+
+/// Velocity of the closed face `i` across axis `d` by its wall; `free` without it.
+fn wall_velocity<const D: usize>(
+    cut: &CutBlock<D>,
+    tiles: &[[f64; TILE_CELLS]; 3],
+    (i, d, beside): (usize, usize, bool),
+    free: f64,
+    walls: &[([f64; D], bool)],
+) -> f64 {
+    let at = face_centre::<D>(i, d);
+    let (gap, slope, wall) = cut.sample(&at);
+    let length = slope.iter().map(|s| s * s).sum::<f64>().sqrt();
+    if length <= 0.0 {
+        return free;
+    }
+    let normal = slope.map(|s| s / length);
+    let (moves, no_slip) = walls[wall];
+    if no_slip {
+        // Within the tile: at most one cell beyond the block.
+        let depth = (-gap).clamp(0.0, 0.5);
+        let mirror: [f64; D] = std::array::from_fn(|e| at[e] + 2.0 * depth * normal[e]);
+        let fluid = sample(&tiles[d], &mirror, d).0;
+        return if depth > 0.0 { 2.0 * moves[d] - fluid } else { moves[d] };
+    }
+    let mut approach = 0.0;
+    for e in 0..D {
+        approach += (sample(&tiles[e], &at, e).0 - moves[e]) * normal[e];
+    }
+    if beside || approach < 0.0 { free - normal[d] * approach } else { free }
 }

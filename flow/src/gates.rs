@@ -58,7 +58,13 @@ impl<const D: usize> Case<D> {
             case.level[slot] = level(cell.map(|x| f64::from(x) + 0.5));
             let outside = |d: usize| (walls[d] && cell[d] < 0) || ends[d].is_some_and(|end| cell[d] >= end);
             let solid = (0..D).any(outside);
-            case.kind[slot] = if solid { SOLID } else if case.level[slot] < 0.0 { LIQUID } else { AIR };
+            case.kind[slot] = if solid {
+                SOLID
+            } else if case.level[slot] < 0.0 {
+                LIQUID
+            } else {
+                AIR
+            };
             for d in 0..D {
                 let closed = (walls[d] && cell[d] <= 0) || ends[d].is_some_and(|end| cell[d] >= end);
                 if closed || solid {
@@ -97,7 +103,8 @@ impl<const D: usize> Case<D> {
 fn hydrostatic_pressure_is_exact_for_any_place_of_the_surface() {
     for theta in [0.01, 0.3, 0.5, 0.99] {
         let height = 11.5 + theta;
-        let plane = Case::<2>::solve([16, 24], [true, true], [Some(13), None], |x| x[1] - height, [0.0, -1.0]);
+        let plane =
+            Case::<2>::solve([16, 24], [true, true], [Some(13), None], |x| x[1] - height, [0.0, -1.0]);
         let space = Case::<3>::solve(
             [8, 24, 8],
             [true; 3],
@@ -113,7 +120,8 @@ fn hydrostatic_pressure_is_exact_for_any_place_of_the_surface() {
                 assert!((q - exact).abs() < 2e-11 * height, "theta {theta}, cell {j}: {q} for {exact}");
             }
         }
-        let rest = |u: &[f64], open: &[f64]| u.iter().zip(open).all(|(u, open)| *open == 0.0 || u.abs() < 2e-11);
+        let rest =
+            |u: &[f64], open: &[f64]| u.iter().zip(open).all(|(u, open)| *open == 0.0 || u.abs() < 2e-11);
         let below = |u: f64| if (u + 1.0).abs() < 1e-15 { 0.0 } else { u };
         // Air falls.
         let vertical: Vec<f64> = plane.velocity[1].iter().map(|u| below(*u)).collect();

@@ -99,8 +99,9 @@ impl<const D: usize> Kernel<f64> for Work<'_, D> {
                 middle[d] += half * v;
             }
             p.pressure = sample_centres(&tiles.pressure, &at).0;
-            // Written so that a velocity that is not a number fails.
-            if !(speed * half * half <= 0.25 * FARTHEST * FARTHEST) {
+            // A velocity that is not a number fails.
+            let within = speed * half * half <= 0.25 * FARTHEST * FARTHEST;
+            if !within {
                 sums.failed = sums.failed.or(Some(n));
                 continue;
             }

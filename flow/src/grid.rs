@@ -51,8 +51,7 @@ pub(crate) struct Grid<const D: usize> {
 #[derive(Clone, Debug)]
 pub(crate) struct GridScratch<const D: usize> {
     pub transfer: Scratch,
-    pub extrapolate: extrapolate::Scratch,
-    pub faces: Faces<D>,
+    pub extrapolate: [extrapolate::Scratch; D],
     pub marks: [Vec<u8>; D],
 }
 
@@ -85,8 +84,7 @@ impl<const D: usize> Default for Grid<D> {
             advected: Vec::new(),
             scratch: GridScratch {
                 transfer: Scratch::default(),
-                extrapolate: extrapolate::Scratch::default(),
-                faces: faces(),
+                extrapolate: std::array::from_fn(|_| extrapolate::Scratch::default()),
                 marks: faces(),
             },
         }
@@ -96,7 +94,7 @@ impl<const D: usize> Default for Grid<D> {
 impl<const D: usize> Grid<D> {
     /// Allocated memory, bytes, without that of the solve.
     pub fn bytes(&self) -> usize {
-        let faces = [&self.open, &self.volume, &self.velocity, &self.before, &self.shift, &self.wall, &self.scratch.faces];
+        let faces = [&self.open, &self.volume, &self.velocity, &self.before, &self.shift, &self.wall];
         let cells = [&self.open_cell, &self.pressure, &self.potential, &self.right];
         let reals: usize = faces.into_iter().flatten().chain(cells).map(|list| list.capacity()).sum();
         self.blocks.bytes() + self.tension.bytes() + 8 * reals

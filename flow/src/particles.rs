@@ -6,7 +6,7 @@ use crate::blocks::{Blocks, NONE, SIDE};
 
 const _: () = assert!(SIDE == 4, "the block of a cell is a quarter of its coordinate");
 
-/// Particle of a liquid: affine particle-in-cell (APIC), Jiang et al. 2015.
+/// Particle of a liquid: affine particle-in-cell (APIC), [Jiang2017].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Particle<const D: usize> {
     /// Position, m.
@@ -54,7 +54,8 @@ impl<const D: usize> Frame<D> {
         let at = self.cells(x);
         let mut key = [0; D];
         for d in 0..D {
-            if !(at[d].abs() < FARTHEST) {
+            let near = at[d].abs() < FARTHEST;
+            if !near {
                 return None;
             }
             // The floor, without a call of the library.

@@ -2,13 +2,13 @@
 //!
 //! With the unknown q = p dt / (rho h), in m/s, a face velocity after the projection is u - (q_up - q_low) / theta, with theta = 1 between
 //! liquid cells. At a surface theta is the share of the distance between cell centres that is liquid, at least 0.01, and the value in the air
-//! is that of the surface (Gibou et al. 2002). A row of the system is
+//! is that of the surface ([Gibou2002]). A row of the system is
 //!
 //! ```text
 //! sum_f alpha_f (q_c - q_f) / theta_f = -sum_f +-(alpha_f u_f + (1 - alpha_f) w_f)
 //! ```
 //!
-//! with the open fraction alpha (Batty et al. 2007, Ng et al. 2009) and the wall velocity w.
+//! with the open fraction alpha ([Batty2007], [Ng2009]) and the wall velocity w.
 
 use std::sync::Arc;
 
@@ -169,7 +169,8 @@ impl<const D: usize> System<D> {
         if let Some(stencil) = self.stencil.take() {
             self.parts = stencil.into_parts();
         }
-        let (mut weights, mut diagonal) = std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
+        let (mut weights, mut diagonal) =
+            std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
         let slots = self.mine.len() * cells;
         for list in weights.iter_mut().chain([&mut diagonal]) {
             list.clear();
@@ -185,7 +186,7 @@ impl<const D: usize> System<D> {
         }
         let stencil = Stencil::new(team, self.cells.clone(), weights, diagonal)?;
         match &mut self.multigrid {
-            Some(multigrid) => *multigrid = Multigrid::new(team, &stencil),
+            Some(multigrid) => multigrid.renew(team, &stencil),
             none => *none = Some(Multigrid::new(team, &stencil)),
         }
         self.stencil = Some(stencil);

@@ -8,17 +8,17 @@ use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, CheckpointError, Clock, Exchange, SceneError, Solver, StepError, StepLimit, Stopped,
-    TimeControl, Warning, Watch,
+    Account, Archive, Body, CheckpointError, Clock, Exchange, SceneError, Solver, StepError, StepLimit,
+    Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 
 use crate::grid::Grid;
-use crate::options::{Fluid, FlowOptions, parameter};
+use crate::options::{FlowOptions, Fluid, parameter};
 use crate::particles::{Frame, Liquid, Particle};
 use crate::surface::Profile;
 use crate::view::wide;
-use crate::wall::Wall;
+use crate::wall::{Wall, Walls};
 
 /// Default share of the Courant limit.
 const COURANT: f64 = 0.5;
@@ -149,7 +149,8 @@ impl<const D: usize> Flow<D> {
         parameter(seeds.len() < u32::MAX as usize, "particles", seeds.len() as f64, "below 2^32")?;
         let mut particles = Vec::with_capacity(seeds.len());
         for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
-            let mut p = Particle { x, v: velocity(x), c: [[0.0; D]; D], volume, pressure: 0.0, number: n as u32 };
+            let mut p =
+                Particle { x, v: velocity(x), c: [[0.0; D]; D], volume, pressure: 0.0, number: n as u32 };
             for d in 0..D {
                 parameter(x[d].is_finite(), "position", x[d], "finite")?;
                 parameter(p.v[d].is_finite(), "velocity", p.v[d], "finite")?;
@@ -270,7 +271,7 @@ impl<const D: usize> Flow<D> {
         let mut rate = self.speed / h;
         rate = rate.max((gravity / h).sqrt());
         if let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) {
-            // Brackbill et al. 1992.
+            // [Brackbill1992]
             let limit = fluid.density * h.powi(3) / (4.0 * std::f64::consts::PI * fluid.tension);
             rate = rate.max(1.0 / limit.sqrt());
         }
@@ -324,9 +325,28 @@ impl<const D: usize> Flow<D> {
             let wrong = values.into_iter().find(|x| !x.is_finite());
             wrong.map_or(Ok(()), |value| Err(SceneError::NotFinite { what: what.into(), value, time }))
         };
+        if self.clock.steps == 0 {
+            self.check_particles_and_walls()?;
+        }
         let time = self.clock.time;
         finite("body force", self.force(time), time)?;
-        self.walls.iter().try_for_each(|w| finite("displacement of a wall", w.displacement(time + dt), time + dt))
+        self.walls
+            .iter()
+            .try_for_each(|w| finite("displacement of a wall", w.displacement(time + dt), time + dt))
+    }
+
+    /// Check that no particle starts in a wall, more than half a cell from open space.
+    fn check_particles_and_walls(&self) -> Result<(), SceneError> {
+        let walls = Walls::at(&self.walls, self.clock.time, 0.0);
+        if walls.list.is_empty() {
+            return Ok(());
+        }
+        for p in self.liquids.iter().flat_map(|l| &l.particles) {
+            let gap = walls.gap(p.x).0 / self.frame.h;
+            let allowed = "above -0.5 cells: take the liquid out of the walls";
+            parameter(gap > -0.5, "distance of a particle from the walls, in cells", gap, allowed)?;
+        }
+        Ok(())
     }
 
     fn archive_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
@@ -368,7 +388,8 @@ const LOSS: Loss = Loss {
     remedy: "take smaller cells; a splash or impact of an incompressible liquid loses energy by its nature",
 };
 /// Likely source of energy.
-const GAIN: &str = "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
+const GAIN: &str =
+    "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
 
 impl<const D: usize> Solver for Flow<D> {
     fn method(&self) -> String {

@@ -268,7 +268,8 @@ impl<const D: usize> Flow<D> {
     fn finish_pressure(&mut self, scale: f64) {
         let (grid, ambient) = (&mut self.grid, self.options.ambient);
         for (n, p) in grid.pressure.iter_mut().enumerate() {
-            let q = if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
+            let q =
+                if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
             *p = ambient + q * scale;
         }
     }
@@ -382,7 +383,6 @@ impl<const D: usize> Flow<D> {
         let moves: Vec<_> =
             walls.list.iter().zip(&walls.velocities).map(|(w, v)| (*v, w.is_no_slip())).collect();
         let rests: Vec<_> = walls.list.iter().map(|_| ([0.0; D], false)).collect();
-        let at = (&grid.cuts, &grid.open, &grid.marks);
         let fields = [(&mut grid.velocity, &moves, true), (&mut grid.shift, &rests, false)];
         for (field, walls, changed) in fields {
             if field[0].len() != grid.blocks.cells() {
@@ -393,19 +393,15 @@ impl<const D: usize> Flow<D> {
                     grid.scratch.marks[d].clone_from(&grid.marks[d]);
                     let values = (&mut field[d][..], &mut grid.scratch.marks[d][..]);
                     let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
-                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate);
+                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate[d]);
                 }
-                constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.faces);
+                let at = (&grid.cuts, &grid.open, &grid.scratch.marks);
+                constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.extrapolate);
             }
         }
     }
 
-    fn gather(
-        &mut self,
-        dt: f64,
-        walls: &Walls<'_, D>,
-        corrected: bool,
-    ) -> Result<Vec<Sums<D>>, StepError> {
+    fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
         let ends = walls.moving().then(|| Walls::at(walls.list, self.clock.time + dt, 0.0));
         let mut liquids = std::mem::take(&mut self.liquids);
         let grid = &self.grid;
@@ -458,7 +454,11 @@ impl<const D: usize> Flow<D> {
                     && grid.volume[d][slot] > 0.0
                     && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
                 {
-                    let wall = if walls.moving() { walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d] } else { 0.0 };
+                    let wall = if walls.moving() {
+                        walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d]
+                    } else {
+                        0.0
+                    };
                     let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
                     self.exchange.impulse[d] += impulse;
                     self.exchange.work += impulse * wall;

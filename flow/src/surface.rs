@@ -74,9 +74,9 @@ impl Profile {
     /// Profile of particles `spacing` cells apart.
     pub fn new(dimension: usize, spacing: f64) -> Self {
         // Weights of all filters together, by Pascal's triangle.
-        let mut weights = vec![1.0];
+        let mut weights = vec![0.0; 2 * PASSES + 1];
+        weights[0] = 1.0;
         for _ in 0..2 * PASSES {
-            weights.push(0.0);
             for n in (0..weights.len()).rev() {
                 weights[n] = 0.5 * (weights[n] + if n > 0 { weights[n - 1] } else { 0.0 });
             }

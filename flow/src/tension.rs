@@ -60,7 +60,8 @@ fn curvature<const D: usize>(tile: &[f64; TILE_CELLS], at: usize) -> f64 {
         slope[d] = 0.5 * (up - low);
         second[d][d] = up - 2.0 * tile[at] + low;
         for e in 0..d {
-            let corner = |a: usize, b: usize| tile[at + a * stride(d) + b * stride(e) - stride(d) - stride(e)];
+            let corner =
+                |a: usize, b: usize| tile[at + a * stride(d) + b * stride(e) - stride(d) - stride(e)];
             second[d][e] = 0.25 * (corner(2, 2) - corner(0, 2) - corner(2, 0) + corner(0, 0));
             second[e][d] = second[d][e];
         }

@@ -101,12 +101,12 @@ impl<'a, const D: usize> Walls<'a, D> {
             .collect();
         Walls { list, displacements, velocities }
     }
-    /// Distance to the nearest wall, m, and its index.
+    /// Distance to the nearest wall, m, and its index; of walls at one place the last.
     pub fn gap(&self, x: [f64; D]) -> (f64, usize) {
         let mut nearest = (f64::INFINITY, 0);
         for (n, (wall, by)) in self.list.iter().zip(&self.displacements).enumerate() {
             let gap = wall.gap(x, by);
-            if gap < nearest.0 {
+            if gap <= nearest.0 {
                 nearest = (gap, n);
             }
         }

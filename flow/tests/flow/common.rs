@@ -26,7 +26,11 @@ pub fn box_of_particles<const D: usize>(low: [f64; D], high: [f64; D], h: f64, p
 /// Tank of length `length` with water of depth `depth` and the surface depth + surface(x), `cells` along it, with gravity.
 pub fn tank(length: f64, depth: f64, cells: usize, surface: impl Fn(f64) -> f64) -> Flow<2> {
     let h = length / cells as f64;
-    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 2], h).unwrap()).density_correction(std::env::var("CORR").map_or(0.25, |s| s.parse().unwrap())).unwrap());
+    let mut flow = Flow::new(
+        FlowOptions::new(Lattice::new([0.0; 2], h).unwrap())
+            .density_correction(std::env::var("CORR").map_or(0.25, |s| s.parse().unwrap()))
+            .unwrap(),
+    );
     flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [length, 2.0 * depth]).unwrap())).unwrap();
     let mut seeds = box_of_particles([0.0; 2], [length, depth], h, 2);
     for (x, volume) in seeds.positions.iter_mut().zip(&mut seeds.volumes) {

@@ -50,7 +50,9 @@ fn a_drop_at_rest_has_its_pressure() {
         flow.run_until(0.01).unwrap();
         let fastest = flow.points().iter().map(|p| p.velocity[0].hypot(p.velocity[1])).fold(0.0, f64::max);
         let last = pressure(&flow) / 14.4 - 1.0;
-        println!("{cells} cells: errors of the pressure {first:.1e}, {last:.1e} after 10 ms; speed {fastest:.1e} m/s");
+        println!(
+            "{cells} cells: errors of the pressure {first:.1e}, {last:.1e} after 10 ms; speed {fastest:.1e} m/s"
+        );
         assert!(first.abs() < allowed && last.abs() < 5.0 * allowed, "{cells}: {first} {last}");
         // A tenth of sqrt(sigma / (rho R)), 0.12 m/s.
         assert!(fastest < 0.02, "{cells}: {fastest}");

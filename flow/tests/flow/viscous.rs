@@ -38,7 +38,8 @@ fn taylor_green(cells: usize, reflection: bool) -> f64 {
 /// With the reflection the error is below that of the transfer and the stress; without it, it is of first order: 16, 8 % and so on.
 #[test]
 fn taylor_green_vortices_decay_at_their_rate() {
-    let [coarse, fine] = [16, 32].map(|cells| [true, false].map(|reflection| taylor_green(cells, reflection)));
+    let [coarse, fine] =
+        [16, 32].map(|cells| [true, false].map(|reflection| taylor_green(cells, reflection)));
     println!("16 cells: {coarse:.4?}, 32 cells: {fine:.4?}, with and without reflection");
     assert!(coarse[0].abs() < 0.02 && fine[0].abs() < 0.02, "{coarse:?} {fine:?}");
     assert!(fine[0].abs() < 0.5 * fine[1].abs());

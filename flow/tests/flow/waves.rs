@@ -13,7 +13,8 @@ fn standing_wave(cells: usize, periods: usize) -> [f64; 2] {
     let at = |flow: &flow::Flow<2>| centroid(&flow.points())[0] - 0.5;
     let first = energy(&flow);
     let rest = energy(&tank(1.0, 0.5, cells, |_| 0.0));
-    let (mut crossings, mut peaks, mut last, mut peak) = (Vec::new(), vec![at(&flow).abs()], (0.0, at(&flow)), 0.0f64);
+    let (mut crossings, mut peaks, mut last, mut peak) =
+        (Vec::new(), vec![at(&flow).abs()], (0.0, at(&flow)), 0.0f64);
     while !flow.reached((periods as f64 + 0.1) * EXACT) {
         flow.step_towards((periods as f64 + 0.1) * EXACT).unwrap();
         let now = (flow.time(), at(&flow));
@@ -68,7 +69,10 @@ fn forced_sway_follows_the_linear_theory() {
         flow.run_until(t).unwrap();
         let found = (centroid(&flow.points())[0] - 0.5) / amplitude;
         let exact = sway(omega, t);
-        println!("sway at {periods} T: centroid {found:.4} for {:.4}, wall {:.3} for {wall}", exact[1], exact[0]);
+        println!(
+            "sway at {periods} T: centroid {found:.4} for {:.4}, wall {:.3} for {wall}",
+            exact[1], exact[0]
+        );
         assert!((exact[0] - wall).abs() < 1e-2, "{exact:?} {wall}");
         // One per cent of the largest shift.
         assert!((found - exact[1]).abs() < 0.02, "{found} for {exact:?}");
@@ -92,7 +96,12 @@ fn volume_is_kept_in_long_sloshing() {
         (least, most) = (least.min(volume), most.max(volume));
     }
     let account = flow.account();
-    println!("{} steps, volume {least:.5} to {most:.5}, unexplained {:.3} J of {:.1} J", flow.steps(), account.unexplained, account.work);
+    println!(
+        "{} steps, volume {least:.5} to {most:.5}, unexplained {:.3} J of {:.1} J",
+        flow.steps(),
+        account.unexplained,
+        account.work
+    );
     // The surface of the level set, beside the walls and in crests, has the volume within some thousandths; see the crate for 0.1 %.
     assert!((least - 1.0).abs() < 5e-3 && (most - 1.0).abs() < 5e-3, "{least} {most}");
     // The density correction moves the centroid, and with it the potential energy of 1226 J by some joules: 0.7 to 2.8 J by the sequence of
