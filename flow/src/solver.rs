@@ -278,13 +278,28 @@ impl<const D: usize> Flow<D> {
         rate
     }
 
+    /// Speed, m/s, of which a millionth has the energy below which the liquid is at rest: its weight over 1/200 of a cell, by which the place
+    /// of the surface is uncertain, and the energy of the surface of a ball of the liquid, which is in no balance.
+    fn speed_of_rest(&self) -> f64 {
+        let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
+        let weight = REST * gravity * self.frame.h;
+        let volume: f64 = self.liquids.iter().flat_map(|l| &l.particles).map(|p| p.volume).sum();
+        // Surface over the volume to the power (D - 1) / D: of a disc, of a ball.
+        let shape =
+            if D == 2 { 2.0 * std::f64::consts::PI.sqrt() } else { (36.0 * std::f64::consts::PI).cbrt() };
+        let surface = self
+            .fluid
+            .map_or(0.0, |fluid| fluid.tension / fluid.density * shape * volume.powf(-1.0 / D as f64));
+        (1e6 * (2.0 * (weight + surface)).sqrt()).max(f64::MIN_POSITIVE)
+    }
+
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), self.exchange, self.clock);
         let at = Look {
             clock: &clock,
             exchange: &exchange,
             rounding: f64::EPSILON,
-            speed: self.speed.max(f64::MIN_POSITIVE),
+            speed: self.speed.max(self.speed_of_rest()),
             // The energy of the surface is in no balance.
             energy: self.fluid.is_none_or(|fluid| fluid.tension == 0.0),
             loss: LOSS,
@@ -382,6 +397,8 @@ fn affine<const D: usize>(velocity: &impl Fn([f64; D]) -> [f64; D], x: [f64; D],
     c
 }
 
+/// Height, in cells, by which the surface is uncertain.
+const REST: f64 = 0.005;
 /// Likely sinks of energy.
 const LOSS: Loss = Loss {
     by: "the transfer between particles and grid (APIC), or liquid that collided",
