@@ -278,7 +278,7 @@ impl<const D: usize> Flow<D> {
         rate
     }
 
-    /// Speed, m/s, of which a millionth has the energy below which the liquid is at rest: its weight over 1/200 of a cell, by which the place
+    /// Speed, m/s, of which a millionth has the energy below which the liquid is at rest: its weight over a fiftieth of a cell, by which the place
     /// of the surface is uncertain, and the energy of the surface of a ball of the liquid, which is in no balance.
     fn speed_of_rest(&self) -> f64 {
         let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -398,7 +398,7 @@ fn affine<const D: usize>(velocity: &impl Fn([f64; D]) -> [f64; D], x: [f64; D],
 }
 
 /// Height, in cells, by which the surface is uncertain.
-const REST: f64 = 0.005;
+const REST: f64 = 0.02;
 /// Likely sinks of energy.
 const LOSS: Loss = Loss {
     by: "the transfer between particles and grid (APIC), or liquid that collided",

@@ -8,6 +8,10 @@ use super::vector::sum;
 
 /// Depth of a site, in edges of a particle, from which its particle has the whole site.
 const DEEP: f64 = 1.7;
+/// Largest correction of a volume that puts the centroid in its place.
+const LARGEST: f64 = 0.02;
+/// Relative difference of squared distances that are equal.
+const EQUAL: f64 = 1e-9;
 /// Number of sites along an axis in which the particle nearest to a sample is sought, to each side.
 const REACH: i64 = 2;
 
@@ -39,6 +43,7 @@ impl<const D: usize> Seeds<D> {
         around.sort_unstable();
         around.dedup();
         let parts = if D <= 2 { 6 } else { 4 };
+        let mut nearest = Vec::new();
         let samples = Samples { parts, edge: edge / parts as f64 };
         for site in &around {
             let corner = sites.corner(site);
@@ -55,18 +60,38 @@ impl<const D: usize> Seeds<D> {
             samples.each(&corner, |x| {
                 let distance = shape.signed_distance_within(x, edge);
                 let part = part_below(shape, x, [samples.edge; D], distance);
-                if part > 0.0
-                    && let Some(n) = sites.nearest(&self.positions, &x)
-                {
-                    volumes[n] += part * samples.edge.powi(D as i32) * weight(&x);
+                if part > 0.0 {
+                    sites.nearest(&self.positions, &x, &mut nearest);
+                    let share = part * samples.edge.powi(D as i32) * weight(&x) / nearest.len() as f64;
+                    nearest.iter().for_each(|n| volumes[*n] += share);
                 }
             });
         }
         let found = sum(volumes.iter().copied());
         if volumes.iter().all(|v| *v > 0.0) && found.is_finite() {
             self.volumes = volumes.iter().map(|v| v * total / found).collect();
+            if let (Metric::Cartesian, Some(centroid)) = (metric, shape.centroid()) {
+                self.move_centroid(&centroid);
+            }
         }
         self
+    }
+
+    /// Correct the volumes by factors that are linear in place, so that their centroid is exactly this one, m; their sum stays.
+    fn move_centroid(&mut self, to: &[f64; D]) {
+        let (from, total) = (self.centroid(), self.measure());
+        let arm = |x: &[f64; D]| nalgebra::SVector::<f64, D>::from_fn(|d, _| x[d] - from[d]);
+        let mut moments = nalgebra::SMatrix::<f64, D, D>::zeros();
+        for (x, v) in self.positions.iter().zip(&self.volumes) {
+            moments += arm(x) * arm(x).transpose() * *v;
+        }
+        let Some(inverse) = moments.try_inverse() else { return };
+        let slope = inverse * nalgebra::SVector::<f64, D>::from_fn(|d, _| (to[d] - from[d]) * total);
+        let factors: Vec<f64> = self.positions.iter().map(|x| 1.0 + slope.dot(&arm(x))).collect();
+        // A correction of more than sampling would be one of something else.
+        if factors.iter().all(|f| (f - 1.0).abs() < LARGEST) {
+            self.volumes.iter_mut().zip(factors).for_each(|(v, f)| *v *= f);
+        }
     }
 }
 
@@ -119,25 +144,22 @@ impl<const D: usize> Sites<D> {
             out.push(std::array::from_fn(|d| site[d] + (n / side.pow(d as u32) % side) as i64 - reach));
         }
     }
-    /// Find the particle nearest to a place, the first of equal ones.
-    fn nearest(&self, positions: &[[f64; D]], x: &[f64; D]) -> Option<usize> {
-        let mut best: Option<(f64, usize)> = None;
+    /// Find the particles nearest to a place: all that are equally near, so that symmetric shapes stay so.
+    fn nearest(&self, positions: &[[f64; D]], x: &[f64; D], out: &mut Vec<usize>) {
         let mut around = Vec::new();
         for reach in 1..=REACH {
             around.clear();
+            out.clear();
             self.around(&self.site(x), reach, &mut around);
-            for n in around.iter().filter_map(|site| self.at.get(site)).flatten().map(|n| *n as usize) {
-                let square: f64 = (0..D).map(|d| (x[d] - positions[n][d]).powi(2)).sum();
-                if best.is_none_or(|(least, first)| square < least || (square == least && n < first)) {
-                    best = Some((square, n));
-                }
-            }
+            let near = || around.iter().filter_map(|site| self.at.get(site)).flatten().map(|n| *n as usize);
+            let square = |n: usize| -> f64 { (0..D).map(|d| (x[d] - positions[n][d]).powi(2)).sum() };
+            let least = near().map(square).fold(f64::INFINITY, f64::min);
+            out.extend(near().filter(|n| square(*n) <= least * (1.0 + EQUAL)));
             // A particle of a site farther off is at least `reach` edges away.
-            if best.is_some_and(|(square, _)| square <= (f64::from(reach as i32) * self.edge).powi(2)) {
-                break;
+            if least <= (f64::from(reach as i32) * self.edge).powi(2) {
+                return;
             }
         }
-        best.map(|(_, n)| n)
     }
 }
 

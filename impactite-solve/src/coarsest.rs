@@ -1,7 +1,6 @@
 //! Direct solve on the coarsest level.
 
-use faer::Mat;
-use faer::linalg::solvers::DenseSolveCore;
+use nalgebra::DMatrix;
 
 use crate::cells::slots;
 use crate::colours::{half, split};
@@ -37,7 +36,7 @@ impl Coarsest {
             }
         }
         let count = self.places.len();
-        let mut matrix = Mat::<f64>::zeros(count, count);
+        let mut matrix = DMatrix::<f64>::zeros(count, count);
         for slot in (0..level.cells.cells()).filter(|s| numbers[*s] != usize::MAX) {
             let i = numbers[slot];
             matrix[(i, i)] += f64::from(level.natural.excess[slot]);
@@ -75,7 +74,7 @@ impl Coarsest {
 }
 
 /// Add the null space of singular regions, connected unknowns without excess.
-fn regularise(matrix: &mut Mat<f64>, excess: &[f64]) {
+fn regularise(matrix: &mut DMatrix<f64>, excess: &[f64]) {
     let count = matrix.nrows();
     let mut seen = vec![false; count];
     for first in 0..count {
@@ -111,9 +110,9 @@ fn regularise(matrix: &mut Mat<f64>, excess: &[f64]) {
 const ACCURACY: f64 = 1e-6;
 
 /// Symmetric inverse of a matrix; that of its diagonal if the factorisation fails or is inaccurate, which is still a preconditioner.
-fn invert(matrix: &Mat<f64>) -> Vec<f64> {
+fn invert(matrix: &DMatrix<f64>) -> Vec<f64> {
     let count = matrix.nrows();
-    if let Ok(factor) = matrix.llt(faer::Side::Lower) {
+    if let Some(factor) = matrix.clone().cholesky() {
         let inverse = factor.inverse();
         let product = matrix * &inverse;
         let error = |i: usize, j: usize| (product[(i, j)] - if i == j { 1.0 } else { 0.0 }).abs();

@@ -64,7 +64,7 @@
 //! - **Smoother**: red-black Gauss-Seidel, two sweeps (red, black) before and two sweeps (black, red) after the coarse correction, so that the cycle
 //!   is symmetric. The residual of black cells is zero before the restriction, and black values are overwritten after the interpolation: both transfers
 //!   visit red cells alone.
-//! - **Coarsest level**: dense Cholesky factorisation (faer, sequential), as an inverse that is checked against the identity; a null space is
+//! - **Coarsest level**: dense Cholesky factorisation (nalgebra), as an inverse that is checked against the identity; a null space is
 //!   made regular.
 //! - The cycle runs in **single precision** on r / max |r|. It is a preconditioner: the accuracy of x is that of the residual, in double precision.
 //!
