@@ -2,13 +2,13 @@
 //!
 //! With the unknown q = p dt / (rho h), in m/s, a face velocity after the projection is u - (q_up - q_low) / theta, with theta = 1 between
 //! liquid cells. At a surface theta is the share of the distance between cell centres that is liquid, at least 0.01, and the value in the air
-//! is that of the surface ([Gibou2002]). A row of the system is
+//! is that of the surface (\[Gibou2002\]). A row of the system is
 //!
 //! ```text
 //! sum_f alpha_f (q_c - q_f) / theta_f = -sum_f +-(alpha_f u_f + (1 - alpha_f) w_f)
 //! ```
 //!
-//! with the open fraction alpha ([Batty2007], [Ng2009]) and the wall velocity w.
+//! with the open fraction alpha (\[Batty2007\], \[Ng2009\]) and the wall velocity w.
 
 use std::sync::Arc;
 

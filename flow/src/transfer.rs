@@ -1,7 +1,7 @@
 //! Transfer between particles and faces: affine particle-in-cell with multilinear weights on the lattice of each face component.
 //!
 //! A face velocity is u_i = sum_p V_p w_ip (v_p + C_p (x_i - x_p)) / sum_p V_p w_ip; back, v_p = sum_i w_ip u_i and C_p = sum_i u_i grad w_ip
-//! ([Jiang2017]). The transfer conserves linear and angular momentum and reproduces affine velocities.
+//! (\[Jiang2017\]). The transfer conserves linear and angular momentum and reproduces affine velocities.
 
 use impactite_simd::{Arch, Float, Kernel, Team};
 
