@@ -57,6 +57,11 @@
 //! | oscillating drop, 6 and 12 cells a radius | period +11, +2.5 % |
 //! | sloshing of 20 s, 24 cells | volume -0.22 to +0.06 %, energy +0.7 to 2.8 J of 36 J (1226 J of potential energy) |
 //!
+//! # Cost
+//! `cargo run --release -p impactite-flow --example speed`: a column of 1 M particles in space, one thread, a processor shared with other
+//! jobs: 0.56 microseconds of processor time a particle and step, 0.83 to 1.05 M particle-steps/s of wall time. Pressure and density
+//! correction are 29 % of it, with 9 and 2 iterations; transfers 38 %, sort 15 %.
+//!
 //! # Limits
 //! - Speeds of a drop at rest, 0.01 m/s for water and 5 mm, do not fall with the cells: noise of the particles in the curvature, whose filters
 //!   are a fixed number of cells wide.
