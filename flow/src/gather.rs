@@ -85,15 +85,15 @@ impl<const D: usize> Kernel<f64> for Work<'_, D> {
         let Work { on, block, tiles, particles, sums } = self;
         let (key, per_h) = (&on.blocks.keys[block], 1.0 / on.frame.h);
         let half = 0.5 * on.dt * per_h;
-        let mut fastest = 0.0;
+        let (mut fastest, mut local) = (0.0, Sums::<D>::default());
         for (n, p) in particles.iter_mut().enumerate() {
             let at = on.frame.local(&p.x, key);
             let (mut speed, mut middle) = (0.0, at);
             for d in 0..D {
                 let (v, c) = sample(&tiles.velocity[d], &at, d);
-                sums.before[d] += p.volume * p.v[d];
-                sums.after[d] += p.volume * v;
-                sums.change += p.volume * (v - p.v[d]) * (v - p.v[d]);
+                local.before[d] += p.volume * p.v[d];
+                local.after[d] += p.volume * v;
+                local.change += p.volume * (v - p.v[d]) * (v - p.v[d]);
                 (p.v[d], p.c[d]) = (v, c);
                 speed += v * v;
                 middle[d] += half * v;
@@ -102,7 +102,7 @@ impl<const D: usize> Kernel<f64> for Work<'_, D> {
             // A velocity that is not a number fails.
             let within = speed * half * half <= 0.25 * FARTHEST * FARTHEST;
             if !within {
-                sums.failed = sums.failed.or(Some(n));
+                local.failed = local.failed.or(Some(n));
                 continue;
             }
             fastest = if speed > fastest { speed } else { fastest };
@@ -113,10 +113,11 @@ impl<const D: usize> Kernel<f64> for Work<'_, D> {
                     step += on.frame.h * sample(&tiles.shift[d], &at, d).0;
                 }
                 p.x[d] += step;
-                sums.moved[d] += p.volume * step;
+                local.moved[d] += p.volume * step;
             }
         }
-        sums.speed = fastest.sqrt();
+        local.speed = fastest.sqrt();
+        *sums = local;
     }
 }
 

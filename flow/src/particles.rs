@@ -6,7 +6,7 @@ use crate::blocks::{Blocks, NONE, SIDE};
 
 const _: () = assert!(SIDE == 4, "the block of a cell is a quarter of its coordinate");
 
-/// Particle of a liquid: affine particle-in-cell (APIC), [Jiang2017].
+/// Particle of a liquid: affine particle-in-cell (APIC), \[Jiang2017\].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Particle<const D: usize> {
     /// Position, m.

@@ -2,13 +2,13 @@
 //!
 //! With the unknown q = p dt / (rho h), in m/s, a face velocity after the projection is u - (q_up - q_low) / theta, with theta = 1 between
 //! liquid cells. At a surface theta is the share of the distance between cell centres that is liquid, at least 0.01, and the value in the air
-//! is that of the surface ([Gibou2002]). A row of the system is
+//! is that of the surface (\[Gibou2002\]). A row of the system is
 //!
 //! ```text
 //! sum_f alpha_f (q_c - q_f) / theta_f = -sum_f +-(alpha_f u_f + (1 - alpha_f) w_f)
 //! ```
 //!
-//! with the open fraction alpha ([Batty2007], [Ng2009]) and the wall velocity w.
+//! with the open fraction alpha (\[Batty2007\], \[Ng2009\]) and the wall velocity w.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use impactite_solve::{
 };
 
 use crate::blocks::{Blocks, NONE, TILE_CELLS, in_tile, local, stride};
-use crate::surface::LIQUID;
+use crate::surface::{AIR, LIQUID, SOLID};
 
 /// Smallest theta of a surface.
 pub(crate) const SMALLEST: f64 = 0.01;
@@ -405,5 +405,33 @@ pub(crate) fn subtract_gradient<const D: usize>(
                 };
             }
         });
+    }
+}
+/// Continue the pressure linearly into cells within walls beside the liquid, by the mean over the axes; into the cells of edges and corners, which
+/// touch no liquid, from those. Particles beside a wall then have the pressure of their place.
+pub(crate) fn continue_into_walls<const D: usize>(blocks: &Blocks<D>, kind: &[u8], pressure: &mut [f64]) {
+    let mut known: Vec<bool> = kind.iter().map(|kind| *kind != SOLID).collect();
+    for _ in 0..D {
+        let mut found = Vec::new();
+        for slot in (0..blocks.cells()).filter(|slot| !known[*slot]) {
+            let (mut sum, mut count) = (0.0, 0u32);
+            for (axis, up) in (0..D).flat_map(|axis| [(axis, false), (axis, true)]) {
+                let next = |slot: usize| {
+                    let (b, i) = (slot / Blocks::<D>::CELLS, slot % Blocks::<D>::CELLS);
+                    blocks.beside(b, i, axis, up).filter(|s| known[*s])
+                };
+                let Some(near) = next(slot).filter(|s| kind[*s] != AIR) else { continue };
+                let slope = next(near).map_or(0.0, |far| pressure[near] - pressure[far]);
+                sum += pressure[near] + slope;
+                count += 1;
+            }
+            if count > 0 {
+                found.push((slot, sum / f64::from(count)));
+            }
+        }
+        for (slot, value) in found {
+            pressure[slot] = value;
+            known[slot] = true;
+        }
     }
 }

@@ -9,7 +9,7 @@ use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, offset, stride};
 use crate::cuts::cut;
 use crate::extrapolate::{Reach, constrain, extrapolate, mark};
 use crate::gather::{Gather, Sums};
-use crate::pressure::{Cells, PressureError, outflow, subtract_gradient, theta};
+use crate::pressure::{Cells, PressureError, continue_into_walls, outflow, subtract_gradient, theta};
 use crate::solver::{Flow, StepTimes, add_to};
 use crate::surface::{self, AIR, LIQUID};
 use crate::transfer::{face_centre, to_faces};
@@ -264,7 +264,7 @@ impl<const D: usize> Flow<D> {
         assembled.map_err(|error| self.unsolved("the pressure equation", &error))
     }
 
-    /// Turn q into the pressure, Pa. Air has that of the surface.
+    /// Turn q into the pressure, Pa. Air has that of the surface; cells within walls continue that of the liquid beside them.
     fn finish_pressure(&mut self, scale: f64) {
         let (grid, ambient) = (&mut self.grid, self.options.ambient);
         for (n, p) in grid.pressure.iter_mut().enumerate() {
@@ -272,6 +272,7 @@ impl<const D: usize> Flow<D> {
                 if grid.surface.kind[n] == LIQUID { *p } else { grid.jump.get(n).copied().unwrap_or(0.0) };
             *p = ambient + q * scale;
         }
+        continue_into_walls(&grid.blocks, &grid.surface.kind, &mut grid.pressure);
     }
 
     /// Solve for the pressure, and make the velocity free of divergence.

@@ -1,7 +1,7 @@
 //! Transfer between particles and faces: affine particle-in-cell with multilinear weights on the lattice of each face component.
 //!
 //! A face velocity is u_i = sum_p V_p w_ip (v_p + C_p (x_i - x_p)) / sum_p V_p w_ip; back, v_p = sum_i w_ip u_i and C_p = sum_i u_i grad w_ip
-//! ([Jiang2017]). The transfer conserves linear and angular momentum and reproduces affine velocities.
+//! (\[Jiang2017\]). The transfer conserves linear and angular momentum and reproduces affine velocities.
 
 use impactite_simd::{Arch, Float, Kernel, Team};
 
@@ -181,9 +181,11 @@ pub(crate) fn sample_centres<const D: usize>(tile: &[f64; TILE_CELLS], at: &[f64
 #[inline(always)]
 fn interpolate<const D: usize>(tile: &[f64; TILE_CELLS], base: usize, part: &[f64; D]) -> (f64, [f64; D]) {
     let mut slope = [0.0; D];
+    // The mask spares checks of bounds; stencils are within the tile.
+    let of = |place: usize| tile[place & (TILE_CELLS - 1)];
     let plane = |first: usize| {
-        let (a, b) = (tile[first], tile[first + 1]);
-        let (c, d) = (tile[first + TILE], tile[first + TILE + 1]);
+        let (a, b) = (of(first), of(first + 1));
+        let (c, d) = (of(first + TILE), of(first + TILE + 1));
         let (low, high) = (a + part[0] * (b - a), c + part[0] * (d - c));
         let dx = (b - a) + part[1] * ((d - c) - (b - a));
         (low + part[1] * (high - low), dx, high - low)
