@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use impactite::geometry::Shape;
+use impactite::mpm::Traction as OnParticles;
 
 use super::common::World;
 use super::shape;
@@ -74,12 +75,8 @@ impl<const D: usize> World<'_, D> {
         Ok(Surface { part, axis, load })
     }
 
-    /// Return region, normal axis and history of a traction on particles, which have no faces.
-    pub fn traction_on_particles(
-        &self,
-        key: &str,
-        load: &Traction,
-    ) -> Made<(Arc<dyn Shape<D>>, usize, Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>)> {
+    /// Return a traction on particles, which have no faces.
+    pub fn traction_on_particles(&self, key: &str, load: &Traction) -> Made<OnParticles<D>> {
         if load.surface.is_some() {
             return wrong(
                 format!("{key}.surface"),
@@ -92,7 +89,7 @@ impl<const D: usize> World<'_, D> {
         }
         match self.load(key, load)? {
             Surface { part: Part::Region(region), axis: Some(axis), load: Load::Traction(history) } => {
-                Ok((region, axis, history))
+                Ok(OnParticles { region, axis, history, revolved: self.revolved() })
             }
             _ => wrong(key, "needs a `region`, a `normal` and a `traction`"),
         }

@@ -20,7 +20,7 @@ use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
 use super::{mesh, placement, stressed};
-use crate::model::body::{Body, MeetBy, Traction as Load};
+use crate::model::body::{Body, MeetBy};
 use crate::model::contact::{Contact as Laws, Detector, Law, Pair};
 use crate::model::method::{Dense, Grid, Mpm};
 use crate::model::{fixed, formulas};
@@ -279,7 +279,7 @@ fn add_particles<const D: usize>(
                 let velocity = world.velocity(&key, body, || Ok(seeds.centroid()))?;
                 let mut tractions = Vec::new();
                 for (key, spec) in body.traction.keyed(&format!("{key}.traction")) {
-                    let load = traction(world, &key, spec)?;
+                    let load = world.traction_on_particles(&key, spec)?;
                     loaded(&format!("{key}.region"), &load, &seeds.positions)?;
                     tractions.push(load);
                 }
@@ -327,12 +327,6 @@ fn add_particles<const D: usize>(
         }
     }
     Ok(())
-}
-
-/// Build a traction on particles.
-pub(super) fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
-    let (region, axis, history) = world.traction_on_particles(key, load)?;
-    Ok(Traction { region, axis, history, revolved: world.revolved() })
 }
 
 /// Refuse a load whose region contains no particle.

@@ -82,7 +82,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
                     body.set_numbers(|x, state| state.copy_from_slice(&states(x))).at(&key)?;
                 }
                 for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
-                    let load = mpm::traction(world, &key, load)?;
+                    let load = world.traction_on_particles(&key, load)?;
                     mpm::loaded(&format!("{key}.region"), &load, &seeds.positions)?;
                     let areas = seeds.positions.iter().map(|x| load.area(x, &seeds.half_size)).collect();
                     body.load(areas, load.history).at(key)?;
