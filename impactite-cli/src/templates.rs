@@ -34,6 +34,7 @@ templates! {
     "debris_cloud" in "scenes": "mpm: a sphere on a plate at several km/s",
     "tnt" in "scenes": "mpm: a detonation",
     "granular_column" in "scenes": "mpm: a column of bars collapses",
+    "dam_break" in "scenes": "flow: a column of water falls and runs up a wall",
 }
 
 /// Files that templates read: template, file name, and text.

@@ -43,7 +43,8 @@ pub(super) fn seeds<const D: usize>(
     cells: &Cells<'_, D>,
 ) -> Made<Seeds<D>> {
     let (key, shape) = (format!("{key}.shape"), world.shape(key, body)?);
-    if let Some(cuboid) = body.shape.as_ref().and_then(MovedBox::<D>::of) {
+    let cuboid = body.shape.as_ref().and_then(MovedBox::<D>::of);
+    if let Some(cuboid) = &cuboid {
         let (low, high) = (&cuboid.low, &cuboid.high);
         let within = |x: f64, d: usize| {
             let sites = (x - cells.lattice.origin()[d]) / cells.edge();
@@ -53,14 +54,15 @@ pub(super) fn seeds<const D: usize>(
         let aligned = cuboid.along_axes() && (0..D).all(|d| within(low[d], d) && within(high[d], d));
         if !aligned && counts.iter().all(|n| (1.0..MOST).contains(n)) && counts.iter().product::<f64>() < MOST
         {
-            return Ok(divided(&cuboid, &counts.map(|n| n as usize), world.revolved()));
+            return Ok(divided(cuboid, &counts.map(|n| n as usize), world.revolved()));
         }
     }
     let seeds = fill(&*shape, cells.lattice, cells.parts, &world.filling()).at(&key)?;
     if body.shape.as_ref().is_some_and(may_be_thin) {
         thin(&key, &*shape, &seeds, cells)?;
     }
-    Ok(seeds.with_cell_volumes(&*shape, world.metric()))
+    // Sites of a box along the lattice are whole.
+    Ok(if cuboid.is_some() { seeds } else { seeds.with_cell_volumes(&*shape, world.metric()) })
 }
 
 /// Divide a box into the given number of points along each axis.
