@@ -206,7 +206,8 @@ fn every_list_has_lines_with_words() {
         assert!(lines.iter().all(|l| !l.what.is_empty()), "{word}: {lines:?}");
     }
     let friction = Topic::Conditions.lines().into_iter().find(|l| l.name == "wall").unwrap();
-    assert_eq!(friction.fields, ["axis", "at", "side?", "velocity?", "friction?"]);
+    let fields = ["axis", "at", "side?", "velocity?", "position?", "friction?", "name?"];
+    assert_eq!(friction.fields, fields);
 }
 
 /// Parameters are written with those before them, and bodies are added as they stand there.
