@@ -258,6 +258,11 @@ fn wrapped<const D: usize>(mut key: [i32; D], period: &[i32; D]) -> [i32; D] {
     key
 }
 
+/// Empty lists, one for each axis.
+pub(crate) fn faces<const D: usize, X>() -> [Vec<X>; D] {
+    std::array::from_fn(|_| Vec::new())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

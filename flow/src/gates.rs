@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use impactite_simd::Team;
 use impactite_solve::Stop;
 
-use crate::blocks::Blocks;
-use crate::grid::faces;
+use crate::blocks::{Blocks, faces};
+
 use crate::pressure::{Cells, System, outflow, subtract_gradient};
 use crate::surface::{AIR, LIQUID, SOLID};
 

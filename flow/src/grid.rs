@@ -1,6 +1,6 @@
 //! Grid of a step: blocks near the liquid, and fields at faces and cells.
 
-use crate::blocks::Blocks;
+use crate::blocks::{Blocks, faces};
 use crate::cuts::Cuts;
 use crate::extrapolate;
 use crate::pressure::System;
@@ -53,11 +53,6 @@ pub(crate) struct GridScratch<const D: usize> {
     pub transfer: Scratch,
     pub extrapolate: [extrapolate::Scratch; D],
     pub marks: [Vec<u8>; D],
-}
-
-/// Empty lists.
-pub(crate) fn faces<const D: usize, X>() -> [Vec<X>; D] {
-    std::array::from_fn(|_| Vec::new())
 }
 
 impl<const D: usize> Default for Grid<D> {

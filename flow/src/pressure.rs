@@ -170,7 +170,7 @@ impl<const D: usize> System<D> {
             self.parts = stencil.into_parts();
         }
         let (mut weights, mut diagonal) =
-            std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
+            std::mem::replace(&mut self.parts, (crate::blocks::faces(), Vec::new()));
         let slots = self.mine.len() * cells;
         for list in weights.iter_mut().chain([&mut diagonal]) {
             list.clear();
@@ -258,7 +258,8 @@ impl<const D: usize> System<D> {
         }
         // A row without an open face has no unknown.
         let iterations = if periodic {
-            let (weights, diagonal) = std::mem::replace(&mut self.parts, (crate::grid::faces(), Vec::new()));
+            let (weights, diagonal) =
+                std::mem::replace(&mut self.parts, (crate::blocks::faces(), Vec::new()));
             let mut jacobi = Jacobi::new(&diagonal);
             let singular = self.closed;
             let system = Periodic { blocks: at.blocks, weights, diagonal, singular };

@@ -280,7 +280,7 @@ impl<const D: usize> Flow<D> {
         let mut right = std::mem::take(&mut self.grid.right);
         let mut system = std::mem::take(&mut self.grid.system);
         let mut q = std::mem::take(&mut self.grid.pressure);
-        let mut velocity = std::mem::replace(&mut self.grid.velocity, crate::grid::faces());
+        let mut velocity = std::mem::replace(&mut self.grid.velocity, crate::blocks::faces());
         q.clear();
         q.resize(self.grid.blocks.cells(), 0.0);
         let jump = (!self.grid.jump.is_empty()).then_some(&self.grid.jump[..]);
@@ -320,7 +320,7 @@ impl<const D: usize> Flow<D> {
         }
         let mut system = std::mem::take(&mut self.grid.system);
         let mut q = std::mem::take(&mut self.grid.potential);
-        let mut shift = std::mem::replace(&mut self.grid.shift, crate::grid::faces());
+        let mut shift = std::mem::replace(&mut self.grid.shift, crate::blocks::faces());
         q.clear();
         q.resize(self.grid.blocks.cells(), 0.0);
         let at = self.cells();

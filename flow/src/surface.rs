@@ -9,7 +9,6 @@ use impactite_simd::Team;
 
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::cuts::Cuts;
-use crate::tension::PASSES;
 
 /// Kind of a cell: open, without liquid.
 pub(crate) const AIR: u8 = 0;
@@ -18,6 +17,8 @@ pub(crate) const LIQUID: u8 = 1;
 /// Kind of a cell: without an open face.
 pub(crate) const SOLID: u8 = 2;
 
+/// Binomial filters (1/4, 1/2, 1/4) along every axis.
+pub(crate) const PASSES: usize = 6;
 /// Open share of the kernel of a cell below which it is not liquid.
 const SLIVER: f64 = 1e-3;
 /// Entries of the table of distances.

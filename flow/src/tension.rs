@@ -8,10 +8,8 @@
 use impactite_simd::Team;
 
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
-use crate::surface::Profile;
+use crate::surface::{PASSES, Profile};
 
-/// Binomial filters (1/4, 1/2, 1/4) along every axis.
-pub(crate) const PASSES: usize = 6;
 /// Magnitude of the level set up to which there is a curvature, in cells.
 const BAND: f64 = 2.0;
 

@@ -74,6 +74,7 @@ shape.intersection = [
     let bar = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], length, radius).expect("a cylinder");
     let quarter = bar.and(Cuboid::new([0.0; 3], [radius, radius, length]).expect("a box"));
     let seeds = fill(&quarter, &lattice, 2, &Filling::new()).expect("seeds");
+    let seeds = seeds.with_cell_volumes(&quarter, impactite::geometry::Metric::Cartesian);
     let copper =
         Solid::new(JohnsonCook::copper_taylor(), MieGruneisen::copper()).with_bulk_viscosity(0.06, 1.5);
     let mut mpm = Mpm::new(Method::impact(FullSpace), BlockGrid::new(lattice));

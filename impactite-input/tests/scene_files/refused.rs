@@ -492,9 +492,8 @@ fn keys_that_a_kind_of_body_does_not_read_are_refused() {
         "traction = { region.box = { from = [-1, -1], to = [1, 1] }, normal = \"x\", traction = [1, 0] }";
     let notch = "notches = [{ corners = [[0, \"5 mm\"], [\"4 mm\", \"5 mm\"]] }]";
     // Keys, and the kinds that read each.
-    let keys: [(&str, &str, &[&str]); 9] = [
+    let keys: [(&str, &str, &[&str]); 8] = [
         ("body_force", "body_force = [1, 0]", &["mpm"]),
-        ("split_at", "split_at = 2", &["mpm"]),
         ("lit", "lit = [{ at = [0, 0] }]", &[]),
         ("deactivated", "deactivated = true", &["mpm"]),
         ("initial_stress", "initial_stress = { xx = \"-1 Pa\" }", &["mpm", "sph"]),
