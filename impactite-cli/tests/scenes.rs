@@ -11,7 +11,7 @@ const SCENES: &[(&str, &[&str], bool)] = &[
     ("rings", &[], true),
     ("rolling_cylinder", &[], true),
     ("granular_column", &["parameters.cells=10"], false),
-    ("dam_break", &["parameters.cells=12"], true),
+    ("dam_break", &["end=\"0.6 s\""], true),
     ("tnt", &["parameters.cells=200"], true),
     ("elastic_bar", &[], true),
     ("copper_bar", &[], true),
