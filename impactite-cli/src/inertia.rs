@@ -11,12 +11,14 @@ pub(crate) fn report(scene: &SceneFile, solver: &dyn Solver) {
     let Some(factor) = scene.mass_scaling else { return };
     let totals = solver.totals();
     let share = totals.kinetic_now() / totals.internal;
+    if !share.is_finite() {
+        return;
+    }
     let said = format!(
         "with {} times the mass the kinetic energy is {:.2} % of the internal energy at the end",
         factor.value,
         100.0 * share
     );
-    // False for a share that is no number: nothing moved.
     if share > SLOW {
         tracing::warn!(
             "{said}; above {} % inertia matters: take a smaller `mass_scaling`, or load more slowly",

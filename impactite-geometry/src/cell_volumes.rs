@@ -30,7 +30,7 @@ impl<const D: usize> Seeds<D> {
         let total = self.measure();
         let sites = Sites::of(&self.positions, edge);
         let whole = edge.powi(D as i32);
-        let weight = |x: &[f64; D]| if metric == Metric::Axisymmetric { x[0] } else { 1.0 };
+        let weight = |x: &[f64; D]| if metric == Metric::Axisymmetric { x[0].max(0.0) } else { 1.0 };
         let mut volumes = vec![0.0; self.len()];
         let mut around: Vec<[i64; D]> = Vec::new();
         for (n, x) in self.positions.iter().enumerate() {
@@ -210,5 +210,19 @@ mod tests {
         let [_, after] =
             offset(&Ball::<3>::new([0.01, 0.02, 0.03], 0.021).unwrap(), [0.01, 0.02, 0.03], 0.004);
         assert!(after < 0.02, "{after}");
+    }
+
+    #[test]
+    fn a_ball_on_the_axis_keeps_the_points_beside_it() {
+        let (shape, edge) = (Ball::new([0.0, 0.2], 0.5).unwrap(), 0.03);
+        let lattice = Lattice::new([0.0; 2], 2.0 * edge).unwrap();
+        let seeds = fill(&shape, &lattice, 2, &Filling::new().axisymmetric()).unwrap();
+        let seeds = seeds.with_cell_volumes(&shape, Metric::Axisymmetric);
+        let whole = edge * edge;
+        let least = seeds.positions.iter().zip(&seeds.volumes).map(|(x, v)| v / (whole * x[0]));
+        assert!(least.fold(f64::INFINITY, f64::min) > 0.3);
+        assert!((seeds.measure() / (2.0 / 3.0 * 0.5f64.powi(3)) - 1.0).abs() < 1e-9);
+        let height = seeds.positions.iter().zip(&seeds.volumes).map(|(x, v)| x[1] * v).sum::<f64>();
+        assert!((height / seeds.measure() - 0.2).abs() < 0.05 * edge);
     }
 }

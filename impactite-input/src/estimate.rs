@@ -83,6 +83,7 @@ impl Source {
             .stable_step()
             .map_err(|e| at("method", e.to_string(), "look at materials and `time_step`"))?;
         let limited = solver.limited_by();
+        let flow = matches!(scene.method, Method::Flow(_));
         let (dimensions, revolved) = (solver.dimensions(), solver.axisymmetric());
         let mut bodies = Vec::new();
         for body in solver.bodies() {
@@ -130,11 +131,12 @@ impl Source {
                 lattice: scaled,
                 width: Some(width).filter(|w| *w > 0.0 && w.is_finite()),
                 bounds: [low, high],
-                wave_speed: wave_speed(scene, body.name()),
+                wave_speed: wave_speed(scene, body.name()).filter(|_| !flow),
                 fastest,
             });
         }
         let limit = match limited {
+            Some(StepLimit::Body(_)) if flow => "speed, gravity or surface tension".into(),
             Some(StepLimit::Body(n)) => {
                 bodies.get(n).map_or("a body".into(), |b| format!("waves in `{}`", b.name))
             }

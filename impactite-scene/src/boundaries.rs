@@ -160,7 +160,7 @@ impl<const D: usize> BoundaryEntry<D> {
         if self.boundary.is_wall() { Ok(()) } else { Err(BoundaryError::Course { course, allowed }) }
     }
 
-    /// Return the axis of a wall, its position at the start, m, and its constant velocity, m/s.
+    /// Return the axis of a wall and its position at the start, m.
     fn wall(&self) -> Option<(usize, f64)> {
         match self.boundary {
             Boundary::Wall { axis, at, .. } | Boundary::FrictionWall { axis, at, .. } => Some((axis, at)),

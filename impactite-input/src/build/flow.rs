@@ -43,10 +43,14 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
     if let Some(share) = options.density_correction {
         made = made.density_correction(share.value).at(format!("{key}.density_correction"))?;
     }
+    let mut periods = [false; D];
     for (n, condition) in world.scene.conditions.iter().enumerate() {
         if let Condition::Periodic(period) = condition {
             let key = format!("conditions[{n}].periodic");
             let axis = world.space().axis(period.axis).at(format!("{key}.axis"))?;
+            if std::mem::replace(&mut periods[axis], true) {
+                return wrong(key, "the axis has a period already");
+            }
             let cells = (period.high.value - period.low.value) / options.cell.value;
             if (cells - cells.round()).abs() > 1e-6 * cells.abs().max(1.0) {
                 return wrong(key, format!("the period is {cells} cells; it must be a multiple of 4 cells"));
@@ -151,6 +155,11 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
                 }
                 (None, None) => wall,
                 (Some(list), None) => {
+                    let still = |(d, v): (usize, &Formula<Speed>)| d == axis || v.as_constant() == Some(0.0);
+                    if !list.iter().enumerate().all(still) {
+                        let message = "a wall of `flow` drags nothing along; `fixed` is without slip";
+                        return wrong(format!("{key}.velocity"), message);
+                    }
                     let moved = displacement(world, &format!("{key}.velocity"), list)?;
                     wall.moving(move |t| moved(t))
                 }
@@ -194,6 +203,9 @@ fn solid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<W
             message: "a rigid body that a liquid moves is not available in `flow`".into(),
             help: Some("`rigid.prescribed = true` is a body that rests, or moves as `velocity` says".into()),
         });
+    }
+    if !spec.hold.is_empty() || spec.no_turning {
+        return wrong(format!("{key}.rigid"), "`hold` and `no_turning` are of bodies that others move");
     }
     if world.spin(key, body)? != [0.0; 3] {
         return wrong(format!("{key}.spin"), "a rigid body of `flow` moves without turning");
@@ -257,6 +269,19 @@ fn fluid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<F
     let at = format!("materials.{name}");
     if spec.bulk_viscosity.is_some() {
         return wrong(format!("{at}.bulk_viscosity"), "has no effect on an incompressible liquid");
+    }
+    let others = [
+        ("elastic", spec.elastic.is_some()),
+        ("neo_hookean", spec.neo_hookean.is_some()),
+        ("strength", spec.strength.is_some()),
+        ("eos", spec.eos.is_some()),
+        ("failure", spec.failure.is_some()),
+        ("ground", spec.ground.is_some()),
+        ("explosive", spec.explosive.is_some()),
+        ("burn_width", spec.burn_width.is_some()),
+    ];
+    if let Some((other, _)) = others.iter().find(|(_, given)| *given) {
+        return wrong(format!("{at}.{other}"), "is not of a liquid of `flow`");
     }
     let Some([density, viscosity, tension]) = constants(world, key, body, spec)? else {
         return Err(Wrong {

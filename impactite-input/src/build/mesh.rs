@@ -24,6 +24,14 @@ pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -
         Some(Mesh::Edge(edge)) => match &body.shape {
             Some(shape) => {
                 let (shape, motion) = Motion::<D>::of(&format!("{key}.shape"), shape)?;
+                if world.revolved() && matches!(shape, Shape::Ball(_)) {
+                    let radius =
+                        |r: f64| motion.place(std::array::from_fn(|d| if d == 0 { r } else { 0.0 }))[0];
+                    if radius(0.0) != 0.0 || radius(1.0) != 1.0 {
+                        let message = "a meshed ball stays on the axis: it moves along it alone";
+                        return wrong(format!("{key}.shape"), message);
+                    }
+                }
                 let mut mesh = regular(world, &format!("{key}.mesh"), shape, edge)?;
                 mesh.nodes.iter_mut().for_each(|x| *x = motion.place(*x));
                 Ok(mesh)

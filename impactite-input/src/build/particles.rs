@@ -169,8 +169,8 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     })
 }
 
-/// Pack the particles of a shape up to its surface, without those that belong to no element of its body, with the volumes that the
-/// elements cover.
+/// Pack the particles of a shape up to its surface, without those that belong to no element of its body, with the masses of
+/// their elements as volumes, which the caller scales to the volume of the shape.
 fn fitted<const D: usize, B: Solver>(
     shape: &dyn Shape<D>,
     lattice: &Lattice<D>,

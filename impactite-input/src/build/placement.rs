@@ -5,6 +5,7 @@ use impactite::scene::{PointView, Solver};
 use super::common::World;
 use super::wrong::{Made, Wrong};
 use crate::model::condition::{Condition, Side};
+use crate::model::method::Method;
 
 /// Speed of light, m/s: upper bound of speeds.
 const LIGHT: f64 = 299_792_458.0;
@@ -158,7 +159,7 @@ fn overlap<const D: usize>(
     bounds: &[([f64; D], [f64; D])],
 ) -> Made<()> {
     // Bodies that share one velocity field may overlap.
-    if world.scene.contact().is_none() {
+    if world.scene.contact().is_none() && !matches!(world.scene.method, Method::Flow(_)) {
         return Ok(());
     }
     let mut shapes = Vec::new();

@@ -77,8 +77,9 @@ fn divided<const D: usize>(cuboid: &MovedBox<D>, counts: &[usize; D], revolved: 
             rest /= counts[d];
         }
         let volume: f64 = edges.iter().product();
-        volumes.push(if revolved { x[0] * volume } else { volume });
-        positions.push(cuboid.place(x));
+        let place = cuboid.place(x);
+        volumes.push(if revolved { place[0] * volume } else { volume });
+        positions.push(place);
     }
     Seeds::placed(positions, volumes, cuboid.turned(edges.map(|edge| 0.5 * edge)))
 }
