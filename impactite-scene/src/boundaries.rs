@@ -77,7 +77,7 @@ impl<const D: usize> BoundaryEntry<D> {
     /// the third degree; in a step it moves on the secant.
     ///
     /// # Errors
-    /// A condition that is no wall; for a wall without friction, none for the components along it, which have no effect.
+    /// A condition that is no wall. Components along a wall without friction have no effect.
     pub fn with_velocity(mut self, velocity: WallVelocity<D>) -> Result<Self, BoundaryError> {
         self.require_wall("a velocity over time")?;
         self.course = Course::Velocity(velocity);

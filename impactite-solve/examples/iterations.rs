@@ -9,7 +9,8 @@ use std::time::Instant;
 use impactite_simd::Team;
 use impactite_solve::{Multigrid, Stencil, Stop, conjugate_gradients};
 
-#[path = "../tests/domains/mod.rs"]
+#[allow(dead_code, reason = "the tests use the rest")]
+#[path = "../tests/solve/domains.rs"]
 mod domains;
 
 /// Time of this thread, s.

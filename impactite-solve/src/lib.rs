@@ -73,7 +73,7 @@
 //! [`Stencil`], of [`Multigrid::renew`], and of the solve. One thread of a shared AMD EPYC processor with AVX2, 2 cores, 32 MB of cache in all,
 //! other programs running; times of repeated runs differ by 30 %. `cargo run --release -p impactite-solve --example iterations`:
 //!
-//! The domains (`tests/domains`) are a box with prescribed values, a tank without (closed), a ball, a column and a pool with 200 drops with free
+//! The domains (`tests/solve/domains.rs`) are a box with prescribed values, a tank without (closed), a ball, a column and a pool with 200 drops with free
 //! surfaces, fluid with a free surface around two spheres that cut faces, a ball with a random theta from 0.01 to 1 at each face, a tank with a ball of a
 //! density 1000 times larger, a tank with random openings of all faces (a tenth closed, else u^2 with u from 0.1 to 1 at random), and a tank of random
 //! cubes of 5^D cells whose densities differ by 1000.

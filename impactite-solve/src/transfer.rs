@@ -94,7 +94,7 @@ impl<const D: usize> Transfer<D> {
             for i in 0..n {
                 b[i] -= own[i];
             }
-            // What neighbours send to this block: those above their lower, those below their upper side.
+            // Contributions of neighbours to this block: those above their lower, those below their upper side.
             let beside = cells.block_neighbour(block, axis, side % 2 == 0);
             if side % 2 == 0 {
                 for i in 0..n - s {

@@ -66,7 +66,7 @@ impl<T: Real> ContactLaw<T> for Adhesion<T> {
     }
 }
 impl<T: Real> Adhesion<T> {
-    /// Impulse of perfect adhesion, N s, and its traction over the strength.
+    /// Impulse of perfect adhesion, N s, and its traction over the strength, 0 where that is at most 1.
     fn load(&self, contact: &Contact<'_, T>) -> ([T; 3], T) {
         let glued = Stick.impulse(contact);
         let along = dot(glued, contact.normal);

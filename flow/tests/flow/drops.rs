@@ -116,7 +116,7 @@ fn solid_rotation_is_kept() {
             "{cells} cells: spin {spin:.4} after a revolution in {} steps, radius {radius:.4}",
             flow.steps()
         );
-        // Of first order, by the velocities beyond the curved wall: 6.3, 4.7 and 3.0 %.
+        // First order, by the velocities beyond the curved wall: 6.3, 4.7 and 3.0 %.
         assert!((1.0 - spin).abs() < lost, "{cells}: {spin}");
         assert!(radius < 1.0 && centroid(&flow.points()).iter().all(|x| x.abs() < 2e-3));
     }

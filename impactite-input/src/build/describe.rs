@@ -1,6 +1,6 @@
 //! Measures: names, units and validity in the scene.
 
-use super::accounts;
+use super::conditions::accounts;
 use super::wrong::{At, Made, known, wrong};
 use crate::model::body::MeetBy;
 use crate::model::measure::{Measurement, OverTime, Reference, Statistic, Until};

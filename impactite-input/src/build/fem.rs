@@ -4,8 +4,8 @@ use impactite::fem::{Fem as Scene, SurfaceFacet};
 use impactite::scene::{SceneError, Solver};
 
 use super::common::World;
+use super::conditions::loads::{Load, Part, Surface};
 use super::kernels::Setting;
-use super::loads::{Load, Part, Surface};
 use super::wrong::{At, Made, known, of_body, wrong};
 use super::{mesh, placement};
 use crate::model::body::Traction;

@@ -7,9 +7,10 @@ use impactite::geometry::{HalfSpace, Lattice};
 use impactite::scene::Solver;
 
 use super::common::World;
+use super::conditions::accounts;
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, of_body, wrong};
-use super::{accounts, placement};
+use super::{material, placement};
 use crate::formula::Formula;
 use crate::model::body::Body;
 use crate::model::condition::{Condition, Plane, Side};
@@ -163,19 +164,11 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
                     let moved = displacement(world, &format!("{key}.velocity"), list)?;
                     wall.moving(move |t| moved(t))
                 }
-                (None, Some(position)) => {
-                    let key = format!("{key}.position");
-                    position.check(world.space().coordinates(), false, true).at(&key)?;
-                    let (position, at) = (position.clone(), spec.at.value);
-                    let start = position.at(&[0.0; D], false, 0.0);
-                    let begins = (start - at).abs() <= 1e-9 * at.abs().max(start.abs());
-                    if !begins {
-                        let message = format!("is {start} m at the start; it must begin at `at`, {at} m");
-                        return wrong(key, message);
-                    }
+                (None, Some(_)) => {
+                    let (at, position) = (spec.at.value, world.wall_position(&key, spec)?);
                     wall.moving(move |t| {
                         let mut moved = [0.0; D];
-                        moved[axis] = position.at(&[0.0; D], false, t) - at;
+                        moved[axis] = position(t) - at;
                         moved
                     })
                 }
@@ -270,19 +263,7 @@ fn fluid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<F
     if spec.bulk_viscosity.is_some() {
         return wrong(format!("{at}.bulk_viscosity"), "has no effect on an incompressible liquid");
     }
-    let others = [
-        ("elastic", spec.elastic.is_some()),
-        ("neo_hookean", spec.neo_hookean.is_some()),
-        ("strength", spec.strength.is_some()),
-        ("eos", spec.eos.is_some()),
-        ("failure", spec.failure.is_some()),
-        ("ground", spec.ground.is_some()),
-        ("explosive", spec.explosive.is_some()),
-        ("burn_width", spec.burn_width.is_some()),
-    ];
-    if let Some((other, _)) = others.iter().find(|(_, given)| *given) {
-        return wrong(format!("{at}.{other}"), "is not of a liquid of `flow`");
-    }
+    material::kind(&at, spec)?;
     let Some([density, viscosity, tension]) = constants(world, key, body, spec)? else {
         return Err(Wrong {
             key: at,

@@ -8,7 +8,7 @@ use impactite::geometry::{Bounds, Cuboid, Lattice, Polygon};
 use impactite::scene::{Embedding, Solver};
 
 use super::common::{World, centre_of_mass};
-use super::loads::{Load, Part, Surface};
+use super::conditions::loads::{Load, Part, Surface};
 use super::shape::Motion;
 use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, particles, placement, seeds};

@@ -66,7 +66,7 @@ struct Key {
     used: fn(&Body) -> bool,
     /// Kinds that read it.
     kinds: &'static [Kind],
-    /// What serves a body of another kind instead.
+    /// Remedy for a body of another kind.
     instead: Option<&'static str>,
 }
 

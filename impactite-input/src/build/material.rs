@@ -128,8 +128,8 @@ fn here<C: Constitutive<f64>>(law: C) -> Law {
     Law::from(law.compiled().into_material())
 }
 
-/// Build the law of the material at `key`; a plane-stress law if `plate`.
-pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
+/// Return the key that says of what kind the material at `key` is, exactly one; refuse the other keys that do not go with it.
+pub(super) fn kind(key: &str, spec: &Spec) -> Made<&'static str> {
     let kinds = [
         ("library", spec.library.is_some()),
         ("elastic", spec.elastic.is_some()),
@@ -164,10 +164,20 @@ pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
         "bulk_viscosity",
         &["library", "strength", "ground", "fluid", "explosive"],
     )?;
-    let explodes = kind == "explosive" || spec.library == Some(Library::Tnt);
-    if spec.burn_width.is_some() && !explodes {
+    if spec.burn_width.is_some() && !explodes(kind, spec) {
         return wrong(format!("{key}.burn_width"), "is of explosives");
     }
+    Ok(kind)
+}
+
+/// True for a material that is lit.
+fn explodes(kind: &str, spec: &Spec) -> bool {
+    kind == "explosive" || spec.library == Some(Library::Tnt)
+}
+
+/// Build the law of the material at `key`; a plane-stress law if `plate`.
+pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
+    let kind = kind(key, spec)?;
     let width = spec.burn_width.map(|q| q.value);
     if kind == "strength" && matches!(spec.failure, Some(Failure::Library)) {
         return without_library(key);

@@ -1,15 +1,13 @@
 //! Solvers from scene files.
 
-pub(crate) mod accounts;
 mod common;
-mod conditions;
+pub(crate) mod conditions;
 pub(crate) mod describe;
 mod fem;
 mod flow;
 mod fpm;
 pub(crate) mod kernels;
 mod kinds;
-mod loads;
 pub(crate) mod material;
 pub(crate) mod mesh;
 mod mpm;

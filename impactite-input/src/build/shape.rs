@@ -197,37 +197,18 @@ impl<const D: usize> MovedBox<D> {
         wide.map(|w| w * part.powf(1.0 / D as f64))
     }
 
-    /// Return the box of a shape; `None` for other shapes.
+    /// Return the box of a shape; `None` for other shapes. Translations before the first rotation are those of the box.
     pub fn of(spec: &Spec) -> Option<Self> {
-        match spec {
-            Spec::Box(spec) => {
-                let (from, to): ([f64; D], [f64; D]) = (fixed(&spec.from).ok()?, fixed(&spec.to).ok()?);
-                let low = std::array::from_fn(|d| from[d].min(to[d]));
-                Some(MovedBox {
-                    low,
-                    high: std::array::from_fn(|d| from[d].max(to[d])),
-                    moves: Motion(Vec::new()),
-                })
-            }
-            Spec::Moved(moved) => {
-                let mut inner = MovedBox::of(&moved.shape)?;
-                let part = |list: &Option<Vector<Length>>| {
-                    list.as_ref().map_or(Some([0.0; D]), |list| fixed::<D, _>(list).ok())
-                };
-                let (about, by) = (part(&moved.about)?, part(&moved.by)?);
-                match &moved.turn {
-                    Some(turn) => inner.moves.0.push((rotation("", moved, turn.value).ok()?, about, by)),
-                    None if inner.moves.0.is_empty() => {
-                        (0..D).for_each(|d| {
-                            (inner.low[d], inner.high[d]) = (inner.low[d] + by[d], inner.high[d] + by[d])
-                        });
-                    }
-                    None => inner.moves.0.push((Rotation::identity(), [0.0; D], by)),
-                }
-                Some(inner)
-            }
-            _ => None,
+        let (inner, mut moves) = Motion::of("", spec).ok()?;
+        let Spec::Box(spec) = inner else { return None };
+        let (from, to): ([f64; D], [f64; D]) = (fixed(&spec.from).ok()?, fixed(&spec.to).ok()?);
+        let mut low: [f64; D] = std::array::from_fn(|d| from[d].min(to[d]));
+        let mut high: [f64; D] = std::array::from_fn(|d| from[d].max(to[d]));
+        let turned = moves.0.iter().position(|(rotation, ..)| *rotation != Rotation::identity());
+        for (_, _, by) in moves.0.drain(..turned.unwrap_or(moves.0.len())) {
+            (0..D).for_each(|d| (low[d], high[d]) = (low[d] + by[d], high[d] + by[d]));
         }
+        Some(MovedBox { low, high, moves })
     }
 
     /// True if the edges are along the axes.

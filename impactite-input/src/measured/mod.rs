@@ -9,8 +9,9 @@ use std::sync::Arc;
 
 use impactite::scene::{Archive, Body, CheckpointError, Solver};
 
+use crate::build::conditions::accounts;
 use crate::build::wrong::Folder;
-use crate::build::{accounts, describe, shape};
+use crate::build::{describe, shape};
 use crate::document::Source;
 use crate::model::measure::{Measurement, Profile};
 use crate::model::shape::Shape;

@@ -153,7 +153,7 @@ parts! {
         #[schemars(example = &"y")]
         axis: Axis,
     }
-    /// Of the outermost points of a body, along an axis.
+    /// Outermost points of a body along an axis.
     Outermost {
         /// Name of the body.
         #[schemars(example = &"body")]
@@ -166,7 +166,7 @@ parts! {
         #[schemars(example = 0.01, extend("minimum" = 0, "maximum" = 1))]
         share: Option<Quantity<Plain>>,
     }
-    /// Of boundary conditions, along an axis.
+    /// Boundary conditions, along an axis.
     Along {
         /// The axis.
         #[schemars(example = &"y")]
@@ -176,7 +176,7 @@ parts! {
         #[schemars(example = &"floor")]
         condition: Option<ConditionName>,
     }
-    /// Of boundary conditions.
+    /// Boundary conditions.
     OfCondition {
         /// Name of the condition, its kind (`wall`, `fixed`, ...), or its place in the list, from 0.
         #[schemars(example = &"floor")]
@@ -319,7 +319,7 @@ pub struct Profile {
     #[serde(default)]
     #[schemars(example = "2 mm")]
     pub radius: Option<Quantity<Length>>,
-    /// What is taken of the points of a bin: their mean by mass, or their largest or smallest value.
+    /// Statistic of the points of a bin: mean by mass, largest or smallest value.
     #[serde(default)]
     pub take: TakenOfBin,
     /// Time between rows; a fortieth of `end` if not given.

@@ -1,4 +1,7 @@
-//! Boundary conditions from scene files.
+//! Boundary conditions and loads from scene files.
+
+pub(crate) mod accounts;
+pub(super) mod loads;
 
 use std::sync::Arc;
 
@@ -6,10 +9,9 @@ use impactite::mpm::{Boundary, Side};
 use impactite::scene::BoundaryEntry;
 use impactite::scene::boundary::VelocityHistory;
 
-use super::accounts;
-use super::common::World;
-use super::shape;
-use super::wrong::{At, Made, wrong};
+use crate::build::common::World;
+use crate::build::shape;
+use crate::build::wrong::{At, Made, wrong};
 use crate::formula::Formula;
 use crate::model::condition::{self, Condition, Prescribed, Wall};
 use crate::model::formulas;
@@ -98,24 +100,33 @@ impl<const D: usize> World<'_, D> {
             None => Boundary::Wall { axis, at, side, velocity: velocity[axis] },
         };
         let entry = BoundaryEntry::from(boundary);
-        if let Some(position) = &wall.position {
-            let key = format!("{key}.position");
-            position.check(self.space().coordinates(), false, true).at(&key)?;
-            let position = position.clone();
-            let place = move |t: f64| position.at(&[0.0; D], false, t);
-            let start = place(0.0);
-            // False for a position that is no number.
-            let begins = (start - at).abs() <= 1e-9 * at.abs().max(start.abs());
-            if !begins {
-                return wrong(key, format!("is {start} m at the start; it must begin at `at`, {at} m"));
-            }
-            return entry.with_position(Arc::new(place)).at(key);
+        if wall.position.is_some() {
+            let position = self.wall_position(key, wall)?;
+            return entry.with_position(Arc::new(position)).at(format!("{key}.position"));
         }
         if constant.iter().all(Option::is_some) {
             return Ok(entry);
         }
         let velocity = move |t: f64| -> [f64; D] { std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)) };
         entry.with_velocity(Arc::new(velocity)).at(format!("{key}.velocity"))
+    }
+
+    /// Return the position of a wall over time, m, which begins at its place; the place itself without a `position`.
+    pub fn wall_position(&self, key: &str, wall: &Wall) -> Made<impl Fn(f64) -> f64 + Send + Sync + use<D>> {
+        let (key, at) = (format!("{key}.position"), wall.at.value);
+        let position = wall.position.clone();
+        if let Some(formula) = &position {
+            formula.check(self.space().coordinates(), false, true).at(&key)?;
+        }
+        let place = move |t: f64| position.as_ref().map_or(at, |x| x.at(&[0.0; D], false, t));
+        let start = place(0.0);
+        // False for a position that is no number.
+        let begins = (start - at).abs() <= 1e-9 * at.abs().max(start.abs());
+        if begins {
+            Ok(place)
+        } else {
+            wrong(key, format!("is {start} m at the start; it must begin at `at`, {at} m"))
+        }
     }
 
     /// Return a prescribed velocity.

@@ -2,7 +2,7 @@
 
 use impactite::scene::ACCOUNTS;
 
-use super::wrong::{Made, Wrong, wrong};
+use crate::build::wrong::{Made, Wrong, wrong};
 use crate::hint::near;
 use crate::model::SceneFile;
 use crate::model::condition::Condition;
@@ -62,7 +62,7 @@ pub(crate) fn of(scene: &SceneFile) -> Vec<usize> {
 }
 
 /// Check the condition that a measure names.
-pub(super) fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
+pub(in crate::build) fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
     let Some((word, name)) = named(measure) else { return Ok(()) };
     let key = format!("{key}.{word}.condition");
     let found = places(scene, name).map_err(|(message, help)| Wrong { key: key.clone(), message, help })?;

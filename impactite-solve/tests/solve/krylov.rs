@@ -1,10 +1,7 @@
 //! MINRES and GMRES on systems of their own, and verdicts on solves that fail.
 
-mod domains;
-
 use std::sync::Arc;
 
-use domains::hash;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use impactite_simd::Team;
@@ -12,6 +9,9 @@ use impactite_solve::{
     CellBlocks, Identity, Jacobi, Multigrid, Operator, Preconditioner, SolveError, Stencil, StencilError,
     Stop, conjugate_gradients, gmres, minres,
 };
+
+use crate::domains;
+use crate::domains::hash;
 
 /// Dense matrix.
 struct Dense(Mat<f64>);

@@ -1,9 +1,9 @@
 //! Iterations of the multigrid preconditioner, and equal bits for any number of threads.
 
-mod domains;
-
 use impactite_simd::Team;
 use impactite_solve::{Multigrid, Operator, Preconditioner, Stop, conjugate_gradients};
+
+use crate::domains;
 
 /// Iterations for a noisy and for a smooth right-hand side.
 fn iterations<const D: usize>(team: &Team, name: &str, n: i32) -> usize {

@@ -5,16 +5,16 @@ use std::sync::Arc;
 use impactite::geometry::Shape;
 use impactite::mpm::Traction as OnParticles;
 
-use super::common::World;
-use super::shape;
-use super::wrong::{At, Made, wrong};
+use crate::build::common::World;
+use crate::build::shape;
+use crate::build::wrong::{At, Made, wrong};
 use crate::formula::Formula;
 use crate::model::body::Traction;
 use crate::model::formulas;
 use crate::quantity::Pressure;
 
 /// Load on a part of a surface.
-pub(super) struct Surface<const D: usize> {
+pub(in crate::build) struct Surface<const D: usize> {
     pub part: Part<D>,
     /// Axis normal to the loaded faces; any if `None`.
     pub axis: Option<usize>,
@@ -22,7 +22,7 @@ pub(super) struct Surface<const D: usize> {
 }
 
 /// Loaded part of a surface.
-pub(super) enum Part<const D: usize> {
+pub(in crate::build) enum Part<const D: usize> {
     /// Region that contains the loaded points or faces initially.
     Region(Arc<dyn Shape<D>>),
     /// Name of a set of the mesh.
@@ -30,7 +30,7 @@ pub(super) enum Part<const D: usize> {
 }
 
 /// Load over time, s.
-pub(super) enum Load<const D: usize> {
+pub(in crate::build) enum Load<const D: usize> {
     /// Traction vector, Pa.
     Traction(Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>),
     /// Pressure, Pa.

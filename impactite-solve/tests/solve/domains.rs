@@ -1,5 +1,4 @@
 //! Fluid domains on a grid of cells, for tests and measurements.
-#![allow(dead_code)]
 
 use std::sync::Arc;
 

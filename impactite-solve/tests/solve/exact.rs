@@ -1,12 +1,12 @@
 //! Exact solutions: eigenvectors of the discrete operator, and manufactured solutions with an order of convergence.
 
-mod domains;
-
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use impactite_simd::Team;
 use impactite_solve::{CellBlocks, Multigrid, Operator, Stencil, Stop, conjugate_gradients};
+
+use crate::domains;
 
 fn solve<const D: usize>(stencil: &Stencil<D>, b: &[f64], relative: f64) -> Vec<f64> {
     let team = Team::ambient();

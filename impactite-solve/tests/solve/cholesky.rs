@@ -1,16 +1,15 @@
 //! Conjugate gradients with the multigrid preconditioner against the Cholesky factorisation of the same system.
 
-mod domains;
-
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-use domains::hash;
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 use impactite_simd::Team;
 use impactite_solve::{CellBlocks, Jacobi, Multigrid, Operator, Stencil, Stop, conjugate_gradients};
 use proptest::prelude::*;
+
+use crate::domains::hash;
 
 /// Random system: unknown cells, face weights, excess, assembled twice: as a stencil and as a dense matrix.
 struct System<const D: usize> {
