@@ -49,6 +49,7 @@ pub const REMEDIES: &[Remedy] = &[
         "or filter it (`method.mpm.null_space_filter = 10`)",
     ),
     remedy("a larger penalty", "a larger `method.fpm.penalty`"),
+    remedy("a smaller density correction", "a smaller `method.flow.density_correction`"),
     // Time.
     remedy("lower the time step", "lower `time_step.factor`"),
     remedy("lower the Courant factor", "lower `time_step.factor`"),

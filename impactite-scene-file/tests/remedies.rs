@@ -9,6 +9,7 @@ use serde_json::Value;
 const CRATES: &[&str] = &[
     "coupling",
     "fem",
+    "flow",
     "fpm",
     "impactite-cli",
     "impactite-geometry",
@@ -18,6 +19,7 @@ const CRATES: &[&str] = &[
     "impactite-scene",
     "impactite-scene-file",
     "impactite-simd",
+    "impactite-solve",
     "mpm-contact",
     "mpm-core",
     "mpm-materials",
