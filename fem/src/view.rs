@@ -236,6 +236,9 @@ impl<const D: usize> Body for ElementBody<D> {
         let elements: usize = self.sets.iter().map(|s| s.alive().count()).sum();
         elements + self.debris.iter().filter(|mass| **mass > 0.0).count()
     }
+    fn softens_from(&self, rate: f64) -> Option<f64> {
+        mpm_materials::softening::softens_from(&*self.material, rate)
+    }
     fn state_names(&self) -> Vec<String> {
         self.material.state_names()
     }

@@ -212,6 +212,9 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     fn len(&self) -> usize {
         self.reference.len()
     }
+    fn softens_from(&self, rate: f64) -> Option<f64> {
+        mpm_materials::softening::softens_from(&*self.material, rate)
+    }
     fn state_names(&self) -> Vec<String> {
         self.material.state_names()
     }

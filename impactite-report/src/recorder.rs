@@ -113,6 +113,7 @@ fn title(finding: &Finding) -> (&'static str, &str) {
         Finding::Hourglass { body, .. } => ("hourglass energy", body),
         Finding::WidePoints { body, .. } => ("points too far apart", body),
         Finding::LoneFailure { body, .. } => ("points failed alone", body),
+        Finding::Localised { body, .. } => ("plastic strain localised", body),
         _ => ("warning", ""),
     }
 }

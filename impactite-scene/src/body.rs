@@ -269,6 +269,12 @@ pub trait Body {
     }
     /// Names of the state variables in [`PointView::state`].
     fn state_names(&self) -> Vec<String>;
+    /// Return the plastic strain from which the law softens in shear at this rate, 1/s ([`mpm_materials::softening::softens_from`]); none if it
+    /// does not, and for bodies without a law.
+    fn softens_from(&self, rate: f64) -> Option<f64> {
+        let _ = rate;
+        None
+    }
     /// Sums over the points of the body.
     fn totals(&self) -> Totals;
     /// Return the exchange with other bodies since the start, if the body stores it, such as elements in contact with particles. A contact

@@ -152,6 +152,23 @@ pub enum Finding {
         /// Position of one of them, m.
         position: [f64; 3],
     },
+    /// Localisation of plastic strain in bands of one or two cells, or softening of a zone that has too few cells for bands to form.
+    Localised {
+        /// Name of the body.
+        body: String,
+        /// Share of the plastic strain of the body, integrated over its volume, in the bands or the zone.
+        share: f64,
+        /// Mean width of the bands, or of the zone at half its strain, m.
+        width: f64,
+        /// Mean width in cells (points of a Lagrangian method).
+        cells: f64,
+        /// Largest plastic strain of the body, and that from which its law softens in shear, for a zone that softens; none for bands.
+        softens: Option<[f64; 2]>,
+        /// Largest size of cells that resolve the bands, or within which they can form, m.
+        needed: f64,
+        /// Position of the largest plastic strain in the zone, m.
+        position: [f64; 3],
+    },
 }
 
 impl std::error::Error for Finding {}
@@ -224,6 +241,26 @@ impl Finding {
                 "{alone} of {failed} failed particles of body `{body}` have no failed particle in the cells around theirs, one near \
                  {position:?} m: stress noise fails points one by one where a crack would fail a surface"
             ),
+            Finding::Localised { body, share, width, cells, softens: None, needed, position } => format!(
+                "{:.0} % of the plastic strain of body `{body}` is in bands {width:.2e} m wide, {cells:.1} cells, near {position:?} m: their width is \
+                 that of the cells, so that forces, speeds and depths are not converged, even if two resolutions agree; bands of this width need \
+                 cells of at most {needed:.1e} m",
+                per_cent(share)
+            ),
+            Finding::Localised {
+                body,
+                share,
+                width,
+                cells,
+                softens: Some([largest, from]),
+                needed,
+                position,
+            } => format!(
+                "body `{body}` has a plastic strain of up to {largest:.2} in a zone near {position:?} m, {width:.2e} m or {cells:.0} cells wide, with {:.0} % \
+                 of its plastic strain, and its law softens in shear from {from:.2} on: strain localises there in bands that these cells are too coarse \
+                 for, so that forces, speeds and depths are not converged, even if two resolutions agree; bands need cells of about {needed:.1e} m",
+                per_cent(share)
+            ),
         }
     }
 
@@ -248,6 +285,10 @@ impl Finding {
             }
             Finding::WidePoints { .. } => {
                 "take smaller elements or larger cells, or let particles meet the surface (`Elements::by_surface`)"
+            }
+            Finding::Localised { .. } => {
+                "refine, and compare at least three resolutions (`impactite converge`); a law that softens without rates, conduction of heat or a \
+                 length of its own has bands one cell wide at any resolution"
             }
             Finding::LoneFailure { .. } => {
                 "take `Method::impact`, a wider shape function, or a time-dependent criterion (`TulerButcher`, `CohesiveSpall`)"

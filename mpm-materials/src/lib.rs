@@ -24,6 +24,7 @@ pub mod plane_stress;
 pub mod point;
 pub mod porous;
 pub mod rate;
+pub mod softening;
 pub mod solid;
 pub mod strength;
 pub mod stretching;

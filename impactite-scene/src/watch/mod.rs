@@ -14,6 +14,7 @@
 //! | torn body | numerical fracture: particles so far apart that they share no node | warns |
 //! | alternating pressure | volumetric locking | warns |
 //! | points that failed alone | stress noise above the strength | warns |
+//! | localised plastic strain | bands of one or two cells, whose width is that of the cells | warns |
 //!
 //! The checks do not change the run: results are the same bits with and without them. A balance check costs one to two steps, a check of
 //! the bodies (every sixteenth) some fifteen: together below 1 % of a run (book, "What the watch costs").
@@ -33,6 +34,7 @@
 //! # }
 //! ```
 
+mod bands;
 mod suspects;
 mod watcher;
 

@@ -158,6 +158,17 @@ impl Watcher {
     fn has_a_gain_to_judge(&self) -> bool {
         self.gains[0] > self.watch.stop_gain && !self.knows(|f| matches!(f, Finding::EnergyGain { .. }))
     }
+    /// True if localisation is checked after this number of steps: with the bodies, at checks 1, 2, 4, 8, and at the end of a run.
+    pub(super) fn looks_for_bands(&self, steps: u64) -> bool {
+        let Some(made) = self.first.map(|first| steps - first).filter(|_| self.watch.bodies) else {
+            return false;
+        };
+        let checks = made / self.watch.every;
+        match self.due(steps) {
+            Some(_) => checks.is_power_of_two() || checks.is_multiple_of(BODIES_EVERY) && checks > 0,
+            None => true,
+        }
+    }
     /// True if bodies are checked.
     #[must_use]
     pub fn sees_bodies(&self) -> bool {
@@ -279,7 +290,7 @@ impl Watcher {
         Ok(())
     }
 
-    fn knows(&self, which: impl Fn(&Finding) -> bool) -> bool {
+    pub(super) fn knows(&self, which: impl Fn(&Finding) -> bool) -> bool {
         self.warnings.iter().any(|w| which(&w.finding))
     }
 

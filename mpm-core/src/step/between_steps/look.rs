@@ -1,8 +1,8 @@
 //! Checks of the balances and bodies of a run: [`impactite_scene::watch`].
 
-use impactite_scene::Totals;
 use impactite_scene::error::{StepError, Stopped};
 use impactite_scene::watch::{Account, Finding, GainCause, Look, Loss, Warning, Watch, Watcher};
+use impactite_scene::{Body, Totals};
 
 use super::cells::{Alternation, Cells, Wholeness};
 
@@ -137,6 +137,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let looked = watcher.look(&totals, hoop, &at, || name, |share, joules| self.explain(share, joules));
         if looked.is_ok() && bodies && watcher.sees_bodies() {
             self.look_at_bodies(&mut watcher);
+        }
+        if looked.is_ok() {
+            // Bodies that are not on the grid are checked by their own solver.
+            let on_grid =
+                self.scene.bodies.iter().filter(|body| body.client().is_none_or(|client| client.on_grid()));
+            let bodies: Vec<&dyn Body> = on_grid.map(|body| &**body as &dyn Body).collect();
+            watcher.look_for_bands(&clock, &bodies, (D, hoop), Some(self.grid.lattice().spacing()));
         }
         self.looks.watcher = watcher;
         self.looks.cells = None;

@@ -133,6 +133,9 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
     fn len(&self) -> usize {
         self.slots.iter().map(|s| s.block.len()).sum()
     }
+    fn softens_from(&self, rate: f64) -> Option<f64> {
+        mpm_materials::softening::softens_from(&*self.material, rate)
+    }
     fn state_names(&self) -> Vec<String> {
         self.columns.state_names().to_vec()
     }
