@@ -21,12 +21,12 @@ const FEW: usize = 4;
 /// Number of cells across a band that resolve it.
 const RESOLVE: f64 = 4.0;
 /// Share of the strain from which a law softens, above which a zone softens or would do so with finer cells, that smear its strain less. In the
-/// plate of [`RESOLVES_SOFTENING`] the largest strain is 0.7, 1.3 and more of it with 8, 16 and 25 cells across the zone.
+/// plate of [`RESOLVES_SOFTENING`] the largest strain is 0.7 of it with 8 cells across the zone, and 1.2 with 16.
 const NEAR: f64 = 0.4;
 /// Share of the plastic strain of a body in a softening zone above which it is a finding.
 const SHARE_SOFTENING: f64 = 0.05;
-/// Number of cells across a softening zone within which bands can form: eight bands of [`RESOLVE`] cells. An estimate: the shear zone of a plate of
-/// Weldox steel, 12 mm thick and 10 mm wide, forms none with 8 and 16 cells, and some with 25.
+/// Number of cells across a softening zone within which bands can form: eight bands of [`RESOLVE`] cells. An estimate: the zone of 10 mm in a plate of
+/// Weldox steel forms none with 8, 16 and 25 cells across it.
 const RESOLVES_SOFTENING: f64 = 8.0 * RESOLVE;
 
 /// Plastic strain of a body in cells of the resolution.
@@ -306,7 +306,7 @@ mod tests {
                 let bands = found(band(width)).unwrap_or_else(|| panic!("{degrees} degrees, {width} cells"));
                 // The integral of the profile over its height is 1.06 of the width; cells smear it, and cut it slantwise.
                 assert!(
-                    bands.share > 0.6 && (0.9..2.8).contains(&bands.width),
+                    bands.share > 0.5 && (0.9..2.8).contains(&bands.width),
                     "{degrees}, {width}: {bands:?}"
                 );
                 let [x, y, _] = bands.position;
