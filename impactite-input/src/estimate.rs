@@ -233,8 +233,8 @@ impl Source {
             }
             for wall in liquid::poor_walls(scene, options) {
                 notes.push(format!(
-                    "{wall}: beside a wall with friction, that moves, that lies between nodes, or of a scene with other bodies, the pressure of the outermost \
-                     rows of a weakly compressible liquid is wrong by up to half of that at the floor; `method.flow` has it right"
+                    "{wall}: beside fixed planes, rigid bodies, and walls with friction, that move, lie between nodes, or are of a scene with other bodies, the \
+                     pressure of the outermost rows of a weakly compressible liquid is wrong by up to that at the floor; `method.flow` has it right"
                 ));
             }
             if let Some(why) = liquid::without_pressure(scene, options) {

@@ -67,18 +67,16 @@ fn look(mpm: &Mpm<2>) -> (f64, f64) {
 
 #[test]
 fn water_at_rest_stays_at_rest() -> Result<(), Failed> {
-    for bounds in [Bounds::Symmetry, Bounds::Walls] {
-        for cells in [8, 16] {
-            let mut mpm = tank(cells, DEPTH, 0.0, bounds, true)?;
-            let start = look(&mpm).0;
-            mpm.run_until(1.0)?;
-            let (height, noise) = look(&mpm);
-            let kinetic = mpm.totals().kinetic / (mpm.totals().mass * GRAVITY * DEPTH);
-            // The task of the method: one per cent of the pressure at the floor and of the height.
-            assert!(noise < 0.01, "{bounds:?}, {cells} cells: {noise}");
-            assert!((height / start - 1.0).abs() < 0.01, "{bounds:?}, {cells} cells: {height} of {start}");
-            assert!(kinetic < 1e-6, "{bounds:?}, {cells} cells: {kinetic}");
-        }
+    for cells in [8, 16] {
+        let mut mpm = tank(cells, DEPTH, 0.0, Bounds::Symmetry, true)?;
+        let start = look(&mpm).0;
+        mpm.run_until(1.0)?;
+        let (height, noise) = look(&mpm);
+        let kinetic = mpm.totals().kinetic / (mpm.totals().mass * GRAVITY * DEPTH);
+        // The task of the method: one per cent of the pressure at the floor and of the height.
+        assert!(noise < 0.01, "{cells} cells: {noise}");
+        assert!((height / start - 1.0).abs() < 0.01, "{cells} cells: {height} of {start}");
+        assert!(kinetic < 1e-6, "{cells} cells: {kinetic}");
     }
     Ok(())
 }

@@ -73,7 +73,8 @@ pub(super) fn bounding<const D: usize>(
     if (node - node.round()).abs() <= ON_NODE && alone(scene, options) { entry.as_symmetry() } else { entry }
 }
 
-/// Conditions beside which the pressure of a liquid is not that of the liquid: walls with friction, that move, or between nodes.
+/// Keys of conditions and bodies beside which the pressure of a liquid is wrong: fixed planes, rigid bodies, and walls with friction, that
+/// move, or between nodes.
 pub(crate) fn poor_walls(scene: &SceneFile, options: &Mpm) -> Vec<String> {
     if !scene.bodies.values().any(|b| renewed(scene, options, b).is_some()) {
         return Vec::new();
@@ -91,8 +92,12 @@ pub(crate) fn poor_walls(scene: &SceneFile, options: &Mpm) -> Vec<String> {
             || (node - node.round()).abs() > ON_NODE
             || !alone(scene, options)
     };
-    let list = scene.conditions.iter().enumerate().filter(|(_, condition)| poor(condition));
-    list.map(|(n, _)| format!("conditions[{n}].wall")).collect()
+    let list = scene.conditions.iter().enumerate().filter_map(|(n, condition)| match condition {
+        Condition::Fixed(_) => Some(format!("conditions[{n}].fixed")),
+        condition => poor(condition).then(|| format!("conditions[{n}].wall")),
+    });
+    let rigid = scene.bodies.iter().filter(|(_, body)| body.rigid.is_some());
+    list.chain(rigid.map(|(name, _)| format!("bodies.{name}.rigid"))).collect()
 }
 
 /// Pressures at the first instant by position, Pa.

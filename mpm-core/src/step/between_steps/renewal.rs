@@ -310,10 +310,8 @@ fn fit<const D: usize>(sums: &[f64]) -> [f64; 4] {
         }
         slope[i] /= l[i][i];
     }
-    for d in 0..D {
-        found[0] -= slope[d] * mean[d];
-        found[1 + d] = slope[d];
-    }
+    found[0] -= slope.iter().zip(&mean).map(|(slope, mean)| slope * mean).sum::<f64>();
+    found[1..=D].copy_from_slice(&slope);
     found
 }
 
