@@ -5,7 +5,7 @@ use impactite::parallel::Float;
 use impactite::scene::embedding::unit_of_part;
 use impactite::scene::{Solver, StepLimit};
 
-use crate::build::{material, mesh, shape, size, wrong};
+use crate::build::{liquid, material, mesh, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
@@ -223,6 +223,27 @@ impl Source {
             }
         }
         let weighed = scene.gravity.is_some();
+        if let Method::Mpm(options) = &scene.method {
+            let liquid = |body: &Body| liquid::renewed(scene, options, body).is_some();
+            if let Some((name, _)) = scene.bodies.iter().find(|(_, b)| liquid(b)) {
+                notes.push(format!(
+                    "bodies.{name}: a weakly compressible liquid: quadratic B-splines, APIC, mean dilatation of cells, density renewed from positions; \
+                     `method.mpm.for` or `parts` instead choose otherwise"
+                ));
+            }
+            for wall in liquid::poor_walls(scene, options) {
+                notes.push(format!(
+                    "{wall}: beside fixed planes, rigid bodies, and walls with friction, that move, lie between nodes, or are of a scene with other bodies, the \
+                     pressure of the outermost rows of a weakly compressible liquid is wrong by up to that at the floor; `method.flow` has it right"
+                ));
+            }
+            if let Some(why) = liquid::without_pressure(scene, options) {
+                notes.push(format!(
+                    "gravity: the pressure at the start is not computed for liquids {why}; they start without it and ring with the period 4 H / c; \
+                     `initial_stress` gives one"
+                ));
+            }
+        }
         if let (Method::Mpm(options), true) = (&scene.method, weighed) {
             let splines = match &options.parts {
                 Some(parts) => parts.shape_function == ShapeFunction::QuadraticBSpline,
@@ -232,7 +253,8 @@ impl Source {
                 let material = body.material.as_ref().and_then(|name| scene.materials.get(name));
                 material.is_some_and(|m| m.fluid.is_some())
             };
-            if splines && scene.bodies.values().any(|b| fluid(&b)) {
+            let liquid = |body: &Body| liquid::renewed(scene, options, body).is_some();
+            if splines && scene.bodies.values().any(|b| fluid(&b) && !liquid(b)) {
                 notes.push(
                     "method.mpm: quadratic B-splines stir a fluid at rest; a liquid with a free surface is at rest with `method.flow`, or with `parts = { shape_function = \"cpgimp\", transfer = \"flip\", \
                      stress_update = \"musl\" }` instead of `for` keeps it at rest"

@@ -155,6 +155,18 @@ impl<const D: usize> BoundaryEntry<D> {
         self
     }
 
+    /// Replace a wall without friction that never moves by a plane of symmetry, which does not let go of matter: for liquids, whose
+    /// pressure beside it is then that of the liquid and its mirror image.
+    #[must_use]
+    pub fn as_symmetry(mut self) -> Self {
+        if let (&Boundary::Wall { axis, at, side, velocity: 0.0 }, Course::Own) =
+            (&self.boundary, &self.course)
+        {
+            self.boundary = Boundary::Symmetry { axis, at, side };
+        }
+        self
+    }
+
     fn require_wall(&self, course: &'static str) -> Result<(), BoundaryError> {
         let allowed = "of a wall, with or without friction";
         if self.boundary.is_wall() { Ok(()) } else { Err(BoundaryError::Course { course, allowed }) }

@@ -238,6 +238,9 @@ pub enum SceneError {
         "a null-space filter has nothing to do for `{0}`, whose velocities come from the nodes; it needs FLIP or a blend"
     )]
     NothingToFilter(String),
+    /// A body whose density cannot be renewed from positions, and what is needed.
+    #[error("body `{0}`: its density cannot be renewed from the positions of its particles; {1}")]
+    NoRenewal(String, &'static str),
     /// Kinetic damping with a method whose nodes have no separate forces.
     #[error(
         "kinetic damping is not allowed with `{0}`, which maps momentum and impulse together; take FLIP or a blend"

@@ -35,6 +35,8 @@ pub(crate) struct Acting<'a, const D: usize> {
     pub splitting: Option<Splitting>,
     /// Initial state vector as a function of position, m.
     pub state: Option<&'a dyn Fn([f64; D]) -> Vec<f64>>,
+    /// True for a liquid whose density is renewed from positions.
+    pub renewed: bool,
     pub lit: &'a [Start],
 }
 
@@ -69,7 +71,7 @@ impl Law {
         velocity: &Velocity<D>,
         acting: Acting<'_, D>,
     ) -> Result<(), String> {
-        let Acting { tractions, field, splitting, state, lit } = acting;
+        let Acting { tractions, field, splitting, state, renewed, lit } = acting;
         let velocity = velocity.clone();
         macro_rules! body {
             ($law:expr) => {{
@@ -111,6 +113,9 @@ impl Law {
                 }
                 if let Some(state) = state {
                     body = body.in_numbers(state);
+                }
+                if renewed {
+                    body = body.with_renewed_density();
                 }
                 mpm.add_body(body).map_err(|e| e.to_string())
             }

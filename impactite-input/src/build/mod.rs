@@ -8,6 +8,7 @@ mod flow;
 mod fpm;
 pub(crate) mod kernels;
 mod kinds;
+pub(crate) mod liquid;
 pub(crate) mod material;
 pub(crate) mod mesh;
 mod mpm;

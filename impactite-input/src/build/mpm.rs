@@ -8,6 +8,7 @@ use impactite::contact::{
 use impactite::coupling::Elements;
 use impactite::fem::Fem;
 use impactite::geometry::Lattice;
+use impactite::materials::material::Material;
 use impactite::mpm::{
     BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
     OneField, Rigid, Splitting, Traction, Twist,
@@ -16,6 +17,7 @@ use impactite::scene::Solver;
 
 use super::common::World;
 use super::kernels::Setting;
+use super::liquid::{self, Pressures};
 use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
@@ -30,7 +32,8 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     world: &World<'_, D>,
     options: &Mpm,
 ) -> Made<Box<dyn Solver>> {
-    let kernels = embedding.kernels(options)?;
+    let options_of_parts = liquid::options(world.scene, options);
+    let kernels = embedding.kernels(&options_of_parts)?;
     let mut origin = match &options.origin {
         Some(origin) => fixed(origin).at("method.mpm.origin")?,
         None => [0.0; D],
@@ -78,7 +81,14 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (key, boundary) in periods {
         mpm.bound(boundary).at(key)?;
     }
-    mpm.add_together(|mpm| add_particles(world, mpm, &order, (&lattice, options)))?;
+    let others = others
+        .into_iter()
+        .map(|(key, entry)| (key, liquid::bounding(world.scene, options, &lattice, entry)))
+        .collect::<Vec<_>>();
+    let planes: Vec<Boundary<D>> =
+        world.conditions()?.iter().map(|(_, entry)| entry.boundary().clone()).collect();
+    let pressures = liquid::pressures(world, options, &lattice, &planes)?;
+    mpm.add_together(|mpm| add_particles(world, mpm, &order, (&lattice, options), &pressures))?;
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
         add_elements(embedding, world, &mut mpm, (name, body), options)?;
     }
@@ -261,6 +271,7 @@ fn add_particles<const D: usize>(
     mpm: &mut Scene<D>,
     order: &[(&String, &Body)],
     (lattice, options): (&Lattice<D>, &Mpm),
+    pressures: &Pressures,
 ) -> Made<()> {
     let parts = options.particles_per_cell as usize;
     for (name, body) in order {
@@ -313,20 +324,44 @@ fn add_particles<const D: usize>(
                         &seeds.positions,
                     )
                 });
-                let stressed = stressed.transpose()?;
+                let mut stressed = stressed.transpose()?;
+                let renewed = liquid::renewed(world.scene, options, body).is_some();
+                if renewed && stressed.is_none() && !pressures.is_empty() {
+                    stressed = Some(liquid_states(&key, &*material, &seeds.positions, pressures)?);
+                }
                 let state = stressed.as_deref();
                 law.add(
                     mpm,
                     name,
                     &seeds,
                     &velocity,
-                    Acting { tractions, field, splitting, state, lit: &lit },
+                    Acting { tractions, field, splitting, state, renewed, lit: &lit },
                 )
                 .at(&key)?;
             }
         }
     }
     Ok(())
+}
+
+/// State vectors of a law by position, m.
+type States<'a, const D: usize> = Box<dyn Fn([f64; D]) -> Vec<f64> + 'a>;
+
+/// Return the states of a liquid under its pressures at the start.
+fn liquid_states<'a, const D: usize>(
+    key: &str,
+    material: &'a dyn Material<f64>,
+    positions: &[[f64; D]],
+    pressures: &'a Pressures,
+) -> Made<States<'a, D>> {
+    let stress = move |x: &[f64; D]| {
+        let p = pressures.of(x).unwrap_or(0.0);
+        [-p, -p, -p, 0.0, 0.0, 0.0]
+    };
+    for x in positions {
+        stressed::state(material, &stress(x)).at(key)?;
+    }
+    Ok(Box::new(move |x| stressed::state(material, &stress(&x)).unwrap_or_else(|_| material.virgin())))
 }
 
 /// Refuse a load whose region contains no particle.

@@ -244,7 +244,10 @@ fn units_that_are_missing_and_fluids_that_are_stirred_are_noted() {
         blocks(method, FRICTION, "gravity = [0, -10]")
             .replace(steel, "fluid.tait = { density = 1000, sound_speed = 30 }")
     };
-    assert!(notes(&water(METHODS[0])).contains("cpgimp"));
+    let impact = "method.mpm = { cell = \"2 mm\", for = \"impact\" }";
+    assert!(notes(&water(impact)).contains("cpgimp"));
+    let own = notes(&water("method.mpm = { cell = \"2 mm\" }"));
+    assert!(own.contains("density renewed from positions") && !own.contains("cpgimp"), "{own}");
     let parts = "method.mpm = { cell = \"2 mm\", parts = { shape_function = \"cpgimp\", transfer = \"flip\", stress_update = \"musl\" } }";
     assert_eq!(notes(&water(parts)), "");
 }

@@ -122,6 +122,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
         self.advance_clients(dt)?;
         self.close_step(dt)?;
+        self.renew_densities(dt);
         self.apply_between_steps();
         self.convert_clients()?;
         self.look_if_due()?;

@@ -11,5 +11,6 @@ pub(crate) mod look;
 pub(crate) mod looks;
 pub(crate) mod merging;
 pub(crate) mod operations;
+pub(crate) mod renewal;
 pub(crate) mod rest;
 pub(crate) mod splitting;

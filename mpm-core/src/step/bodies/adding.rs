@@ -8,6 +8,7 @@ use super::body::GridBody;
 use super::deformable::{Deformable, InitialState, Prepared, Velocity};
 use super::load::Loads;
 use super::particle_body::ParticleBody;
+use crate::step::between_steps::renewal::volume_place;
 use crate::step::between_steps::splitting::{Splitter, Splitting};
 use crate::step::mpm::Mpm;
 use crate::step::rigid::motion::Rigid;
@@ -230,7 +231,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     pub(in crate::step) fn insert_here(&mut self, body: Prepared<'_, T, D>) -> Result<(), SceneError> {
-        let Prepared { name, material, seeds, velocity, state, loads, splitting, kernels } = body;
+        let Prepared { name, material, seeds, velocity, state, loads, splitting, renewed, kernels } = body;
         self.check_seeds(&name, seeds)?;
         self.check_numbers(&name, seeds, &*velocity)?;
         if let Some(state) = &state {
@@ -247,8 +248,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (there, here) = (there.description.clone(), here.description.clone());
             return Err(SceneError::OtherMethod { body: name, there, here });
         }
+        if renewed {
+            self.check_renewed(&name, volume_place(&*material))?;
+        }
         let (lattice, more) = (*self.grid.lattice(), (loads, splitting));
         let mut body = ParticleBody::<T, D>::empty(&name, material, kernels, lattice, &seeds.half_size, more);
+        if renewed {
+            let virgin = body.material.virgin();
+            body.renewed = body.material.describe_point(&virgin).map(|said| said.wave_speed.to_double());
+        }
         body.wrap = self.wrap()?;
         if let Some(splitter) = splitter {
             let (domain, mass) = (body.columns.domains(), body.columns.mass());

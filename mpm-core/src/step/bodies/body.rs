@@ -4,7 +4,9 @@ use mpm_contact::{NearPoint, SurfaceQuantity};
 
 use super::capability::{ClientSteps, Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::load::Loading;
+use super::particle_body::ParticleBody;
 use crate::grid::Node;
+use crate::step::between_steps::renewal::Tile;
 use crate::step::clients::new_particles::NewParticles;
 use crate::step::nodes::footprint::Footprint;
 use crate::step::nodes::layout::Claim;
@@ -177,6 +179,21 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     }
     /// Mutable splitting and merging of particles, if the body supports it.
     fn division_mut(&mut self) -> Option<&mut dyn Division> {
+        None
+    }
+    /// Sound speed at rest, m/s, if the density is renewed from positions
+    /// ([`Deformable::with_renewed_density`](crate::Deformable::with_renewed_density)) and the body is active.
+    fn renewed(&self) -> Option<f64> {
+        None
+    }
+    /// Space that the particles of each block occupy at the nodes, in the order of blocks; none for other bodies than those of
+    /// particles.
+    fn density_tiles(&self, team: &Team) -> Vec<Tile<D>> {
+        let _ = team;
+        Vec::new()
+    }
+    /// The particles of a deformable body.
+    fn particles_mut(&mut self) -> Option<&mut ParticleBody<T, D>> {
         None
     }
     /// Particle velocities that may be set between steps, unless they are prescribed.

@@ -50,6 +50,7 @@ pub struct Deformable<'a, const D: usize, L, T: Float = f64> {
     state: Option<Box<InitialState<'a, T, D>>>,
     loads: Loads<D>,
     splitting: Option<Splitting>,
+    renewed: bool,
     pub(crate) kernels: Option<Arc<dyn MethodKernels<T, D>>>,
 }
 
@@ -58,7 +59,17 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
     pub fn new(name: &str, law: L, seeds: &'a Seeds<D>) -> Self {
         let velocity = Box::new(|_| [0.0; D]);
         let (name, loads) = (name.to_string(), Loads::default());
-        Deformable { name, law, seeds, velocity, state: None, loads, splitting: None, kernels: None }
+        Deformable {
+            name,
+            law,
+            seeds,
+            velocity,
+            state: None,
+            loads,
+            splitting: None,
+            renewed: false,
+            kernels: None,
+        }
     }
     /// Set the velocity as a function of position, m/s and m.
     #[must_use]
@@ -114,11 +125,27 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
         self.splitting = Some(splitting);
         self
     }
+    /// Renew the density from the positions of the particles: the treatment of a weakly compressible liquid, with quadratic
+    /// B-splines and [`Apic`](crate::Apic) ([`Method::contact_at_rest`](crate::Method::contact_at_rest); book, "Weakly
+    /// compressible water").
+    ///
+    /// Laws then receive the mean dilatation of a cell, and every ten steps volume ratios are moved towards a linear fit over
+    /// their surroundings and towards the space that the particles occupy between planes and other bodies. Without it, volumes
+    /// drift from the space that they occupy: the centre of mass of a tank that sloshes falls by percents in a few periods. The
+    /// change of energy is booked as numerical viscosity.
+    ///
+    /// Adding the body fails if its law is not a fluid whose pressure depends on the volume alone, such as `Fluid::new(Tait)`, or
+    /// the method has other parts.
+    #[must_use]
+    pub fn with_renewed_density(mut self) -> Self {
+        self.renewed = true;
+        self
+    }
     /// Convert the law to an object.
     pub(crate) fn prepared(self) -> Prepared<'a, T, D> {
-        let Deformable { name, law, seeds, velocity, state, loads, splitting, kernels } = self;
+        let Deformable { name, law, seeds, velocity, state, loads, splitting, renewed, kernels } = self;
         let material = law.into_material();
-        Prepared { name, material, seeds, velocity, state, loads, splitting, kernels }
+        Prepared { name, material, seeds, velocity, state, loads, splitting, renewed, kernels }
     }
 }
 
@@ -131,5 +158,6 @@ pub struct Prepared<'a, T: Float, const D: usize> {
     pub(in crate::step) state: Option<Box<InitialState<'a, T, D>>>,
     pub(in crate::step) loads: Loads<D>,
     pub(in crate::step) splitting: Option<Splitting>,
+    pub(in crate::step) renewed: bool,
     pub(in crate::step) kernels: Option<Arc<dyn MethodKernels<T, D>>>,
 }

@@ -15,8 +15,10 @@ use crate::step::nodes::layout::Nodes;
 use crate::step::passes::kernels::{Facts, MethodKernels};
 use crate::step::passes::migrate::MigrationPayload;
 
+use crate::dilatation::MeanDilatation;
 use crate::dim::{block_nodes, centre, neighbours, offset, shifted};
 use crate::particles::{Block, Columns, Masses, Outbox, Sent};
+use crate::step::between_steps::renewal::Tile;
 use crate::step::between_steps::rest::TakenMotion;
 use crate::step::between_steps::splitting::{SplitBook, Splitter, Splitting};
 use crate::step::nodes::wrap::Wrap;
@@ -78,6 +80,8 @@ pub struct ParticleBody<T: Float, const D: usize> {
     pub(in crate::step) splitter: Splitter<T>,
     pub(in crate::step) splits: SplitBook,
     pub(in crate::step) merges: MergeBook,
+    /// Sound speed at rest, m/s, if the density is renewed from positions.
+    pub(in crate::step) renewed: Option<f64>,
     /// Initial positions of the particles, by number, if a force field needs them, m.
     pub(in crate::step) starts: Vec<[f64; D]>,
     /// Values in a lane without a particle.
@@ -139,7 +143,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
             density: self.material.density(),
-            mean: self.facts().mean,
+            mean: self.facts().mean || self.renewed.is_some(),
+            mean_return: T::of(if self.renewed.is_some() { 0.0 } else { MeanDilatation::RETURN }),
             domains: self.domains(),
             masses: self.masses,
             frame: self.columns.frame(),
@@ -394,6 +399,15 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
         Some(self)
     }
     fn division(&self) -> Option<&dyn Division> {
+        Some(self)
+    }
+    fn renewed(&self) -> Option<f64> {
+        self.renewed.filter(|_| self.resting.is_none())
+    }
+    fn density_tiles(&self, team: &Team) -> Vec<Tile<D>> {
+        ParticleBody::density_tiles(self, team)
+    }
+    fn particles_mut(&mut self) -> Option<&mut ParticleBody<T, D>> {
         Some(self)
     }
     fn division_mut(&mut self) -> Option<&mut dyn Division> {

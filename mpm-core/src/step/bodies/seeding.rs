@@ -82,6 +82,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             splitter: Splitter::default(),
             splits: SplitBook::default(),
             merges: MergeBook::default(),
+            renewed: None,
             starts: Vec::new(),
             dummy: dummy.into(),
             wrap: Wrap::default(),
@@ -265,7 +266,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 /// True if a virgin point of the law resists a small uniaxial extension, with shear and with tension.
-fn bears_shear_and_tension<T: Float>(law: &dyn Material<T>) -> bool {
+pub(in crate::step) fn bears_shear_and_tension<T: Float>(law: &dyn Material<T>) -> bool {
     let row = |x: T| {
         let mut row = T::Row::default();
         row.as_mut().fill(x);

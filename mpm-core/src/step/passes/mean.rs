@@ -5,7 +5,7 @@ use mpm_materials::material::{Deformation, Material, NO_GROUP, States};
 
 use super::law_batch::{ForMean, LawBatch, Occupant};
 use super::rows::of_row;
-use crate::dilatation::MeanDilatation;
+use super::slot::Common;
 use crate::particles::Masses;
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 
@@ -16,13 +16,23 @@ pub(in crate::step) fn dilate<T: Float, const D: usize>(
     batch: &mut LawBatch<T>,
     material: &dyn Material<T>,
     (rows, stride, first): (&[T::Row], usize, usize),
-    masses: Masses<T>,
+    common: &Common<T>,
     hoop: bool,
 ) {
     let axes = if D == 3 || hoop { 3 } else { 2 };
     let ForMean { groups, occupants, deformations, ratios } = batch.for_mean();
     material.volume_ratios(States { all: rows, stride, first, groups }, ratios);
-    T::dispatch(Dilate { groups, occupants, deformations, ratios, rows, stride, masses, axes });
+    T::dispatch(Dilate {
+        groups,
+        occupants,
+        deformations,
+        ratios,
+        rows,
+        stride,
+        masses: common.masses,
+        returned: common.mean_return,
+        axes,
+    });
 }
 
 struct Dilate<'a, T: Float> {
@@ -34,6 +44,8 @@ struct Dilate<'a, T: Float> {
     rows: &'a [T::Row],
     stride: usize,
     masses: Masses<T>,
+    /// Fraction of the deviation of the volume ratio from the mean that a particle recovers.
+    returned: T,
     /// Number of axes over which a dilatation is distributed.
     axes: usize,
 }
@@ -44,7 +56,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Dilate { groups, occupants, deformations, ratios, rows, stride, masses, axes } = self;
+        let Dilate { groups, occupants, deformations, ratios, rows, stride, masses, returned, axes } = self;
         let lane_index = lane_numbers::<T, A::Pack>();
         let mut begin = 0;
         while begin < groups.len() {
@@ -82,7 +94,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
                 for lane in (0..T::GROUP).step_by(A::Pack::WIDTH) {
                     let here = A::Pack::of(f64::from(occupants[n].here) - lane as f64);
                     let ratio = of_row::<T, A::Pack>(&ratios[n], lane);
-                    let back = (mean_ratio - ratio) / ratio * A::Pack::of(MeanDilatation::RETURN);
+                    let back = (mean_ratio - ratio) / ratio * A::Pack::splat(returned);
                     let more = mean_trace + back - trace::<T, A::Pack>(deformation, half, lane);
                     // Correction of the gradient that yields this increment.
                     let step = A::Pack::from_pair(&deformation.step, half, lane);

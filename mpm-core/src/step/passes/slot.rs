@@ -175,6 +175,8 @@ pub struct Common<T> {
     pub speeds: bool,
     /// True if the law uses the mean dilatation of a bin.
     pub mean: bool,
+    /// Fraction of the deviation from the mean of its bin that the volume of a particle recovers.
+    pub mean_return: T,
     /// Domain half sizes of the particles, in units of h.
     pub domains: Domains<T>,
     /// Masses of the particles.

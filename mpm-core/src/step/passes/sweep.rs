@@ -330,7 +330,7 @@ where
             let (all, stride) = groups.all_rows();
             if does.strain.is_some() {
                 if common.mean {
-                    mean::dilate::<T, D>(batch, material, (&*all, stride, states), common.masses, P::HOOP);
+                    mean::dilate::<T, D>(batch, material, (&*all, stride, states), common, P::HOOP);
                 }
                 let ForLaw { groups: list, deformation, response } = batch.for_law();
                 let motion = Motion { deformation, dt: common.dt, length: Length::Same(common.spacing) };

@@ -6,6 +6,7 @@ use mpm_materials::Material;
 use mpm_materials::material::{Described, Motion, PairOutput, Response, States, StatesMut};
 
 use super::motion::{Rigid, RigidState};
+use crate::step::between_steps::renewal::Tile;
 use crate::step::bodies::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use crate::step::bodies::load::{Loading, Loads};
 use crate::step::bodies::particle_body::ParticleBody;
@@ -157,6 +158,9 @@ impl<T: Float, const D: usize> Body for RigidBody<T, D> {
 impl<T: Float, const D: usize> GridBody<T, D> for RigidBody<T, D> {
     fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
         self.state.constants_at(times)
+    }
+    fn density_tiles(&self, team: &Team) -> Vec<Tile<D>> {
+        self.particles.density_tiles(team)
     }
     fn embedding(&self) -> &'static str {
         self.particles.embedding()

@@ -116,7 +116,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         for (n, body) in self.scene.bodies.iter().enumerate() {
             file.same(&format!("name of body {n}"), body.name())?;
             file.same(&format!("law of body `{}`", body.name()), body.law())?;
-            let columns = format!("{} bytes, {}", body.particle_bytes(), body.state_names().join(", "));
+            let renewed = if body.renewed().is_some() { ", renewed density" } else { "" };
+            let columns =
+                format!("{} bytes, {}{renewed}", body.particle_bytes(), body.state_names().join(", "));
             file.same(&format!("particle of body `{}`", body.name()), &columns)?;
             let kind =
                 body.rigid().map_or("deformable", |r| if r.is_prescribed() { "prescribed" } else { "free" });
