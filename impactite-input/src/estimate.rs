@@ -227,8 +227,8 @@ impl Source {
             let liquid = |body: &Body| liquid::renewed(scene, options, body).is_some();
             if let Some((name, _)) = scene.bodies.iter().find(|(_, b)| liquid(b)) {
                 notes.push(format!(
-                    "bodies.{name}: a weakly compressible liquid: quadratic B-splines, APIC, mean dilatation of cells, density renewed from positions; \
-                     `method.mpm.for` or `parts` instead choose otherwise"
+                    "bodies.{name}: a weakly compressible liquid: quadratic B-splines, APIC, mean dilatation of cells, density renewed from positions, \
+                     and walls at rest on nodes as planes of symmetry, from which it does not part; `method.mpm.for` or `parts` instead choose otherwise"
                 ));
             }
             for wall in liquid::poor_walls(scene, options) {
