@@ -217,6 +217,7 @@ impl Job {
         }
         if !self.resume {
             let ahead = self.source.estimate(&scene, &mut *solver)?;
+            ahead.choices.iter().for_each(|choice| tracing::info!("{choice}"));
             ahead.notes.iter().for_each(|note| tracing::warn!("{note}"));
         }
         solver.set_team(team.clone());

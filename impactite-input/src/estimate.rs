@@ -40,6 +40,8 @@ pub struct SceneEstimate {
     pub steps: f64,
     /// Unit of masses: of the whole body, per radian, or per metre of depth.
     pub mass_unit: String,
+    /// What the scene has by default for its materials, with the keys that choose otherwise.
+    pub choices: Vec<String>,
     /// Warnings: allowed values that are probably unintended.
     pub notes: Vec<String>,
 }
@@ -184,6 +186,7 @@ impl Source {
             limit,
             steps,
             mass_unit: unit_of_part("kg", dimensions, revolved),
+            choices: Self::choices(scene),
             notes,
         })
     }
@@ -197,6 +200,20 @@ impl Source {
             Space::Axisymmetric => shape::build::<2>("", spec, &folder).ok()?.revolved_measure(),
             Space::PlaneStrain | Space::PlaneStress => shape::build::<2>("", spec, &folder).ok()?.measure(),
         }
+    }
+
+    /// Return what the scene has by default for its materials.
+    fn choices(scene: &SceneFile) -> Vec<String> {
+        let Method::Mpm(options) = &scene.method else { return Vec::new() };
+        let liquid = |body: &Body| liquid::renewed(scene, options, body).is_some();
+        let first = scene.bodies.iter().find(|(_, body)| liquid(body));
+        let said = first.map(|(name, _)| {
+            format!(
+                "bodies.{name}: a weakly compressible liquid: quadratic B-splines, APIC, mean dilatation of cells, density renewed from positions, and \
+                 walls at rest on nodes as planes of symmetry, from which it does not part; `method.mpm.for` or `parts` instead choose otherwise"
+            )
+        });
+        said.into_iter().collect()
     }
 
     fn notes(&self, scene: &SceneFile, bodies: &[BodyEstimate]) -> Vec<String> {
@@ -224,13 +241,6 @@ impl Source {
         }
         let weighed = scene.gravity.is_some();
         if let Method::Mpm(options) = &scene.method {
-            let liquid = |body: &Body| liquid::renewed(scene, options, body).is_some();
-            if let Some((name, _)) = scene.bodies.iter().find(|(_, b)| liquid(b)) {
-                notes.push(format!(
-                    "bodies.{name}: a weakly compressible liquid: quadratic B-splines, APIC, mean dilatation of cells, density renewed from positions, \
-                     and walls at rest on nodes as planes of symmetry, from which it does not part; `method.mpm.for` or `parts` instead choose otherwise"
-                ));
-            }
             for wall in liquid::poor_walls(scene, options) {
                 notes.push(format!(
                     "{wall}: beside fixed planes, rigid bodies, and walls with friction, that move, lie between nodes, or are of a scene with other bodies, the \
@@ -364,7 +374,7 @@ impl SceneEstimate {
                 duration(all)
             ));
         }
-        lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        lines.extend(self.choices.iter().chain(&self.notes).map(|note| format!("note: {note}")));
         lines
     }
 }

@@ -233,7 +233,8 @@ fn units_that_are_missing_and_fluids_that_are_stirred_are_noted() {
         let source = Source::new("scene.toml", text);
         let scene = source.parse().unwrap_or_else(|e| panic!("{e}"));
         let mut solver = source.build(&scene).unwrap_or_else(|e| panic!("{e}"));
-        source.estimate(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}")).notes.join("; ")
+        let ahead = source.estimate(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}"));
+        [ahead.choices, ahead.notes].concat().join("; ")
     };
     let sound = blocks(METHODS[0], FRICTION, "");
     assert_eq!(notes(&sound), "");
