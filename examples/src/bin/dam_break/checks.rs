@@ -1,0 +1,321 @@
+//! Checks of dam breaks.
+
+use examples::martin_moyce::{FRONT as EXPERIMENT, WIDTH};
+use examples::series::{interpolate, order};
+use examples::{Check, largest, worst};
+
+use crate::scene::{BEYOND, CENTRE, FRONT, GAUGED, IMPULSE, KINETIC, Outcome, VOLUME, front_depth};
+use crate::setup::{DENSITY, GRAVITY, Study};
+use crate::theory::{DISCHARGE, Release, WALL, depth, speed};
+
+/// Tolerance of corner pressure and wall force over the square of a cell over the height: errors are of second order.
+const SECOND_ORDER: f64 = 2.0;
+/// Tolerance of the observed order of the mean square: the pressure is r ln r at the foot of the face.
+const ORDER: f64 = 0.1;
+/// Tolerance of fronts and pressures against experiments, whose release takes a tenth of the time shown.
+const MEASURED: f64 = 0.1;
+/// Tolerance of the volume of the level set.
+const VOLUME_KEPT: f64 = 1e-3;
+/// Tolerance of energy gains over the potential energy at the start: the density correction lifts the centre of mass.
+const GAIN: f64 = 0.01;
+/// Rounding of thousands of steps.
+const MOMENTUM: f64 = 1e-11;
+
+const LET_GO: &str = "water let go at once is ahead of water behind a gate that is pulled: the clock of the experiment starts before the gate is open";
+const FILMS: &str = "films and drops thinner than a cell fill no cell of the level set";
+
+/// Check all runs.
+pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
+    let mut checks = release(outcomes);
+    for outcome in outcomes {
+        checks.extend(match outcome.setup.study {
+            Study::Release => Vec::new(),
+            Study::Shallow => shallow(outcome),
+            Study::Column => column(outcome),
+            Study::Tank => wall(outcome),
+        });
+    }
+    let momentum = worst(outcomes.iter().map(|o| o.run.totals.momentum_error));
+    checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));
+    checks
+}
+
+/// Check the pressure at the release: each width on grids of decreasing cells.
+fn release(outcomes: &[Outcome]) -> Vec<Check> {
+    let releases: Vec<&Outcome> = outcomes.iter().filter(|o| o.setup.study == Study::Release).collect();
+    let mut checks = Vec::new();
+    for grids in releases.chunk_by(|a, b| a.setup.aspect == b.setup.aspect) {
+        let Some(finest) = grids.last() else { continue };
+        let (setup, exact) = (finest.setup, Release { width: finest.setup.aspect });
+        let name = |what: &str| format!("release, a/H {}: {what}", setup.aspect);
+        let allowed = SECOND_ORDER / f64::from(setup.cells).powi(2);
+        let series = "series of harmonic functions [C]";
+        let (corner, force) = (corner(finest), force(finest));
+        checks.extend([
+            Check::gate(
+                name("corner pressure over rho g H"),
+                corner,
+                "-",
+                exact.pressure([0.0; 2]),
+                allowed,
+                series,
+            ),
+            Check::gate(
+                name("force on the wall over rho g H^2 / 2"),
+                force,
+                "-",
+                exact.force(),
+                allowed,
+                series,
+            ),
+        ]);
+        let errors: Vec<[f64; 2]> = grids.iter().map(|o| [o.setup.spacing(), mean_square(o)]).collect();
+        let observed = name("order of the root-mean-square error");
+        checks.push(Check::gate(observed, order(&errors), "-", 2.0, ORDER, "second order"));
+    }
+    checks
+}
+
+/// Root-mean-square error of the pressure of the particles at the release, over rho g H.
+pub fn mean_square(outcome: &Outcome) -> f64 {
+    let errors: Vec<f64> =
+        pressures(outcome).map(|(x, p)| p - Release { width: outcome.setup.aspect }.pressure(x)).collect();
+    (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+}
+
+/// Positions over H and pressures over rho g H of the particles in the first step.
+fn pressures(outcome: &Outcome) -> impl Iterator<Item = ([f64; 2], f64)> {
+    let (setup, snapshot) = (outcome.setup, &outcome.run.snapshots[0]);
+    let values = snapshot.scalar("pressure").unwrap_or_default().iter();
+    let scaled =
+        move |(x, p): (&[f64; 3], &f64)| ([x[0] / setup.height, x[1] / setup.height], p / setup.pressure());
+    snapshot.positions().iter().zip(values).map(scaled)
+}
+
+/// Pressure at the corner over rho g H: that of the particle there, a quarter of a cell from wall and floor, with the gradient at the corner,
+/// which is that of hydrostatics.
+fn corner(outcome: &Outcome) -> f64 {
+    let near = |x: [f64; 2]| x[0] + x[1];
+    let nearest = pressures(outcome).min_by(|a, b| near(a.0).total_cmp(&near(b.0)));
+    nearest.map_or(f64::NAN, |(x, p)| p + x[1])
+}
+
+/// Force on the wall over rho g H^2 / 2: impulse over the time of the first step.
+fn force(outcome: &Outcome) -> f64 {
+    let setup = outcome.setup;
+    let (time, values) = outcome.run.rows.last().copied().unwrap_or((f64::NAN, [f64::NAN; 7]));
+    values[IMPULSE] / time / (0.5 * setup.pressure() * setup.height)
+}
+
+/// Check a long reservoir. Shallow flow neglects accelerations across the depth, of the order of the square of depth over length, (H / (c t))^2.
+fn shallow(outcome: &Outcome) -> Vec<Check> {
+    let (setup, source) = (outcome.setup, "shallow flow, Ritter [C]");
+    let (end, dam) = (setup.end, setup.aspect);
+    let (at_end, in_second_half) = (end.powi(-2), (0.75 * end).powi(-2));
+    let heap = outcome.heap();
+    let places = || {
+        (0..heap.heights.len()).map(|n| (heap.middle(n) / setup.height - dam, heap.heights[n] / setup.height))
+    };
+    let deep = || places().filter(|(x, _)| depth(x / end) > 0.1);
+    let error = deep().map(|(x, h)| (h - depth(x / end)).abs()).sum::<f64>() / deep().count() as f64;
+    let near = || places().filter(|(x, _)| x.abs() < 0.5);
+    let [found, exact] = near().fold([0.0; 2], |[a, b], (x, h)| [a + h, b + depth(x / end)]);
+    let rate = |measure: usize, scale: f64| {
+        let series = outcome.over_time(measure);
+        let [half, whole] = [0.5 * end, end].map(|t| interpolate(series.iter().copied(), t * (1.0 - 1e-9)));
+        (whole - half) / (0.5 * end) / scale
+    };
+    let (front, discharge) = (rate(FRONT, setup.height), rate(BEYOND, setup.height.powi(2)));
+    let fastest = largest(outcome.run.snapshots.last().into_iter().flat_map(|s| s.positions()).map(|x| x[0]));
+    let fastest = (fastest / setup.height - dam) / end;
+    let exact_front = speed(front_depth(&setup));
+    let mut checks = vec![
+        Check::gate(
+            "shallow: depth at the dam over that of the theory",
+            found / exact,
+            "-",
+            1.0,
+            at_end,
+            source,
+        ),
+        Check::at_most("shallow: mean error of depths above H / 10, of H", error, "-", at_end, source),
+        Check::gate(
+            "shallow: speed of the depth H / 10 over c",
+            front,
+            "-",
+            exact_front,
+            in_second_half,
+            source,
+        ),
+        Check::gate(
+            "shallow: discharge at the dam over H c",
+            discharge,
+            "-",
+            DISCHARGE,
+            in_second_half,
+            source,
+        ),
+        Check::at_most(
+            "shallow: way of the fastest particle over c t",
+            fastest,
+            "-",
+            2.0,
+            "bound of the front [C]",
+        ),
+    ];
+    checks.extend(balances(outcome));
+    checks
+}
+
+/// Check the front of a column against experiment. Its clock is not that of the run: it starts when the gate begins to open.
+fn column(outcome: &Outcome) -> Vec<Check> {
+    let source = "experiment, Martin and Moyce 1952 [V]";
+    let path = fronts(outcome);
+    let front = |time: f64| interpolate(path.iter().copied(), time);
+    let when = |place: f64| interpolate(path.iter().map(|[t, x]| [*x, *t]), place);
+    let shift = clock_shift(outcome);
+    let ahead = largest(EXPERIMENT.iter().map(|[t, x]| (front(*t) / x - 1.0).abs()));
+    let moved = largest(
+        EXPERIMENT.iter().filter(|[t, _]| *t > shift).map(|[t, x]| (front(t - shift) / x - 1.0).abs()),
+    );
+    let spread = largest(EXPERIMENT[1..].iter().map(|[t, x]| (t - when(*x) - shift).abs()));
+    let [early, end] = [0.8, 1.0].map(|part| part * EXPERIMENT[EXPERIMENT.len() - 1][0]);
+    let late = (front(end) - front(early)) / (end - early);
+    let measured = (EXPERIMENT[14][1] - EXPERIMENT[10][1]) / (EXPERIMENT[14][0] - EXPERIMENT[10][0]);
+    let seconds = shift * WIDTH.sqrt() / (2.0 * GRAVITY).sqrt();
+    let mut checks = vec![
+        Check::at_most("column: front off the experiment, largest", ahead, "-", MEASURED, source)
+            .known_miss(LET_GO),
+        Check::at_most(
+            "column: front off the experiment with its clock shifted, largest",
+            moved,
+            "-",
+            MEASURED,
+            source,
+        ),
+        Check::gate(
+            "column: speed of the front at the end over sqrt(2 g a)",
+            late,
+            "-",
+            measured,
+            MEASURED,
+            source,
+        ),
+        Check::at_most("column: the same", late, "-", 2.0, "bound of Ritter, 2 sqrt(g H) [C]"),
+        Check::unreferenced(
+            "column: shift of the clock of the experiment",
+            1e3 * seconds,
+            "ms",
+            "mean over equal positions",
+        ),
+        Check::unreferenced(
+            "column: largest deviation from this shift, of sqrt(a / (2 g))",
+            spread,
+            "-",
+            "equal positions",
+        ),
+    ];
+    checks.extend(balances(outcome));
+    checks
+}
+
+/// Times over sqrt(a / (2 g)) and positions of the front over the width of the column.
+pub fn fronts(outcome: &Outcome) -> Vec<[f64; 2]> {
+    let second = (WIDTH / (2.0 * GRAVITY)).sqrt();
+    outcome.run.series(FRONT).into_iter().map(|[t, x]| [t / second, x / WIDTH]).collect()
+}
+
+/// Mean delay of the front of the experiment at equal positions, over sqrt(a / (2 g)).
+pub fn clock_shift(outcome: &Outcome) -> f64 {
+    let path = fronts(outcome);
+    let late = |[t, x]: &[f64; 2]| t - interpolate(path.iter().map(|[t, x]| [*x, *t]), *x);
+    EXPERIMENT.iter().map(late).sum::<f64>() / EXPERIMENT.len() as f64
+}
+
+/// Check the pressure at the far wall.
+fn wall(outcome: &Outcome) -> Vec<Check> {
+    let source = "experiment, Buchner 2002 [V]";
+    let pressure: Vec<[f64; 2]> =
+        outcome.over_time(GAUGED).into_iter().map(|[t, p]| [t, p / outcome.setup.pressure()]).collect();
+    let arrival =
+        |series: &[[f64; 2]]| series.iter().find(|row| row[1] > ARRIVED).map_or(f64::NAN, |row| row[0]);
+    let plateau = |series: &[[f64; 2]]| mean(series, PLATEAU);
+    let most =
+        |series: &[[f64; 2]]| largest(series.iter().filter(|row| row[0] < PLATEAU[0]).map(|row| row[1]));
+    let mut checks = vec![
+        Check::gate(
+            "tank: arrival at the gauge over sqrt(H / g)",
+            arrival(&pressure),
+            "-",
+            arrival(&WALL),
+            MEASURED,
+            source,
+        ),
+        Check::gate(
+            "tank: mean pressure of the jet over rho g H",
+            plateau(&pressure),
+            "-",
+            plateau(&WALL),
+            MEASURED,
+            source,
+        )
+        .judged_if(outcome.setup.end > PLATEAU[1], "the run ends before"),
+        Check::unreferenced(
+            "tank: peak of the impact over rho g H",
+            most(&pressure),
+            "-",
+            "0.687 in the experiment, with the rise of its gauge",
+        ),
+    ];
+    checks.extend(balances(outcome));
+    checks
+}
+
+/// Pressure over rho g H from which the water has arrived at the gauge.
+const ARRIVED: f64 = 0.1;
+/// Times over sqrt(H / g) between which the jet runs up the wall and its pressure varies little.
+const PLATEAU: [f64; 2] = [3.2, 4.9];
+
+/// Mean of a series between two times.
+fn mean(series: &[[f64; 2]], [from, to]: [f64; 2]) -> f64 {
+    let inside: Vec<[f64; 2]> = series.iter().copied().filter(|row| (from..=to).contains(&row[0])).collect();
+    let area: f64 = inside.windows(2).map(|w| 0.5 * (w[1][0] - w[0][0]) * (w[0][1] + w[1][1])).sum();
+    area / (inside.last().map_or(f64::NAN, |row| row[0]) - inside.first().map_or(f64::NAN, |row| row[0]))
+}
+
+/// Check volume and energy: that lost to the transfer and to impacts is shown.
+fn balances(outcome: &Outcome) -> [Check; 4] {
+    let (setup, run) = (outcome.setup, &outcome.run);
+    let name = |what: &str| format!("{}: {what}", setup.study.name());
+    let volumes = || run.values(VOLUME).filter(|v| *v > 0.0).map(|v| v / setup.volume());
+    let potential = DENSITY * GRAVITY * setup.volume() * 0.5 * setup.height;
+    let weight = DENSITY * GRAVITY * setup.volume();
+    let energy = || run.rows.iter().map(|(_, v)| (v[KINETIC] + weight * v[CENTRE]) / potential - 1.0);
+    let first = energy().next().unwrap_or(f64::NAN);
+    let gained = largest(energy().map(|e| e - first));
+    [
+        Check::gate(
+            name("volume at least, of the column"),
+            volumes().fold(f64::INFINITY, f64::min),
+            "-",
+            1.0,
+            VOLUME_KEPT,
+            "incompressible",
+        )
+        .known_miss(FILMS),
+        Check::at_most(
+            name("volume at most, of the column"),
+            volumes().fold(0.0, f64::max),
+            "-",
+            1.0 + VOLUME_KEPT,
+            "incompressible",
+        ),
+        Check::at_most(name("energy gained, of the potential"), gained, "-", GAIN, "conservation"),
+        Check::unreferenced(
+            name("energy lost at the end, of the potential"),
+            first - energy().last().unwrap_or(f64::NAN),
+            "-",
+            "transfer, and impacts of liquid on liquid",
+        ),
+    ]
+}
