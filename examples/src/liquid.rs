@@ -115,7 +115,7 @@ impl<const N: usize> FlowRun<N> {
     }
 }
 
-/// Draw a liquid in the plane as overlapping discs, which cover its surface, with the lines of its walls.
+/// Draw a liquid in the plane as a continuous area, with the lines of its walls.
 ///
 /// # Errors
 /// Snapshot without the quantity.
@@ -128,13 +128,13 @@ pub fn liquid(
     let picture = FieldPicture::new(760, 520)
         .fitted([420, 760], [180, 620])
         .colour_by(quantity)
-        .mark(Mark::Disc)
-        .particle_scale(OVERLAP)
+        .mark(Mark::Cell)
+        .particle_scale(DRAWN)
         .axes("x", "y")
         .bounds(low, high)
         .lines(walls.iter().copied(), 3.0, [60; 3]);
     Ok(picture.draw(snapshot)?)
 }
 
-/// Diameter of a drawn disc over the size of its particle: discs of a square lattice leave no gaps from sqrt(2) on.
-const OVERLAP: f64 = 1.6;
+/// Size of a drawn particle over its own: flow stretches the lattice of the particles, and gaps of up to 1.2 drawn sizes are closed.
+const DRAWN: f64 = 1.5;

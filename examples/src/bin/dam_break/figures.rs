@@ -4,8 +4,8 @@ use examples::martin_moyce::FRONT as EXPERIMENT;
 use examples::{CaseError, liquid};
 use mpm_core::output::picture::{Axis, Chart, Marker, Panels, Picture, Quantity, Series, Stroke, palette};
 
-use crate::checks::{clock_shift, fronts};
-use crate::scene::{GAUGED, Outcome};
+use crate::checks::{clock_shift, fronts, smoothed};
+use crate::scene::Outcome;
 use crate::setup::Study;
 use crate::theory::{WALL, depth};
 
@@ -71,14 +71,14 @@ pub fn front(outcome: &Outcome) -> Result<Picture, CaseError> {
 
 /// Plot the pressure at the far wall over time with the experiment.
 pub fn wall(outcome: &Outcome) -> Result<Picture, CaseError> {
-    let scaled = outcome.over_time(GAUGED).into_iter().map(|[t, p]| (t, p / outcome.setup.pressure()));
-    let (t, p): (Vec<f64>, Vec<f64>) = scaled.unzip();
+    let (t, p): (Vec<f64>, Vec<f64>) = smoothed(outcome).into_iter().map(|[t, p]| (t, p)).unzip();
     let (times, pressures): (Vec<f64>, Vec<f64>) = WALL.iter().map(|[t, p]| (*t, *p)).unzip();
     let measured = Series::new("experiment, Buchner 2002", &times, &pressures)?;
+    let run = Series::new(format!("{} cells over H, means over 0.1", outcome.setup.cells), &t, &p)?;
     let chart = Chart::new(860, 460)
-        .x(Axis::new("t sqrt(g / H)"))
-        .y(Axis::new("pressure at the far wall / (rho g H)"))
-        .series(Series::new(format!("{} cells over H", outcome.setup.cells), &t, &p)?.colour(palette(0)))
+        .x(Axis::new("t sqrt(g / H)").range(1.5, outcome.setup.end))
+        .y(Axis::new("pressure at the far wall / (rho g H)").range(-0.5, 2.0))
+        .series(run.colour(palette(0)))
         .series(measured.stroke(Stroke::None).marker(Marker::Circle).colour(palette(1)));
     Ok(chart.draw()?)
 }

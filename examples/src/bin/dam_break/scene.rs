@@ -7,15 +7,13 @@ use mpm_core::geometry::{Cuboid, Lattice};
 
 use crate::setup::{DENSITY, GAUGE, GRAVITY, Setup, Study};
 
-/// Measures of a run, in this order: front, m; volume right of the column, m^2; pressure at the gauge, Pa; volume, m^2; height of the centre
-/// of mass, m; impulse of the walls along x, N s/m; kinetic energy, J/m.
-pub const COLUMNS: [(&str, &str); 7] = [
+/// Measures of a run, in this order.
+pub const COLUMNS: [(&str, &str); 6] = [
     ("front", "m"),
     ("volume beyond the dam", "m^2"),
     ("pressure at the gauge", "Pa"),
     ("volume", "m^2"),
     ("centre of mass", "m"),
-    ("impulse of the walls", "N s/m"),
     ("kinetic energy", "J/m"),
 ];
 pub const FRONT: usize = 0;
@@ -23,13 +21,12 @@ pub const BEYOND: usize = 1;
 pub const GAUGED: usize = 2;
 pub const VOLUME: usize = 3;
 pub const CENTRE: usize = 4;
-pub const IMPULSE: usize = 5;
-pub const KINETIC: usize = 6;
+pub const KINETIC: usize = 5;
 
 /// Results of a run.
 pub struct Outcome {
     pub setup: Setup,
-    pub run: FlowRun<7>,
+    pub run: FlowRun<6>,
 }
 
 impl Outcome {
@@ -38,16 +35,11 @@ impl Outcome {
         let second = self.setup.second();
         self.run.series(measure).into_iter().map(|[t, value]| [t / second, value]).collect()
     }
-    /// Depths in columns a cell wide at the end.
+    /// Depths at the end.
     pub fn heap(&self) -> Heap {
         let end = self.run.snapshots.len() - 1;
-        Heap::new(&self.run.snapshots[end], self.setup.tank(), self.setup.spacing())
+        Heap::new(&self.run.snapshots[end], self.setup.tank(), self.setup.column())
     }
-}
-
-/// Depth at which the front is measured, over the height: a tenth in shallow flow, else a quarter of a cell.
-pub fn front_depth(setup: &Setup) -> f64 {
-    if setup.study == Study::Shallow { 0.1 } else { 0.25 / f64::from(setup.cells) }
 }
 
 fn scene(setup: &Setup) -> Result<Flow<2>, CaseError> {
@@ -65,15 +57,15 @@ fn scene(setup: &Setup) -> Result<Flow<2>, CaseError> {
     Ok(flow)
 }
 
-fn measure(setup: &Setup, flow: &Flow<2>) -> [f64; 7] {
-    let (points, cell) = (flow.points(), setup.spacing());
+fn measure(setup: &Setup, flow: &Flow<2>) -> [f64; 6] {
+    let (points, cell, column) = (flow.points(), setup.spacing(), setup.column());
     let [left, right] = setup.tank();
-    let mut heights = vec![0.0; ((right - left) / cell).ceil() as usize + 1];
+    let mut heights = vec![0.0; ((right - left) / column).ceil() as usize + 1];
     let (mut beyond, mut volume, mut moment) = (0.0, 0.0, 0.0);
     let (mut pressure, mut area) = (0.0, 0.0);
     for p in &points {
         let [x, y, _] = p.position;
-        heights[((x - left) / cell).max(0.0) as usize] += p.volume / cell;
+        heights[((x - left) / column).max(0.0) as usize] += p.volume / column;
         (volume, moment) = (volume + p.volume, moment + p.volume * y);
         if x > setup.width() {
             beyond += p.volume;
@@ -83,14 +75,13 @@ fn measure(setup: &Setup, flow: &Flow<2>) -> [f64; 7] {
             (pressure, area) = (pressure + p.volume * p.pressure(), area + p.volume);
         }
     }
-    let heap = Heap { left, width: cell, heights, area: volume };
+    let heap = Heap { left, width: column, heights, area: volume };
     [
-        heap.front(0.5 * setup.width(), front_depth(setup) * setup.height),
+        heap.front(0.5 * setup.width(), setup.front_depth()),
         beyond,
         if area > 0.0 { pressure / area } else { 0.0 },
         flow.liquid_volume(),
         moment / volume,
-        flow.exchange().impulse[0],
         flow.totals().kinetic,
     ]
 }
@@ -99,7 +90,9 @@ fn measure(setup: &Setup, flow: &Flow<2>) -> [f64; 7] {
 pub fn run(setup: &Setup, shares: &[f64], runs: &FlowRuns) -> Result<Outcome, CaseError> {
     let end = setup.end * setup.second();
     let times: Vec<f64> = shares.iter().map(|share| share * end).collect();
-    let interval = if setup.study == Study::Release { 0.0 } else { end / ROWS };
+    // Pressures need every step.
+    let every_step = matches!(setup.study, Study::Release | Study::Tank);
+    let interval = if every_step { 0.0 } else { end / ROWS };
     let measured = |flow: &Flow<2>| measure(setup, flow);
     let run = runs.run(&setup.name(), scene(setup)?, &times, interval, COLUMNS, measured)?;
     Ok(Outcome { setup: *setup, run })

@@ -57,10 +57,6 @@ impl Setup {
     pub fn second(&self) -> f64 {
         (self.height / GRAVITY).sqrt()
     }
-    /// Wave speed c = sqrt(g H), m/s.
-    pub fn wave(&self) -> f64 {
-        (self.height * GRAVITY).sqrt()
-    }
     /// Pressure rho g H, Pa.
     pub fn pressure(&self) -> f64 {
         DENSITY * GRAVITY * self.height
@@ -68,6 +64,14 @@ impl Setup {
     /// Cell size, m.
     pub fn spacing(&self) -> f64 {
         self.height / f64::from(self.cells)
+    }
+    /// Width of the columns in which depths are measured, m: a cell, or three in shallow flow, whose depth is that of a few particles.
+    pub fn column(&self) -> f64 {
+        if self.study == Study::Shallow { 3.0 * self.spacing() } else { self.spacing() }
+    }
+    /// Depth at which the front is measured, m: three cells in shallow flow, else a quarter of a cell.
+    pub fn front_depth(&self) -> f64 {
+        self.spacing() * if self.study == Study::Shallow { 3.0 } else { 0.25 }
     }
     /// Width of the column, m.
     pub fn width(&self) -> f64 {

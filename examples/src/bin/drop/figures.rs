@@ -9,13 +9,13 @@ use mpm_core::output::picture::{
 };
 
 use crate::scene::{Outcome, RATE, STRETCH};
-use crate::setup::{DENSITY, Setup, Study};
+use crate::setup::{Setup, Study};
 use crate::theory::ellipse;
 
-/// Draw the drop of the snapshots by pressure, with the outline of the reference.
+/// Draw the drop of the snapshots by speed or pressure, with the outline of the reference.
 pub fn shapes(outcome: &Outcome) -> Result<Picture, CaseError> {
     let (setup, snapshots) = (&outcome.setup, &outcome.run.snapshots);
-    let mut panels = Panels::new(snapshots.len().min(3));
+    let mut panels = Panels::new(if setup.study == Study::Elliptic { 2 } else { 3 });
     for snapshot in snapshots {
         panels = panels.panel(title(setup, snapshot.time()), one(setup, snapshot)?);
     }
@@ -24,19 +24,21 @@ pub fn shapes(outcome: &Outcome) -> Result<Picture, CaseError> {
 
 fn title(setup: &Setup, time: f64) -> String {
     match setup.study {
-        Study::Elliptic => format!("A0 t = {:.2}", RATE * time),
-        _ => format!("{:.0} ms", 1e3 * time),
+        Study::Cube => format!("{:.0} ms", 1e3 * time),
+        Study::Elliptic => format!("A0 t = {:.2}, line: exact ellipse", RATE * time),
+        _ => format!("{:.0} ms, line: circle of the same volume", 1e3 * time),
     }
 }
 
 fn one(setup: &Setup, snapshot: &Snapshot) -> Result<Picture, CaseError> {
-    let most = match setup.study {
-        Study::Elliptic => 0.25 * DENSITY * (RATE * setup.size).powi(2),
-        _ => 1.5 * setup.drop().pressure(),
+    let colour = match setup.study {
+        Study::Elliptic => {
+            Quantity::magnitude("velocity").unit("m/s", 1.0).range(0.0, 1.5 * RATE * setup.size)
+        }
+        _ => Quantity::scalar("pressure").unit("Pa", 1.0).range(0.0, 1.5 * setup.drop().pressure()),
     };
-    let pressure = Quantity::scalar("pressure").unit("Pa", 1.0).range(0.0, most);
     if setup.study.dimensions() == 3 {
-        let picture = ParticlePicture::new(420, 420).colour_by(pressure);
+        let picture = ParticlePicture::new(420, 420).colour_by(colour);
         return Ok(picture.draw(snapshot)?);
     }
     let radius = setup.radius();
@@ -50,7 +52,7 @@ fn one(setup: &Setup, snapshot: &Snapshot) -> Result<Picture, CaseError> {
     };
     let outline: Vec<[[f64; 2]; 2]> = (0..360).map(|n| [at(n), at(n + 1)]).collect();
     let [x, y] = bounds.map(|b| b * radius);
-    liquid(snapshot, pressure, [[-x, -y], [x, y]], &outline)
+    liquid(snapshot, colour, [[-x, -y], [x, y]], &outline)
 }
 
 /// Plot the stretch over time, one line a grid, with the undamped oscillation of the theory.

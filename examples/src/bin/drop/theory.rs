@@ -75,10 +75,6 @@ impl Drop {
         let factor = if self.dimensions == 2 { 4.0 } else { 5.0 };
         factor * nu / self.radius.powi(2)
     }
-    /// Speed of surface tension, sqrt(sigma / (rho R)), m/s.
-    pub fn speed(&self) -> f64 {
-        (self.tension / (self.density * self.radius)).sqrt()
-    }
 }
 
 /// Pressure at the end of a cubic drop of 10 mm, cells of 1 mm, eight particles a cell, over 2 sigma / R, and its root-mean-square error

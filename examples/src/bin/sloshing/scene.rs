@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use examples::{CaseError, FlowRun, FlowRuns};
 use flow::{Flow, FlowOptions, Fluid, Wall};
-use mpm_core::Solver;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
+use mpm_core::{Solver, Watch};
 
 use crate::setup::{DENSITY, GRAVITY, STRONG, SWAY, Setup, Study};
 use crate::theory::Mode;
@@ -52,6 +52,10 @@ fn scene(setup: &Setup) -> Result<Flow<2>, CaseError> {
     }
     let viscosity = if study == Study::Decay { DENSITY * setup.viscosity } else { 0.0 };
     flow.add_fluid("liquid", Fluid::new(DENSITY)?.with_viscosity(viscosity)?, &seeds, |_| [0.0; 2])?;
+    if study == Study::Long {
+        // The energy is a row of the table, also where it grows.
+        flow.set_watch(Watch::default().only_warn());
+    }
     let first = Mode::new(1, setup).frequency();
     // In the frame of the tank.
     flow.set_body_force(move |t| {
