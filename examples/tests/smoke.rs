@@ -806,11 +806,11 @@ fn wedge_entry_leaks_on_the_grid() {
 
 #[test]
 fn dam_break() {
-    // Corner, force and order of three columns; depths, front and discharge of shallow flow; front of the column, twice, and its speed; arrival
-    // and alternation of the pressure in the tank; volume and energy of the last three; momentum.
+    // Corner, force and order of three columns; depths, front and discharge of shallow flow; front of the column, twice, and its speed;
+    // alternation of the pressure in the tank; volume and energy of the last three; momentum.
     smoke!(
         dam_break,
-        only(3 * 3 + 4 + 3 + 2 + 3 * 2 + 1),
+        only(3 * 3 + 4 + 3 + 1 + 3 * 2 + 1),
         [
             "water_release.png",
             "water_tank.png",

@@ -104,7 +104,7 @@ impl Setup {
             Study::Column => [0.0, 2.3, 1.15],
             Study::Tank => [0.0, TANK, 2.0],
         };
-        [[left - 0.04, -0.04], [right + 0.04, top]].map(|x| x.map(|x| x * self.height))
+        [[left, 0.0], [right, top]].map(|x| x.map(|x| x * self.height))
     }
     /// Name in file names.
     pub fn name(&self) -> String {

@@ -66,9 +66,9 @@ impl Options {
                     Setup { size: 1.0, tension: 0.0, viscosity: 0.0, end: 2.0 / RATE, ..setup }
                 }
                 Study::Rayleigh | Study::Lamb => Setup { stretch, end: 1.3 * setup.drop().period(), ..setup },
-                // Edge, surface tension and viscosity of the reference; the mode 4 decays by exp(-17).
+                // Edge, surface tension and viscosity of the reference; the mode 4 decays by exp(-10).
                 Study::Square | Study::Cube => {
-                    Setup { size: 5e-3, tension: 2.4e-3, viscosity: 0.05, end: 0.5, ..setup }
+                    Setup { size: 5e-3, tension: 2.4e-3, viscosity: 0.05, end: 0.3, ..setup }
                 }
                 Study::Rest => Setup { end: 0.1 * setup.drop().period(), ..setup },
             }

@@ -13,11 +13,10 @@ pub fn surface(outcome: &Outcome) -> Result<Picture, CaseError> {
     let (right, top) = (setup.length, 1.6 * setup.depth);
     let walls = [[0.0, top], [0.0, 0.0], [right, 0.0], [right, top]];
     let walls: Vec<_> = walls.windows(2).map(|w| [w[0], w[1]]).collect();
-    let around = 0.03 * right;
     for snapshot in &outcome.run.snapshots {
         let pressure =
             Quantity::scalar("pressure").unit("kPa", 1e-3).range(0.0, 1.2 * DENSITY * GRAVITY * setup.depth);
-        let picture = liquid(snapshot, pressure, [[-around, -around], [right + around, top]], &walls)?;
+        let picture = liquid(snapshot, pressure, [[0.0; 2], [right, top]], &walls)?;
         panels = panels.panel(format!("{:.2} s", snapshot.time()), picture);
     }
     Ok(panels.compose()?)
