@@ -137,4 +137,4 @@ pub fn liquid(
 }
 
 /// Size of a drawn particle over its own: flow stretches the lattice of the particles, and gaps of up to 1.2 drawn sizes are closed.
-const DRAWN: f64 = 1.5;
+const DRAWN: f64 = 2.0;

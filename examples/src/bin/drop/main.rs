@@ -51,9 +51,9 @@ impl Options {
     fn setups(&self, study: Study) -> Vec<Setup> {
         let by_default: &[u32] = match (study, self.common.resolution.choose(0, 1, 2)) {
             (Study::Elliptic, level) => [&[16][..], &[32], &[64]][level],
-            (Study::Rayleigh, level) => [&[6, 12][..], &[6, 12, 24], &[12, 24, 48]][level],
-            (Study::Lamb, level) => [&[6][..], &[6, 12], &[6, 12, 24]][level],
-            (Study::Square, level) => [&[5, 10][..], &[5, 10, 20], &[10, 20, 40]][level],
+            (Study::Rayleigh, level) => [&[6, 10][..], &[6, 12, 24], &[12, 24, 48]][level],
+            (Study::Lamb, level) => [&[5][..], &[6, 12], &[6, 12, 24]][level],
+            (Study::Square, level) => [&[8][..], &[5, 10, 20], &[10, 20, 40]][level],
             (Study::Cube, level) => [&[5][..], &[5], &[5, 10]][level],
             (Study::Rest, level) => [&[8, 16][..], &[8, 16, 32], &[8, 16, 32, 64]][level],
         };
@@ -66,9 +66,9 @@ impl Options {
                     Setup { size: 1.0, tension: 0.0, viscosity: 0.0, end: 2.0 / RATE, ..setup }
                 }
                 Study::Rayleigh | Study::Lamb => Setup { stretch, end: 1.3 * setup.drop().period(), ..setup },
-                // Edge, surface tension and viscosity of the reference; the mode 4 decays by exp(-10).
+                // Edge, surface tension and viscosity of the reference; the mode 4, overdamped, decays by exp(-5).
                 Study::Square | Study::Cube => {
-                    Setup { size: 5e-3, tension: 2.4e-3, viscosity: 0.05, end: 0.3, ..setup }
+                    Setup { size: 5e-3, tension: 2.4e-3, viscosity: 0.05, end: 0.4, ..setup }
                 }
                 Study::Rest => Setup { end: 0.1 * setup.drop().period(), ..setup },
             }
