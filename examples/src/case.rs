@@ -153,6 +153,12 @@ impl From<ControlError> for CaseError {
     }
 }
 
+impl From<flow::FluidError> for CaseError {
+    fn from(e: flow::FluidError) -> Self {
+        CaseError::Other(e.to_string())
+    }
+}
+
 impl From<mpm_core::StepError> for CaseError {
     fn from(e: mpm_core::StepError) -> Self {
         CaseError::Run(e.into())

@@ -6,8 +6,9 @@ use mpm_core::output::Snapshot;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Heap {
     /// Left edge of the first column, m.
-    left: f64,
-    width: f64,
+    pub left: f64,
+    /// Width of a column, m.
+    pub width: f64,
     /// Mean height of each column above the floor, m.
     pub heights: Vec<f64>,
     /// Area of all particles, m^2.

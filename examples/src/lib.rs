@@ -31,6 +31,10 @@
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
 //! | `exploding_cylinder` | copper cylinders burst by TNT: speed over the mass ratio against Gurney, fragments |
 //! | `gate_flow` | water behind an elastic gate that opens: tip displacement, statics against beams, dam break against experiment |
+//! | `dam_break` | incompressible dam break: first pressure, shallow flow, front and pressure against experiments |
+//! | `sloshing` | incompressible liquid in a tank: natural periods, forced sway, viscous decay, 20 s of free sloshing |
+//! | `drop` | free drops: elliptic drop, oscillation by surface tension, square and cube to circle and sphere, drop at rest |
+//! | `taylor_green` | viscous flow: Taylor-Green vortices, start of Poiseuille and Couette flow, with observed orders |
 //! | `wedge_entry` | wedge entering water, elements of one to eight cells: leakage, forces against theory |
 //! | `wave_plate` | waves along a plate pulled at its end, by fragile points, against exact ones: peaks, convergence orders |
 //! | `cantilever_pulse` | cantilever under a shear pulse, by fragile points, against finite elements: tip, modes, stress |
@@ -51,7 +55,9 @@ mod fragments;
 mod heap;
 mod immersed;
 mod law;
+mod liquid;
 pub mod machine;
+pub mod martin_moyce;
 mod meeting;
 pub mod methods;
 mod ogive;
@@ -59,6 +65,7 @@ mod outline;
 pub mod peers;
 pub mod plug;
 mod restart;
+pub mod series;
 pub mod throughput;
 mod water;
 
@@ -70,6 +77,7 @@ pub use fragments::{Fragments, mott_strains};
 pub use heap::Heap;
 pub use immersed::{WATER_PRESSURE, immersed};
 pub use law::Law;
+pub use liquid::{FlowRun, FlowRuns, liquid};
 pub use meeting::Coupling;
 pub use ogive::Ogive;
 pub use outline::{Inside, Outline};

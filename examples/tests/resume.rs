@@ -38,6 +38,13 @@ const STEEL: Case = Case {
     options: &["--cells", "4", "--speed", "224", "--form", "printed,total"],
 };
 
+/// Incompressible flow: segments with snapshots, histories and frames; four simulations.
+const DAM: Case = Case {
+    name: "dam_break",
+    program: env!("CARGO_BIN_EXE_dam_break"),
+    options: &["--study", "release,column", "--aspect", "1", "--cells", "10", "--frames"],
+};
+
 /// Create an empty folder.
 fn folder(name: &str) -> PathBuf {
     let folder = std::env::temp_dir().join(format!("impactite-resume-{name}-{}", std::process::id()));
@@ -205,6 +212,11 @@ fn a_bar_of_particles_in_contact() {
 #[test]
 fn a_bar_of_smoothed_particles() {
     comes_back(STEEL, 2);
+}
+
+#[test]
+fn a_dam_break_of_incompressible_flow() {
+    comes_back(DAM, 2);
 }
 
 #[test]

@@ -805,6 +805,57 @@ fn wedge_entry_leaks_on_the_grid() {
 }
 
 #[test]
+fn dam_break() {
+    // Corner, force and order of three columns; depths, front and discharge of shallow flow; front of the column, twice, and its speed;
+    // alternation of the pressure in the tank; volume and energy of the last three; momentum.
+    smoke!(
+        dam_break,
+        only(3 * 3 + 4 + 3 + 1 + 3 * 2 + 1),
+        [
+            "water_release.png",
+            "water_tank.png",
+            "profile.png",
+            "front.png",
+            "wall.png",
+            "tank.csv",
+            "release_0.5_32.csv"
+        ]
+    );
+}
+
+#[test]
+fn sloshing() {
+    // Period, except of the third, amplitude and centre of mass of three modes; centre of mass and elevation of the sway at five times; rate of decay; energy;
+    // volumes; momentum.
+    smoke!(
+        sloshing,
+        only(3 * 3 - 1 + 2 * 5 + 1 + 1 + 6 + 1),
+        ["history_mode_1.png", "history_decay.png", "surface.png", "sway.csv", "long.csv"]
+    );
+}
+
+#[test]
+fn drop() {
+    // Axes at four times, energy and pressure, twice, of the ellipse; three periods; axis, fourth moment and pressure of the square and the
+    // cube, whose error is compared with a published one; pressure of two drops at rest and the ratio of their speeds; momentum.
+    smoke!(
+        drop,
+        only(2 * 4 + 3 + 3 + 2 * 3 + 1 + 3 + 1),
+        ["shape_elliptic.png", "shape_cube.png", "period_rayleigh.png", "rest_16.csv"]
+    );
+}
+
+#[test]
+fn taylor_green() {
+    // Amplitude and order of vortices; error and order of two channel flows at three times; momentum.
+    smoke!(
+        taylor_green,
+        only(2 + 2 * 3 * 2 + 1),
+        ["vortices.png", "poiseuille.png", "couette.png", "order.png", "vortices_32.csv"]
+    );
+}
+
+#[test]
 fn pressed_balls() {
     smoke!(pressed_balls, only(5), ["waves.png", "reaction.png", "reaction.csv", "paraview/balls.pvd"]);
 }

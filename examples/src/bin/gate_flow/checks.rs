@@ -1,10 +1,12 @@
 //! Checks of the runs.
 
+use examples::martin_moyce::{FRONT, WIDTH};
+use examples::series::interpolate;
 use examples::{Check, Coupling, largest};
 
 use crate::scene::Outcome;
-use crate::setup::{COLUMN, Gate, WATER};
-use crate::theory::{Beam, CONTRACTION, FRONT, hydrostatic, outflow};
+use crate::setup::{Gate, WATER};
+use crate::theory::{Beam, CONTRACTION, hydrostatic, outflow};
 use crate::track::Row;
 
 /// Tolerance of the momentum: gravity adds many times the largest momentum over a run, and ten thousands of impulses are
@@ -208,29 +210,15 @@ fn collapse(outcome: &Outcome) -> Vec<Check> {
 
 /// Return times over sqrt(a / (2 g)) and positions of the front over the width of the column.
 fn path(outcome: &Outcome) -> impl Iterator<Item = [f64; 2]> {
-    outcome.fronts.iter().map(|[time, place]| [time / outcome.setup.second(), place / COLUMN])
+    outcome.fronts.iter().map(|[time, place]| [time / outcome.setup.second(), place / WIDTH])
 }
 
 /// Position of the front over the width of the column, at a time over sqrt(a / (2 g)).
 pub fn front(outcome: &Outcome, time: f64) -> f64 {
-    between(path(outcome), time)
+    interpolate(path(outcome), time)
 }
 
 /// Time over sqrt(a / (2 g)) at which the front reaches a position.
 fn when(outcome: &Outcome, place: f64) -> f64 {
-    between(path(outcome).map(|[time, place]| [place, time]), place)
-}
-
-/// Interpolate the second number where the first one reaches `x`; NaN if it does not.
-fn between(rows: impl Iterator<Item = [f64; 2]>, x: f64) -> f64 {
-    let mut before: Option<[f64; 2]> = None;
-    for [at, value] in rows {
-        if at >= x {
-            let [from, start] = before.unwrap_or([at, value]);
-            let part = if at > from { (x - from) / (at - from) } else { 0.0 };
-            return start + part * (value - start);
-        }
-        before = Some([at, value]);
-    }
-    f64::NAN
+    interpolate(path(outcome).map(|[time, place]| [place, time]), place)
 }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use examples::martin_moyce::{FRONT, WIDTH};
 use examples::{CaseError, WATER_PRESSURE, immersed};
 use mpm_core::output::History;
 use mpm_core::output::picture::{
@@ -10,8 +11,7 @@ use mpm_core::output::picture::{
 
 use crate::checks::front;
 use crate::scene::Outcome;
-use crate::setup::{COLUMN, Gate, WALL, WATER};
-use crate::theory::FRONT;
+use crate::setup::{Gate, WALL, WATER};
 
 /// Draw the water at the times of the snapshots, by pressure.
 pub fn water(outcome: &Outcome) -> Result<Picture, CaseError> {
@@ -53,7 +53,7 @@ pub fn tip(outcome: &Outcome) -> Result<Picture, CaseError> {
 /// Plot the position of the front over time with the experiment, dimensionless as there.
 pub fn fronts(outcome: &Outcome) -> Result<Picture, CaseError> {
     let (t, z): (Vec<f64>, Vec<f64>) =
-        outcome.fronts.iter().map(|[t, x]| (t / outcome.setup.second(), x / COLUMN)).unzip();
+        outcome.fronts.iter().map(|[t, x]| (t / outcome.setup.second(), x / WIDTH)).unzip();
     let (times, places): (Vec<f64>, Vec<f64>) = FRONT.iter().map(|[t, z]| (*t, *z)).unzip();
     let measured = Series::new("experiment, Martin and Moyce 1952", &times, &places)?;
     let run = Series::new(format!("{} cells over the width", outcome.setup.cells), &t, &z)?;

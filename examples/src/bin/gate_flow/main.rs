@@ -12,11 +12,12 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
+use examples::martin_moyce::FRONT;
 use examples::{CaseError, Common, Coupling, Report, Restart, Totals, Transfer, case, within};
 
 use scene::Outcome;
 use setup::{Gate, Setup};
-use theory::{Beam, FRONT};
+use theory::Beam;
 
 /// Water of 0.1 by 0.14 m bends a rubber gate of 79 by 5 mm, clamped above, and leaves under it.
 ///

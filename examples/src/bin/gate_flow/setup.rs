@@ -3,6 +3,7 @@
 use std::f64::consts::SQRT_2;
 
 use clap::ValueEnum;
+use examples::martin_moyce::WIDTH;
 use examples::{Coupling, Transfer, Water};
 use serde::Serialize;
 
@@ -16,8 +17,6 @@ pub const GATE: [f64; 2] = [0.079, 0.005];
 pub const RUBBER: f64 = 1100.0;
 /// Height of the upper end of the wall that carries the gate, m.
 pub const WALL: f64 = 0.160;
-/// Width of the column of water of \[MartinMoyce1952\], m; it is twice as high.
-pub const COLUMN: f64 = 0.05715;
 
 /// What the water is behind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -64,7 +63,7 @@ impl Setup {
     }
     /// Width and height of the water, m.
     pub fn size(&self) -> [f64; 2] {
-        if self.gate == Gate::None { [COLUMN, 2.0 * COLUMN] } else { WATER }
+        if self.gate == Gate::None { [WIDTH, 2.0 * WIDTH] } else { WATER }
     }
     /// Cell size, m.
     pub fn spacing(&self) -> f64 {
@@ -93,7 +92,7 @@ impl Setup {
     }
     /// Unit of the times T = t sqrt(2 g / a) of \[MartinMoyce1952\], s.
     pub fn second(&self) -> f64 {
-        (COLUMN / GRAVITY).sqrt() / SQRT_2
+        (WIDTH / GRAVITY).sqrt() / SQRT_2
     }
     /// Name in files.
     pub fn name(&self) -> String {

@@ -55,23 +55,3 @@ pub fn outflow(depth: f64) -> f64 {
 
 /// Contraction coefficient of the jet under an upright gate, pi / (pi + 2) (Kirchhoff); it is larger under an inclined one.
 pub const CONTRACTION: f64 = PI / (PI + 2.0);
-
-/// Front of the column of water, experiment \[MartinMoyce1952\], a = 57.15 mm, height 2 a: times T = t sqrt(2 g / a),
-/// positions Z = x / a.
-pub const FRONT: [[f64; 2]; 15] = [
-    [0.41, 1.11],
-    [0.84, 1.22],
-    [1.19, 1.44],
-    [1.43, 1.67],
-    [1.63, 1.89],
-    [1.83, 2.11],
-    [1.98, 2.33],
-    [2.20, 2.56],
-    [2.32, 2.78],
-    [2.51, 3.00],
-    [2.65, 3.22],
-    [2.83, 3.44],
-    [2.98, 3.67],
-    [3.11, 3.89],
-    [3.33, 4.11],
-];

@@ -225,7 +225,7 @@ mod tests {
     fn the_page_counts_all_rows_and_has_the_commit_once() {
         let page = page(&made(), &runs());
         assert!(
-            page.starts_with("# Validation\n\nCommit 0123456789abcdef. Machine: abacus. 2 of 32 cases."),
+            page.starts_with("# Validation\n\nCommit 0123456789abcdef. Machine: abacus. 2 of 36 cases."),
             "{page}"
         );
         assert_eq!(page.matches("0123456789abcdef").count(), 1);

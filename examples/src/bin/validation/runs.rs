@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// Names of all cases; `throughput` is excluded, since it measures speed only.
-pub const CASES: [&str; 32] = [
+pub const CASES: [&str; 36] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -31,6 +31,10 @@ pub const CASES: [&str; 32] = [
     "slope_failure",
     "gate_flow",
     "wedge_entry",
+    "dam_break",
+    "sloshing",
+    "drop",
+    "taylor_green",
     "ring_collision",
     "bouncing_blocks",
     "rolling_cylinder",
