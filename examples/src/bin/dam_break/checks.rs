@@ -330,7 +330,7 @@ fn balances(outcome: &Outcome) -> [Check; 3] {
     let weight = DENSITY * GRAVITY * setup.volume();
     let energy =
         || run.rows.iter().map(|(_, v)| (v[KINETIC] / weight + v[CENTRE]) / (0.5 * setup.height) - 1.0);
-    let lost = -energy().last().unwrap_or(f64::NAN);
+    let lost = -energy().next_back().unwrap_or(f64::NAN);
     [
         Check::gate(
             name("largest change of the volume"),
