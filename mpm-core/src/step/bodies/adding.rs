@@ -6,9 +6,9 @@ use mpm_materials::{IntoMaterial, Material};
 
 use super::body::GridBody;
 use super::deformable::{Deformable, InitialState, Prepared, Velocity};
+use super::densities::volume_place;
 use super::load::Loads;
 use super::particle_body::ParticleBody;
-use crate::step::between_steps::renewal::volume_place;
 use crate::step::between_steps::splitting::{Splitter, Splitting};
 use crate::step::mpm::Mpm;
 use crate::step::rigid::motion::Rigid;

@@ -4,14 +4,13 @@ use mpm_contact::{NearPoint, SurfaceQuantity};
 
 use super::capability::{ClientSteps, Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::load::Loading;
-use super::particle_body::ParticleBody;
 use crate::grid::Node;
-use crate::step::between_steps::renewal::Tile;
 use crate::step::clients::new_particles::NewParticles;
 use crate::step::nodes::footprint::Footprint;
 use crate::step::nodes::layout::Claim;
 use crate::step::nodes::layout::NodeSums;
 use crate::step::nodes::layout::{Layout, Nodes};
+use crate::step::nodes::occupancy::{NodeBlocks, Tile};
 use crate::step::rigid::motion::RigidState;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::body::{Body, Totals};
@@ -192,9 +191,17 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
         let _ = team;
         Vec::new()
     }
-    /// The particles of a deformable body.
-    fn particles_mut(&mut self) -> Option<&mut ParticleBody<T, D>> {
-        None
+    /// Move volume ratios to the fits and occupancies at the nodes, and return the change of the elastic energy, J.
+    fn take_density(
+        &mut self,
+        nodes: &NodeBlocks<D>,
+        fits: &[[f64; 4]],
+        errors: &[[f64; 2]],
+        rate: f64,
+        team: &Team,
+    ) -> f64 {
+        let _ = (nodes, fits, errors, rate, team);
+        0.0
     }
     /// Particle velocities that may be set between steps, unless they are prescribed.
     fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities<T>> {

@@ -4,6 +4,7 @@ pub(crate) mod adding;
 pub(crate) mod body;
 pub(crate) mod capability;
 pub(crate) mod deformable;
+pub(crate) mod densities;
 pub(crate) mod load;
 pub(crate) mod particle_body;
 mod particle_loads;

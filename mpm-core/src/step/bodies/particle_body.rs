@@ -12,13 +12,13 @@ use crate::step::between_steps::merging::MergeBook;
 use crate::step::clients::client::ClientPoint;
 use crate::step::nodes::footprint::Footprint;
 use crate::step::nodes::layout::Nodes;
+use crate::step::nodes::occupancy::{NodeBlocks, Tile};
 use crate::step::passes::kernels::{Facts, MethodKernels};
 use crate::step::passes::migrate::MigrationPayload;
 
 use crate::dilatation::MeanDilatation;
 use crate::dim::{block_nodes, centre, neighbours, offset, shifted};
 use crate::particles::{Block, Columns, Masses, Outbox, Sent};
-use crate::step::between_steps::renewal::Tile;
 use crate::step::between_steps::rest::TakenMotion;
 use crate::step::between_steps::splitting::{SplitBook, Splitter, Splitting};
 use crate::step::nodes::wrap::Wrap;
@@ -407,8 +407,15 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     fn density_tiles(&self, team: &Team) -> Vec<Tile<D>> {
         ParticleBody::density_tiles(self, team)
     }
-    fn particles_mut(&mut self) -> Option<&mut ParticleBody<T, D>> {
-        Some(self)
+    fn take_density(
+        &mut self,
+        nodes: &NodeBlocks<D>,
+        fits: &[[f64; 4]],
+        errors: &[[f64; 2]],
+        rate: f64,
+        team: &Team,
+    ) -> f64 {
+        ParticleBody::take_density(self, nodes, fits, errors, rate, team)
     }
     fn division_mut(&mut self) -> Option<&mut dyn Division> {
         Some(self)

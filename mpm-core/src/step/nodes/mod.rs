@@ -12,6 +12,7 @@ pub(crate) mod layout;
 pub(crate) mod meet_walls;
 pub(crate) mod node_sets;
 pub(crate) mod node_update;
+pub(crate) mod occupancy;
 pub(crate) mod planes;
 pub(crate) mod presence;
 pub(crate) mod stages;

@@ -6,12 +6,12 @@ use mpm_materials::Material;
 use mpm_materials::material::{Described, Motion, PairOutput, Response, States, StatesMut};
 
 use super::motion::{Rigid, RigidState};
-use crate::step::between_steps::renewal::Tile;
 use crate::step::bodies::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use crate::step::bodies::load::{Loading, Loads};
 use crate::step::bodies::particle_body::ParticleBody;
 use crate::step::nodes::footprint::Footprint;
 use crate::step::nodes::layout::Nodes;
+use crate::step::nodes::occupancy::Tile;
 use crate::step::passes::kernels::MethodKernels;
 use impactite_geometry::{Lattice, Seeds};
 use impactite_scene::archive::{Archive, CheckpointError};
