@@ -392,14 +392,17 @@ impl<const D: usize> Boundaries<D> {
     /// all conditions are left to the caller.
     pub fn constrain(
         &self,
-        acts: impl Fn(&Boundary<D>) -> bool,
+        acts: impl Fn(usize, &Boundary<D>) -> bool,
         x: &[f64; D],
         v: &mut [f64; 3],
         (time, tolerance, copies): (f64, f64, f64),
         mass: f64,
         given: &mut Exchange,
     ) {
-        for (boundary, entry) in self.list.iter().zip(&self.entries).filter(|(b, _)| acts(b)) {
+        for (n, (boundary, entry)) in self.list.iter().zip(&self.entries).enumerate() {
+            if !acts(n, boundary) {
+                continue;
+            }
             let before = *v;
             boundary.constrain(x, v, time, tolerance, copies);
             let Some(account) = entry.account else { continue };

@@ -202,6 +202,19 @@ impl<const D: usize> Boundary<D> {
         matches!(self, Boundary::Wall { .. } | Boundary::FrictionWall { .. })
     }
 
+    /// True for a condition that acts only on nodes on and behind a plane at rest.
+    pub fn rests(&self) -> bool {
+        match *self {
+            Boundary::Symmetry { .. } | Boundary::Fixed { .. } => true,
+            Boundary::Wall { velocity, .. } => velocity == 0.0,
+            Boundary::FrictionWall { axis, velocity, .. } => velocity[axis] == 0.0,
+            Boundary::Absorbing { .. }
+            | Boundary::Periodic { .. }
+            | Boundary::Prescribed { .. }
+            | Boundary::Own(_) => false,
+        }
+    }
+
     /// True if the condition acts through [`Condition::react`].
     pub fn reacts(&self) -> bool {
         matches!(self, Boundary::FrictionWall { .. } | Boundary::Absorbing { .. } | Boundary::Own(_))

@@ -169,7 +169,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             v[..D].copy_from_slice(&near.velocity);
             let free = v;
             let (x, at) = (&near.position, (end, tolerance, copies));
-            let not_wall = |b: &Boundary<D>| !b.is_wall();
+            let not_wall = |_, b: &Boundary<D>| !b.is_wall();
             self.scene.conditions.boundaries.constrain(not_wall, x, &mut v, at, near.mass, &mut self.ledger);
             for d in 0..D {
                 let change = T::of(near.change[d] + v[d] - free[d]);

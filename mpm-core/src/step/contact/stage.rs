@@ -171,7 +171,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             }
             let body = &bodies[fields.owner(block) as usize];
             let (rigid, one_by_one) = (body.rigid().is_some(), body.meets_surfaces().is_some());
-            let holds = |b: &Boundary<D>| !(rigid && stops_rigid(b) || one_by_one && b.is_wall());
+            let holds = |_, b: &Boundary<D>| !(rigid && stops_rigid(b) || one_by_one && b.is_wall());
             for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
                 let Some(node) = nodes.get(n) else { continue };
                 let mass = node.first[0];

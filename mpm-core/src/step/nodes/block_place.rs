@@ -1,8 +1,9 @@
 //! Positions of the nodes of a block.
 
-use crate::dim::BLOCK;
+use crate::dim::{BLOCK, block_nodes};
+use super::layout::whole_block;
 use impactite_geometry::Lattice;
-use impactite_scene::boundary::Plane;
+use impactite_scene::boundary::{Boundary, Plane};
 
 /// Positions of the nodes of a block.
 pub(in crate::step) struct BlockPlace<const D: usize> {
@@ -24,6 +25,32 @@ impl<const D: usize> BlockPlace<D> {
             high[d] += f64::from(first[d] + BLOCK as i32 - 1) * spacing;
         }
         BlockPlace { low, high, first, origin, spacing }
+    }
+    /// Return the nodes of a layer across an axis, one bit each.
+    fn layer(axis: usize, k: usize) -> u64 {
+        let stride = BLOCK.pow(axis as u32);
+        (0..block_nodes(D)).filter(|n| n / stride % BLOCK == k).fold(0, |nodes, n| nodes | 1 << n)
+    }
+    /// Return the nodes of the layers across an axis for which `holds` is true of the layer's index, one bit each.
+    fn layers(&self, axis: usize, holds: impl Fn(i32) -> bool) -> u64 {
+        let at = |k: &usize| holds(self.first[axis] + *k as i32);
+        (0..BLOCK).filter(at).fold(0, |nodes, k| nodes | Self::layer(axis, k))
+    }
+    /// Return the nodes on which a boundary may act in the step from `time`, s, one bit each: those within `reach`, m, of a
+    /// boundary that moves or has no plane.
+    pub(in crate::step) fn within_reach(&self, boundary: &Boundary<D>, time: f64, reach: f64) -> u64 {
+        let Some(axis) = boundary.across() else { return whole_block(D) };
+        let margin = if boundary.rests() { 2e-6 * self.spacing } else { reach };
+        self.layers(axis, |index| {
+            let mut x = self.low;
+            x[axis] = self.origin[axis] + f64::from(index) * self.spacing;
+            boundary.reaches(&x, &x, time, margin)
+        })
+    }
+    /// Return the nodes behind planes, one bit each.
+    pub(in crate::step) fn copies(&self, mirrors: &[Plane]) -> u64 {
+        let behind = |m: &Plane| self.layers(m.axis, |index| (index - m.node) * m.sign < 0);
+        mirrors.iter().fold(0, |nodes, m| nodes | behind(m))
     }
     pub(in crate::step) fn is_copy(&self, n: usize, mirrors: &[Plane]) -> bool {
         mirrors.iter().any(|m| {

@@ -2,7 +2,7 @@
 
 use super::block_place::BlockPlace;
 use super::fields::Fields;
-use super::layout::{Layout, NodeSums, Piece};
+use super::layout::{Layout, NodeSums, Piece, numbers};
 use super::node_sets::NodeSets;
 use super::node_update::{Around, NodeUpdate, Trial};
 use super::planes::Planes;
@@ -88,46 +88,50 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         books: &mut BlockBooks,
     ) {
         let BlockBooks { ledger, held } = books;
-        let spacing = self.lattice.spacing();
-        let reach = 2.0 * spacing;
         let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
-        let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
-        if !self.boundaries.iter().any(|b| reaches(&b)) {
+        let body = self.bodies.get(self.fields.owner(block) as usize);
+        let rigid = body.is_some_and(|b| b.rigid().is_some());
+        // Wall contact acts on single particles; material without stress on these nodes is stopped by the wall's impulse on
+        // them.
+        let apart = body.is_none_or(|b| b.meets_surfaces().is_some());
+        let near = Near::new(self, &place, apart, rigid);
+        if !near.reached {
             if U::HOLDS {
                 *held = NodeSets::default();
             }
             update.update_free(nodes.items, ledger);
             return;
         }
-        let body = self.bodies.get(self.fields.owner(block) as usize);
-        let rigid = body.is_some_and(|b| b.rigid().is_some());
-        // Wall contact acts on single particles; material without stress on these nodes is stopped by the wall's impulse on
-        // them.
-        let apart = body.is_none_or(|b| b.meets_surfaces().is_some());
-        let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall()) && !(rigid && stops_rigid(b));
-        let reacting = self.boundaries.iter().filter(reaches).any(|b| reacts(&b));
         let held_before = *held;
         if U::HOLDS {
             *held = NodeSets::default();
         }
         let mirrors = self.planes.copied();
-        let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
+        let start = self.layout.start(block);
+        let mut own = self.planes.own_masses(start, nodes.items.len());
         let across = if rigid { [false; 3] } else { self.planes.mirrored_axes() };
-        for (i, (n, node)) in nodes.numbered().enumerate() {
-            let x = place.node(n);
-            let share = own.share(i, node);
+        let bound = near.nodes | place.copies(mirrors);
+        // Nodes of no condition are updated in groups, in the order of all nodes.
+        let (mut free, items) = (0, nodes.items.len());
+        for (i, n) in numbers(nodes.kept()).enumerate() {
+            let share = own.next_share(i, &nodes.items[i]);
+            if bound >> n & 1 == 0 && share.is_none() {
+                continue;
+            }
+            if free < i {
+                update.update_free(&mut nodes.items[free..i], ledger);
+            }
+            free = i + 1;
+            let node = &mut nodes.items[i];
             let copy = share.is_none() && place.is_copy(n, mirrors);
             let held_now = std::array::from_fn(|d| held_before.has(d, n));
             let mut around = AtNode {
                 of: self,
-                place: &place,
-                x,
-                at: self.layout.start(block) + i,
-                apart,
-                rigid,
-                reacting,
+                near: &near,
+                x: place.node(n),
+                at: start + i,
                 weighed: if share.is_some() { across } else { [false; 3] },
-                image: if reacting { place.image(n, mirrors) } else { [false; 3] },
+                image: if near.reacting { place.image(n, mirrors) } else { [false; 3] },
                 held: if U::HOLDS { [false; 3] } else { held_now },
             };
             if let Some(share) = share {
@@ -143,25 +147,101 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
                 (0..D).filter(|d| around.held[*d]).for_each(|d| held.set(d, n, true));
             }
         }
+        if free < items {
+            update.update_free(&mut nodes.items[free..], ledger);
+        }
+    }
+}
+
+/// Boundaries near a block of nodes, and the nodes on which they may act.
+struct Near<'a, const D: usize> {
+    boundaries: &'a Boundaries<D>,
+    /// Boundaries that act on these nodes, one bit each; those from [`Near::LISTED`] on are tested each time.
+    listed: u64,
+    low: [f64; D],
+    high: [f64; D],
+    time: f64,
+    reach: f64,
+    /// True if wall contact acts on particles, and not on these nodes.
+    apart: bool,
+    /// True for nodes of a rigid body, which planes stop as a whole.
+    rigid: bool,
+    /// True if any boundary reaches the block.
+    reached: bool,
+    /// True if any condition reacts in this block.
+    reacting: bool,
+    /// Nodes within reach of a boundary, one bit each.
+    nodes: u64,
+}
+
+impl<'a, const D: usize> Near<'a, D> {
+    /// Number of boundaries with a bit.
+    const LISTED: usize = 64;
+
+    fn new<T: Float>(
+        of: &Constraints<'a, T, D>,
+        place: &BlockPlace<D>,
+        apart: bool,
+        rigid: bool,
+    ) -> Self {
+        let spacing = of.lattice.spacing();
+        let mut near = Near {
+            boundaries: of.boundaries,
+            listed: 0,
+            low: place.low,
+            high: place.high,
+            time: of.time,
+            reach: 2.0 * spacing,
+            apart,
+            rigid,
+            reached: false,
+            reacting: false,
+            nodes: 0,
+        };
+        for (n, b) in of.boundaries.iter().enumerate() {
+            if !b.reaches(&place.low, &place.high, of.time, near.reach) {
+                continue;
+            }
+            near.reached = true;
+            if near.is_elsewhere(b) {
+                continue;
+            }
+            near.reacting |= b.reacts();
+            near.nodes |= place.within_reach(b, of.time, near.reach);
+            if n < Self::LISTED {
+                near.listed |= 1 << n;
+            }
+        }
+        near
+    }
+
+    /// True for a boundary that acts on particles or bodies, and not on these nodes.
+    fn is_elsewhere(&self, b: &Boundary<D>) -> bool {
+        (self.apart && b.is_wall()) || (self.rigid && stops_rigid(b))
+    }
+    /// True if the boundary of this index acts here.
+    fn acts(&self, n: usize, b: &Boundary<D>) -> bool {
+        if n < Self::LISTED {
+            return self.listed >> n & 1 != 0;
+        }
+        b.reaches(&self.low, &self.high, self.time, self.reach) && !self.is_elsewhere(b)
+    }
+    /// Iterate over the boundaries that act here, with their indices.
+    fn iter(&self) -> impl Iterator<Item = (usize, &Boundary<D>)> {
+        self.boundaries.iter().enumerate().filter(|(n, b)| self.acts(*n, b))
     }
 }
 
 /// Boundary conditions of a node.
 struct AtNode<'a, T: Float, const D: usize> {
     of: &'a Constraints<'a, T, D>,
-    place: &'a BlockPlace<D>,
+    near: &'a Near<'a, D>,
     /// Position of the node, m.
     x: [f64; D],
     /// Index of the node among all.
     at: usize,
-    /// True if wall contact acts on particles, and not on these nodes.
-    apart: bool,
-    /// True for a node of a rigid body, which planes stop as a whole.
-    rigid: bool,
     /// Directions in which the forces of the node include its weight.
     weighed: [bool; 3],
-    /// True if any condition reacts in this block.
-    reacting: bool,
     /// Axes along which the node is the mirror image of one in front of a symmetry plane.
     image: [bool; 3],
     /// Directions in which reacting conditions constrain the node.
@@ -169,17 +249,6 @@ struct AtNode<'a, T: Float, const D: usize> {
 }
 
 impl<T: Float, const D: usize> AtNode<'_, T, D> {
-    /// Iterate over the boundaries that reach the block, with their indices.
-    fn near(&self) -> impl Iterator<Item = (usize, &Boundary<D>)> {
-        let (low, high) = (&self.place.low, &self.place.high);
-        let (time, reach) = (self.of.time, 2.0 * self.of.lattice.spacing());
-        let all = self.of.boundaries.iter().enumerate();
-        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !self.is_elsewhere(b))
-    }
-    /// True for a boundary that acts on particles or bodies, and not on this node.
-    fn is_elsewhere(&self, b: &Boundary<D>) -> bool {
-        (self.apart && b.is_wall()) || (self.rigid && stops_rigid(b))
-    }
     /// Return the position of the node, or of its original if it is an image, and the signs of its vectors there.
     fn place(&self) -> ([f64; D], [f64; D]) {
         let (mut x, mut sign) = (self.x, [1.0; D]);
@@ -200,7 +269,7 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
     fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool {
         let before = *v;
         let tolerance = 1e-6 * self.of.lattice.spacing();
-        for (_, b) in self.near() {
+        for (_, b) in self.near.iter() {
             b.constrain(&self.x, v, time, tolerance, self.of.copies);
         }
         *v != before
@@ -213,22 +282,19 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
         if !self.of.boundaries.has_accounts() {
             return self.constrain(v, time);
         }
-        let (low, high) = (&self.place.low, &self.place.high);
-        let reach = 2.0 * self.of.lattice.spacing();
-        let acts = |b: &Boundary<D>| b.reaches(low, high, self.of.time, reach) && !self.is_elsewhere(b);
         let at = (time, tolerance, self.of.copies);
-        self.of.boundaries.constrain(acts, &self.x, v, at, mass, ledger);
+        self.of.boundaries.constrain(|n, b| self.near.acts(n, b), &self.x, v, at, mass, ledger);
         *v != before
     }
 
     fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool {
-        if !self.reacting {
+        if !self.near.reacting {
             return false;
         }
         let (position, sign) = self.place();
         let spacing = self.of.lattice.spacing();
         let (mut any, mut held) = (false, self.held);
-        for (n, b) in self.near().filter(|(_, b)| b.reacts()) {
+        for (n, b) in self.near.iter().filter(|(_, b)| b.reacts()) {
             let (mut depth, mut tolerance) = (0.5 * spacing, 1e-6 * spacing);
             if b.surface().is_some() {
                 let Some(share) = self.of.planes.depth(self.at, n) else { continue };

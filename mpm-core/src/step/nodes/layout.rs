@@ -122,6 +122,10 @@ pub(in crate::step) struct Piece<'a, X> {
 }
 
 impl<X> Piece<'_, X> {
+    /// Node numbers of the block that are stored, one bit each.
+    pub(in crate::step) fn kept(&self) -> u64 {
+        self.kept
+    }
     /// Return true if all nodes of the block are stored.
     pub(in crate::step) fn is_whole(&self) -> bool {
         self.whole

@@ -356,7 +356,7 @@ impl<T: Float> Planes<T> {
         let place = |node: usize| self.beside.partition_point(|b| (b.node as usize) < node);
         let beside =
             if self.beside.is_empty() { &[][..] } else { &self.beside[place(start)..place(start + count)] };
-        OwnMasses { start, beside }
+        OwnMasses { start, beside, next: 0 }
     }
 
     /// Allocated memory, bytes.
@@ -374,6 +374,8 @@ impl<T: Float> Planes<T> {
 pub(in crate::step) struct OwnMasses<'a, T> {
     start: usize,
     beside: &'a [Beside<T>],
+    /// Index in `beside` of the next node, for visits in order.
+    next: usize,
 }
 
 impl<T: Float> OwnMasses<'_, T> {
@@ -381,9 +383,20 @@ impl<T: Float> OwnMasses<'_, T> {
     /// of the node. The rest belongs to its images, mirrored. None for a node without images.
     pub(in crate::step) fn share(&self, i: usize, node: &Node<T>) -> Option<f64> {
         let found = self.beside.binary_search_by_key(&(self.start + i), |b| b.node as usize).ok()?;
-        let (own, all) = (self.beside[found].mapped.first[0], node.first[0]);
-        Some(if all > T::default() { (own / all).to_double() } else { 0.0 })
+        Some(part(&self.beside[found], node))
     }
+    /// Return [`OwnMasses::share`] of nodes visited in ascending order, each at most once.
+    pub(in crate::step) fn next_share(&mut self, i: usize, node: &Node<T>) -> Option<f64> {
+        let beside = self.beside.get(self.next).filter(|b| b.node as usize == self.start + i)?;
+        self.next += 1;
+        Some(part(beside, node))
+    }
+}
+
+/// Return the part of a node's mass that was mapped by the body's own particles.
+fn part<T: Float>(beside: &Beside<T>, node: &Node<T>) -> f64 {
+    let (own, all) = (beside.mapped.first[0], node.first[0]);
+    if all > T::default() { (own / all).to_double() } else { 0.0 }
 }
 
 /// Return true if the column has nodes on both sides.
