@@ -319,7 +319,7 @@ impl Job {
         }
         let setup = start.elapsed().as_secs_f64();
         self.setting_up.store(false, Ordering::Relaxed);
-        let ended = run.until(end);
+        let ended = team.run(|| run.until(end));
         if ended.is_ok() && self.keep_checkpoint {
             run.save()?;
         }

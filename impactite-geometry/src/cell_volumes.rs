@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use super::seed::{Seeds, part_below};
 use super::shape::{Metric, Shape};
 use super::vector::sum;
+use impactite_simd::Team;
 
 /// Depth of a site, in edges of a particle, from which its particle has the whole site.
 const DEEP: f64 = 1.7;
@@ -13,7 +14,7 @@ const LARGEST: f64 = 0.02;
 /// Relative difference of squared distances that are equal.
 const EQUAL: f64 = 1e-9;
 /// Number of sites along an axis in which the particle nearest to a sample is sought, to each side.
-const REACH: i64 = 2;
+const REACH: usize = 2;
 
 impl<const D: usize> Seeds<D> {
     /// Replace the volumes by those of the cells of the Voronoi diagram in the shape, up to their sampling, scaled to the same sum. The
@@ -31,10 +32,16 @@ impl<const D: usize> Seeds<D> {
         let sites = Sites::of(&self.positions, edge);
         let whole = edge.powi(D as i32);
         let weight = |x: &[f64; D]| if metric == Metric::Axisymmetric { x[0].max(0.0) } else { 1.0 };
+        let team = Team::ambient();
+        // Particles far below the surface, which have their whole sites.
+        let mut deep = vec![false; self.len()];
+        team.each(&mut deep, |n, deep| {
+            *deep = shape.signed_distance_within(self.positions[n], 2.0 * DEEP * edge) <= -DEEP * edge;
+        });
         let mut volumes = vec![0.0; self.len()];
         let mut around: Vec<[i64; D]> = Vec::new();
         for (n, x) in self.positions.iter().enumerate() {
-            if shape.signed_distance_within(*x, 2.0 * DEEP * edge) <= -DEEP * edge {
+            if deep[n] {
                 volumes[n] += whole * weight(x);
             } else {
                 sites.around(&sites.site(x), 1, &mut around);
@@ -43,30 +50,26 @@ impl<const D: usize> Seeds<D> {
         around.sort_unstable();
         around.dedup();
         let parts = if D <= 2 { 6 } else { 4 };
-        let mut nearest = Vec::new();
         let samples = Samples { parts, edge: edge / parts as f64 };
-        for site in &around {
-            let corner = sites.corner(site);
-            // Sites of deep particles are theirs.
-            let deep = sites.at.get(site).is_some_and(|list| {
-                list.iter().any(|n| {
-                    shape.signed_distance_within(self.positions[*n as usize], 2.0 * DEEP * edge)
-                        <= -DEEP * edge
-                })
-            });
-            if deep {
-                continue;
+        let mut shares: Vec<Vec<(u32, f64)>> = vec![Vec::new(); around.len()];
+        team.each(&mut shares, |at, shares| {
+            let site = &around[at];
+            if sites.at.get(site).is_some_and(|list| list.iter().any(|n| deep[*n as usize])) {
+                return;
             }
-            samples.each(&corner, |x| {
+            let mut near = Near::new(&sites, &self.positions, site);
+            samples.each(&sites.corner(site), |x| {
                 let distance = shape.signed_distance_within(x, edge);
                 let part = part_below(shape, x, [samples.edge; D], distance);
                 if part > 0.0 {
-                    sites.nearest(&self.positions, &x, &mut nearest);
+                    let nearest = near.nearest(&x);
                     let share = part * samples.edge.powi(D as i32) * weight(&x) / nearest.len() as f64;
-                    nearest.iter().for_each(|n| volumes[*n] += share);
+                    shares.extend(nearest.iter().map(|n| (*n, share)));
                 }
             });
-        }
+        });
+        // In the order of sites, so that the sums do not depend on the number of threads.
+        shares.iter().flatten().for_each(|(n, share)| volumes[*n as usize] += share);
         let found = sum(volumes.iter().copied());
         if volumes.iter().all(|v| *v > 0.0) && found.is_finite() {
             self.volumes = volumes.iter().map(|v| v * total / found).collect();
@@ -144,22 +147,47 @@ impl<const D: usize> Sites<D> {
             out.push(std::array::from_fn(|d| site[d] + (n / side.pow(d as u32) % side) as i64 - reach));
         }
     }
-    /// Find the particles nearest to a place: all that are equally near, so that symmetric shapes stay so.
-    fn nearest(&self, positions: &[[f64; D]], x: &[f64; D], out: &mut Vec<usize>) {
-        let mut around = Vec::new();
-        for reach in 1..=REACH {
-            around.clear();
-            out.clear();
-            self.around(&self.site(x), reach, &mut around);
-            let near = || around.iter().filter_map(|site| self.at.get(site)).flatten().map(|n| *n as usize);
-            let square = |n: usize| -> f64 { (0..D).map(|d| (x[d] - positions[n][d]).powi(2)).sum() };
-            let least = near().map(square).fold(f64::INFINITY, f64::min);
-            out.extend(near().filter(|n| square(*n) <= least * (1.0 + EQUAL)));
+}
+
+/// Particles around a site, for the nearest ones to places in it.
+struct Near<'a, const D: usize> {
+    sites: &'a Sites<D>,
+    positions: &'a [[f64; D]],
+    site: &'a [i64; D],
+    /// Particles of the sites up to 1, 2, ... [`REACH`] away, each found on first use.
+    around: [Option<Vec<u32>>; REACH],
+    squares: Vec<f64>,
+    nearest: Vec<u32>,
+}
+
+impl<'a, const D: usize> Near<'a, D> {
+    fn new(sites: &'a Sites<D>, positions: &'a [[f64; D]], site: &'a [i64; D]) -> Self {
+        let (squares, nearest) = (Vec::new(), Vec::new());
+        Near { sites, positions, site, around: std::array::from_fn(|_| None), squares, nearest }
+    }
+    /// Find the particles nearest to a place in the site: all that are equally near, so that symmetric shapes stay so.
+    fn nearest(&mut self, x: &[f64; D]) -> &[u32] {
+        let Near { sites, positions, site, around, squares, nearest } = self;
+        for (n, around) in around.iter_mut().enumerate() {
+            let reach = n as i64 + 1;
+            let near = around.get_or_insert_with(|| {
+                let mut list = Vec::new();
+                sites.around(site, reach, &mut list);
+                list.iter().filter_map(|site| sites.at.get(site)).flatten().copied().collect()
+            });
+            let square = |n: &u32| -> f64 { (0..D).map(|d| (x[d] - positions[*n as usize][d]).powi(2)).sum() };
+            squares.clear();
+            squares.extend(near.iter().map(square));
+            let least = squares.iter().copied().fold(f64::INFINITY, f64::min);
+            let equal = |square: f64| square <= least * (1.0 + EQUAL);
+            nearest.clear();
+            nearest.extend(near.iter().zip(&*squares).filter(|(_, s)| equal(**s)).map(|(n, _)| *n));
             // A particle of a site farther off is at least `reach` edges away.
-            if least <= (f64::from(reach as i32) * self.edge).powi(2) {
-                return;
+            if least <= (reach as f64 * sites.edge).powi(2) {
+                break;
             }
         }
+        nearest
     }
 }
 

@@ -870,15 +870,20 @@ pub(crate) fn part_below<const D: usize>(
     size: [f64; D],
     distance: f64,
 ) -> f64 {
+    // The extent of the box along any normal is at most its diagonal.
+    let diagonal = norm(size);
+    if distance.abs() >= 0.5 * diagonal {
+        return if distance < 0.0 { 1.0 } else { 0.0 };
+    }
     let mut normal = [0.0; D];
     for i in 0..D {
         let (mut x, step) = (centre, 1e-3 * size[i]);
         x[i] += step;
-        normal[i] = (shape.signed_distance_within(x, norm(size)) - distance) / step;
+        normal[i] = (shape.signed_distance_within(x, diagonal) - distance) / step;
     }
     let length = norm(normal);
     // Extent of the box along the normal. On a ridge, where the normal is undefined, any estimate suffices.
-    let mut extent = norm(size) / (D as f64).sqrt();
+    let mut extent = diagonal / (D as f64).sqrt();
     if length > 0.1 {
         extent = (0..D).map(|i| normal[i].abs() / length * size[i]).sum();
     }

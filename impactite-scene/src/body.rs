@@ -244,6 +244,13 @@ impl Bounds {
             self.hold_place(&p.position, 0.5 * p.drawn_width(dimensions, axisymmetric));
         }
     }
+    /// Extend the box by another one.
+    pub fn join(&mut self, other: &Bounds) {
+        for d in 0..3 {
+            self.low[d] = self.low[d].min(other.low[d]);
+            self.high[d] = self.high[d].max(other.high[d]);
+        }
+    }
     /// Return the lowest and highest corner, m; none for an empty box.
     #[must_use]
     pub fn corners(&self) -> Option<[[f64; 3]; 2]> {

@@ -139,6 +139,9 @@ impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     fn bodies(&self) -> Vec<&dyn Body> {
         self.scene.bodies.iter().map(|body| &**body as &dyn Body).collect()
     }
+    fn totals(&self) -> Totals {
+        Mpm::totals(self)
+    }
     fn exchange(&self) -> Exchange {
         Mpm::exchange(self)
     }

@@ -6,8 +6,8 @@ use super::particle_body::ParticleBody;
 use crate::particles::{Block, Columns, Outbox, Place, Sent};
 use crate::step::between_steps::deactivated::Deactivated;
 use crate::step::passes::slot::{Outline, Scratch, Slot};
-use impactite_scene::{Body, Parts, PointView, Totals};
-use impactite_simd::Float;
+use impactite_scene::{Body, Bounds, Parts, PointView, Totals};
+use impactite_simd::{Float, Team};
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     pub(in crate::step) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> PointView {
@@ -154,6 +154,21 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
                 visit(&p);
             }
         }
+    }
+    fn bounds(&self, dimensions: usize, axisymmetric: bool) -> Option<[[f64; 3]; 2]> {
+        let mut parts = vec![Bounds::default(); self.index.len()];
+        let way = self.lead.way();
+        Team::ambient().each(&mut parts, |n, held| {
+            let (mut numbers, mut p) = (Vec::new(), PointView::default());
+            let block = &self.slots[self.index[n].1 as usize].block;
+            for (bin, at) in block.places() {
+                self.read_particle((block, bin, at), Parts::SIZE, &way, &mut numbers, &mut p);
+                held.hold(&p, dimensions, axisymmetric);
+            }
+        });
+        let mut all = Bounds::default();
+        parts.iter().for_each(|part| all.join(part));
+        all.corners()
     }
     fn bytes(&self) -> usize {
         let slot = |s: &Slot<T, D>| {

@@ -54,8 +54,10 @@ pub(in crate::step) struct AtWall<const D: usize> {
     pub(in crate::step) surfaces: Vec<Surface>,
     /// Inverse effective masses of the nodes, 1/kg; zero for nodes that a condition constrains along the axis of the wall.
     pub(in crate::step) shown: Vec<f64>,
-    /// Particles sorted by number, so that results do not depend on their storage.
+    /// Particles sorted by stencil and number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
+    /// Weights of the particles of `order` along the axis of the wall.
+    pub(in crate::step) rows: Rows,
     /// Indices of nodes of almost no mass in the grid, which move with the wall.
     pub(in crate::step) light: Vec<u32>,
     /// Light nodes behind the wall, each with the node in front to which it is tied, by index in `near`.
@@ -94,28 +96,145 @@ fn along<const D: usize>(weights: &[(u32, [f64; D])], axis: usize, of: &[f64]) -
     weights.iter().map(|(node, weight)| weight[axis] * of[*node as usize]).sum()
 }
 
+/// Particles in order, in groups that act on the same nodes, with their weights along an axis.
+#[derive(Clone, Debug, Default)]
+pub(in crate::step) struct Rows {
+    groups: Vec<Group>,
+    /// Nodes of each group.
+    nodes: Vec<u32>,
+    /// Weights of each particle of a group on its nodes.
+    weights: Vec<f64>,
+    /// Values and effective masses at the nodes of a group.
+    values: Vec<f64>,
+    shown: Vec<f64>,
+}
+
+/// Group of particles with the same nodes.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    /// Number of particles.
+    particles: usize,
+    /// Number of nodes.
+    nodes: usize,
+}
+
+/// Weights of a particle, with the values at its nodes.
+pub(in crate::step) struct Row<'a> {
+    weights: &'a [f64],
+    values: &'a mut [f64],
+    shown: &'a [f64],
+}
+
+impl Row<'_> {
+    /// Interpolate the values.
+    #[inline(always)]
+    fn sum(&self) -> f64 {
+        // Four sums, which do not wait for each other.
+        let mut sums = [0.0; 4];
+        let (weights, values) = (self.weights.chunks_exact(4), self.values.chunks_exact(4));
+        let rest: f64 = weights.remainder().iter().zip(values.remainder()).map(|(w, v)| w * v).sum();
+        for (w, v) in weights.zip(values) {
+            (0..4).for_each(|i| sums[i] += w[i] * v[i]);
+        }
+        (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+    }
+    /// Add an impulse of this size over the effective masses of the nodes.
+    #[inline(always)]
+    fn add(&mut self, size: f64) {
+        if size != 0.0 {
+            for ((value, weight), shown) in self.values.iter_mut().zip(self.weights).zip(self.shown) {
+                *value += size * weight * shown;
+            }
+        }
+    }
+}
+
+impl Rows {
+    /// Arrange the weights of particles in this order along an axis.
+    pub(in crate::step) fn arrange<const D: usize>(
+        &mut self,
+        near: &NearParticles<D>,
+        order: &[usize],
+        axis: usize,
+    ) {
+        self.groups.clear();
+        self.nodes.clear();
+        self.weights.clear();
+        let mut before: &[(u32, [f64; D])] = &[];
+        for &p in order {
+            let weights = near.weights(p);
+            let same = weights.len() == before.len() && weights.iter().zip(before).all(|(a, b)| a.0 == b.0);
+            match self.groups.last_mut().filter(|_| same) {
+                Some(group) => group.particles += 1,
+                None => {
+                    self.groups.push(Group { particles: 1, nodes: weights.len() });
+                    self.nodes.extend(weights.iter().map(|(node, _)| *node));
+                }
+            }
+            self.weights.extend(weights.iter().map(|(_, weight)| weight[axis]));
+            before = weights;
+        }
+    }
+
+    /// Visit every particle of `order`, with its row of `values`, which it may change; `shown` are the inverse effective
+    /// masses of the nodes.
+    #[inline(always)]
+    fn each(
+        &mut self,
+        order: &[usize],
+        shown: &[f64],
+        values: &mut [f64],
+        mut visit: impl FnMut(usize, &mut Row<'_>),
+    ) {
+        let Rows { groups, nodes, weights, values: of_group, shown: shown_of_group } = self;
+        let (mut order, mut nodes, mut weights) = (order, &nodes[..], &weights[..]);
+        for group in groups {
+            let (mine, rest) = nodes.split_at(group.nodes);
+            nodes = rest;
+            of_group.clear();
+            of_group.extend(mine.iter().map(|node| values[*node as usize]));
+            shown_of_group.clear();
+            shown_of_group.extend(mine.iter().map(|node| shown[*node as usize]));
+            let (particles, rest) = order.split_at(group.particles);
+            order = rest;
+            for &p in particles {
+                let (row, rest) = weights.split_at(group.nodes);
+                weights = rest;
+                visit(p, &mut Row { weights: row, values: of_group, shown: shown_of_group });
+            }
+            for (node, value) in mine.iter().zip(&*of_group) {
+                values[*node as usize] = *value;
+            }
+        }
+    }
+
+    /// Allocated memory, bytes.
+    fn bytes(&self) -> usize {
+        self.groups.capacity() * size_of::<Group>()
+            + self.nodes.capacity() * size_of::<u32>()
+            + (self.weights.capacity() + self.values.capacity() + self.shown.capacity()) * size_of::<f64>()
+    }
+}
+
 impl<const D: usize> AtWall<D> {
     /// Correct normal nodal velocities until active surfaces move with the wall, and others do not penetrate it within the
     /// step.
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
-        let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
+        let drag = wall.velocity[wall.axis];
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for &p in &self.order {
-                let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
+            self.rows.each(&self.order, &self.shown, velocities, |p, row| {
+                let surface = &mut self.surfaces[p];
                 let gap = if surface.presses { 0.0 } else { surface.gap.max(0.0) };
-                let excess = wall.sign * (along(weights, axis, velocities) - drag) + gap / step;
+                let excess = wall.sign * (row.sum() - drag) + gap / step;
                 let wanted = surface.stop - excess / surface.give;
                 let wanted = if surface.presses { wanted } else { wanted.max(0.0) };
                 let more = wanted - surface.stop;
                 surface.stop = wanted;
                 (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
-                for (node, weight) in weights.iter().filter(|_| more != 0.0) {
-                    let node = *node as usize;
-                    velocities[node] += wall.sign * weight[axis] * more * self.shown[node];
-                }
-            }
+                row.add(wall.sign * more);
+            });
             if changed <= FOUND * largest {
                 break;
             }
@@ -137,21 +256,18 @@ impl<const D: usize> AtWall<D> {
         }
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for &p in &self.order {
-                let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
+            self.rows.each(&self.order, &self.shown, accelerations, |p, row| {
+                let surface = &mut self.surfaces[p];
                 if !surface.presses {
-                    continue;
+                    return;
                 }
-                let excess = wall.sign * along(weights, axis, accelerations) * step;
+                let excess = wall.sign * row.sum() * step;
                 let wanted = (surface.force - excess / surface.give).max(0.0);
                 let more = wanted - surface.force;
                 surface.force = wanted;
                 (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
-                for (node, weight) in weights.iter().filter(|_| more != 0.0) {
-                    let node = *node as usize;
-                    accelerations[node] += wall.sign * weight[axis] * more * self.shown[node] / step;
-                }
-            }
+                row.add(wall.sign * more / step);
+            });
             if changed <= FOUND * largest {
                 break;
             }
@@ -174,6 +290,7 @@ impl<const D: usize> AtWall<D> {
         let presses = |surface: &Surface| surface.presses || surface.stop > least;
         let pressing = self.order.iter().filter(|p| presses(&self.surfaces[**p]));
         self.pressing.extend(pressing.map(|&p| (bodies[p], numbers[p])));
+        self.pressing.sort_unstable();
     }
 
     /// Tie nodes behind a wall to those in front, one cell of `spacing`, m, away, if their mass is small relative to that
@@ -252,6 +369,7 @@ impl<const D: usize> AtWall<D> {
             + self.surfaces.capacity() * size_of::<Surface>()
             + self.shown.capacity() * size_of::<f64>()
             + self.order.capacity() * size_of::<usize>()
+            + self.rows.bytes()
             + self.light.capacity() * size_of::<u32>()
             + self.tied.capacity() * size_of::<(u32, u32)>()
     }
