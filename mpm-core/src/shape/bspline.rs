@@ -74,7 +74,7 @@ where
 {
     type Extent = Extent<D, 4>;
     const POLYNOMIAL: bool = true;
-    const USL_LIMIT: f64 = 0.9;
+    const USL_LIMIT: f64 = 0.8;
     const NAME: &'static str = "cubic B-spline";
 
     #[inline(always)]

@@ -10,7 +10,7 @@ use crate::grid::Node;
 use crate::step::bodies::body::GridBody;
 use crate::step::nodes::block_place::BlockPlace;
 use crate::step::nodes::fields::{Fields, Giver, Member};
-use crate::step::nodes::layout::numbers;
+use crate::step::nodes::layout::{LAYERS, numbers};
 use crate::step::rigid::motion::RigidState;
 use impactite_simd::Float;
 
@@ -50,11 +50,6 @@ struct Mirrored {
     by: i32,
     /// Position of the plane, in nodes from the first one of the block.
     plane: i32,
-}
-
-/// Return the nodes of a block, one bit each, of the layer `within` along the axis of a `stride`.
-fn layer_of(within: usize, stride: usize) -> u64 {
-    (0..64).filter(|n| n / stride % BLOCK == within).fold(0, |set, n| set | 1 << n)
 }
 
 impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
@@ -209,7 +204,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
                     continue;
                 }
                 let within = index.rem_euclid(block) as usize;
-                let mine = layer_of(within, stride) & so_far.nodes;
+                let mine = (LAYERS[axis] << (within * stride)) & so_far.nodes;
                 if mine == 0 {
                     continue;
                 }

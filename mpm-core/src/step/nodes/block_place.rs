@@ -1,7 +1,7 @@
 //! Positions of the nodes of a block.
 
-use crate::dim::{BLOCK, block_nodes};
-use super::layout::whole_block;
+use crate::dim::BLOCK;
+use super::layout::{LAYERS, whole_block};
 use impactite_geometry::Lattice;
 use impactite_scene::boundary::{Boundary, Plane};
 
@@ -26,15 +26,11 @@ impl<const D: usize> BlockPlace<D> {
         }
         BlockPlace { low, high, first, origin, spacing }
     }
-    /// Return the nodes of a layer across an axis, one bit each.
-    fn layer(axis: usize, k: usize) -> u64 {
-        let stride = BLOCK.pow(axis as u32);
-        (0..block_nodes(D)).filter(|n| n / stride % BLOCK == k).fold(0, |nodes, n| nodes | 1 << n)
-    }
     /// Return the nodes of the layers across an axis for which `holds` is true of the layer's index, one bit each.
     fn layers(&self, axis: usize, holds: impl Fn(i32) -> bool) -> u64 {
         let at = |k: &usize| holds(self.first[axis] + *k as i32);
-        (0..BLOCK).filter(at).fold(0, |nodes, k| nodes | Self::layer(axis, k))
+        let layer = |k: usize| LAYERS[axis] << (k * BLOCK.pow(axis as u32));
+        whole_block(D) & (0..BLOCK).filter(at).fold(0, |nodes, k| nodes | layer(k))
     }
     /// Return the nodes on which a boundary may act in the step from `time`, s, one bit each: those within `reach`, m, of a
     /// boundary that moves or has no plane.

@@ -71,13 +71,13 @@ pub struct Facts {
 }
 
 impl Facts {
-    /// Return the default time control. MUSL and USF, with a limit of 1.4 and more, use half of h / (c + |v|); USL uses 0.7
-    /// of the smallest limit measured in three dimensions for the shape function (book, "The stable time step"). Chart C10
+    /// Return the default time control. MUSL and USF, with a limit of 1.4 and more, use half of h / (c + |v|); USL uses 0.9
+    /// of [`ShapeFunction::USL_LIMIT`] (book, "The stable time step"). Chart C10
     /// (docs/report/index.html) has the limits of 704 particle arrangements, which did not change these factors. A third or
     /// half of the step changes the errors of charts C1 and C2 by less than a quarter, up or down, except for the cubic
     /// spline with FMPM(4), whose error from the grid is almost zero.
     pub fn time_control(&self) -> TimeControl {
-        let factor = if self.symplectic() { 0.5 } else { 0.7 * self.usl_limit };
+        let factor = if self.symplectic() { 0.5 } else { 0.9 * self.usl_limit };
         TimeControl::Courant { factor, growth: 1.1 }
     }
 

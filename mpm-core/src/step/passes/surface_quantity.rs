@@ -13,6 +13,7 @@ use super::rows::of_row;
 use super::slot::{Domains, Slot};
 use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours, offset};
 use crate::particles::{Columns, Masses};
+use crate::step::nodes::layout::LAYERS;
 use crate::shape::domain::{Table, table};
 use crate::shape::{ShapeFunction, Weights, bin_centre, node_offset};
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
@@ -53,9 +54,6 @@ fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached
     }
     found
 }
-
-/// First of the four layers of a block normal to each axis, one bit per node.
-const LAYERS: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
 
 /// Shift a bit set of a block along an axis; bits that leave the block are dropped.
 #[inline(always)]
@@ -175,6 +173,9 @@ pub(in crate::step) const TRACTION: u8 = 2;
 /// particles half a cell away to either side are included despite rounding.
 const BESIDE: f64 = 0.25 + 1e-6;
 
+/// Marker of a reach without particles.
+const LOWEST: f64 = -1e30;
+
 /// Evaluate the law for the visited groups, bin by bin, if required.
 pub(in crate::step) fn asked<T: Float, const D: usize>(
     about: &SurfaceTask<'_, T, D>,
@@ -228,7 +229,7 @@ where
         let count = S::Extent::NODES;
         let layers = S::Extent::LAYERS;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
-        let lowest = A::Pack::of(-1e30);
+        let lowest = A::Pack::of(LOWEST);
         let carries = S::DOMAIN.carried();
         let convects = S::DOMAIN.convects();
         let reaches = KIND == REACH;
@@ -369,7 +370,10 @@ where
                 for i in 1..A::Pack::WIDTH {
                     far = far.max(sums[node][0].lane(i));
                 }
-                to[0] = to[0].max(far * spacing);
+                // Without a particle the value stays what it was.
+                if far > T::of(LOWEST) {
+                    to[0] = to[0].max(far * spacing);
+                }
             } else {
                 let factor = if KIND == TRACTION { T::of(1.0) } else { per_spacing };
                 for d in 0..D {
