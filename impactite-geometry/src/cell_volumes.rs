@@ -175,7 +175,8 @@ impl<'a, const D: usize> Near<'a, D> {
                 sites.around(site, reach, &mut list);
                 list.iter().filter_map(|site| sites.at.get(site)).flatten().copied().collect()
             });
-            let square = |n: &u32| -> f64 { (0..D).map(|d| (x[d] - positions[*n as usize][d]).powi(2)).sum() };
+            let square =
+                |n: &u32| -> f64 { (0..D).map(|d| (x[d] - positions[*n as usize][d]).powi(2)).sum() };
             squares.clear();
             squares.extend(near.iter().map(square));
             let least = squares.iter().copied().fold(f64::INFINITY, f64::min);

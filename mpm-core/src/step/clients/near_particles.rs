@@ -17,8 +17,6 @@ pub struct NearParticles<const D: usize> {
     positions: Vec<[f64; D]>,
     half_sizes: Vec<f64>,
     starts_with: Vec<[f64; D]>,
-    /// First node of the stencil of each particle, by index on the lattice.
-    firsts: Vec<[i32; D]>,
     /// Start of the weights of each particle; one more than there are particles.
     starts: Vec<usize>,
     /// Node, by index in this list, and weight by direction, including the mirrored one of its image behind a plane of symmetry.
@@ -84,7 +82,6 @@ impl<const D: usize> Default for NearParticles<D> {
             positions: Vec::new(),
             half_sizes: Vec::new(),
             starts_with: Vec::new(),
-            firsts: Vec::new(),
             starts: vec![0],
             weights: Vec::new(),
             nodes: Vec::new(),
@@ -142,11 +139,6 @@ impl<const D: usize> NearParticles<D> {
             }
             sum
         }));
-    }
-
-    /// First node of the stencil of each particle, by index on the lattice.
-    pub(in crate::step) fn firsts(&self) -> &[[i32; D]] {
-        &self.firsts
     }
 
     pub(in crate::step) fn weights(&self, particle: usize) -> &[(u32, [f64; D])] {
@@ -316,7 +308,6 @@ impl<const D: usize> NearParticles<D> {
         self.positions.clear();
         self.half_sizes.clear();
         self.starts_with.clear();
-        self.firsts.clear();
         self.starts.clear();
         self.starts.push(0);
         self.weights.clear();
@@ -379,12 +370,11 @@ impl<const D: usize> NearParticles<D> {
         self.positions.push(particle.position);
         self.half_sizes.push(particle.half_size);
         self.starts_with.push(particle.velocity);
-        self.firsts.push(self.stencil.first().map_or([0; D], |(node, _)| *node));
     }
 
     /// Memory, bytes.
     pub(in crate::step) fn bytes(&self) -> usize {
-        self.positions.capacity() * size_of::<([[f64; D]; 2], f64, usize, usize, u32, [i32; D])>()
+        self.positions.capacity() * size_of::<([[f64; D]; 2], f64, usize, usize, u32)>()
             + self.weights.capacity() * size_of::<(u32, [f64; D])>()
             + self.nodes.capacity() * size_of::<NearNode<D>>()
             + self.places.capacity() * size_of::<u32>()

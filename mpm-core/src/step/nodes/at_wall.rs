@@ -1,11 +1,12 @@
 //! Particle surfaces at a wall, and their contact constraints ([`super::meet_walls`]).
 
-use crate::step::clients::near_particles::{FOUND, NearParticles, SWEEPS};
+use crate::step::clients::near_particles::{FOUND, NearParticles};
 
 /// Ratio of surface mass acting on a node behind a wall to nodal mass, above which the node is tied to the one in front.
 const THIN: f64 = 10.0;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::{Boundary, Side};
+use impactite_simd::{Arch, Float, Kernel};
 
 /// Wall at the start of a step.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +55,8 @@ pub(in crate::step) struct AtWall<const D: usize> {
     pub(in crate::step) surfaces: Vec<Surface>,
     /// Inverse effective masses of the nodes, 1/kg; zero for nodes that a condition constrains along the axis of the wall.
     pub(in crate::step) shown: Vec<f64>,
+    /// Lowest node of the stencil of each particle, by index on the lattice.
+    pub(in crate::step) bins: Vec<[i32; D]>,
     /// Particles sorted by stencil and number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
     /// Weights of the particles of `order` along the axis of the wall.
@@ -96,6 +99,12 @@ fn along<const D: usize>(weights: &[(u32, [f64; D])], axis: usize, of: &[f64]) -
     weights.iter().map(|(node, weight)| weight[axis] * of[*node as usize]).sum()
 }
 
+/// Maximum number of sweeps over the surfaces at a wall. Twice and ten times as many change the length of a Taylor bar by
+/// less than 1e-6 of it: what is left are differences between particles of a cell, which act on the same nodes.
+const WALL_SWEEPS: usize = 10;
+/// Number of nodes to which rows of weights are extended, by zeros: a whole number of these.
+const WIDTH: usize = 8;
+
 /// Particles in order, in groups that act on the same nodes, with their weights along an axis.
 #[derive(Clone, Debug, Default)]
 pub(in crate::step) struct Rows {
@@ -129,14 +138,12 @@ impl Row<'_> {
     /// Interpolate the values.
     #[inline(always)]
     fn sum(&self) -> f64 {
-        // Four sums, which do not wait for each other.
-        let mut sums = [0.0; 4];
-        let (weights, values) = (self.weights.chunks_exact(4), self.values.chunks_exact(4));
-        let rest: f64 = weights.remainder().iter().zip(values.remainder()).map(|(w, v)| w * v).sum();
-        for (w, v) in weights.zip(values) {
-            (0..4).for_each(|i| sums[i] += w[i] * v[i]);
+        let mut sums = [0.0; WIDTH];
+        for (w, v) in self.weights.chunks_exact(WIDTH).zip(self.values.chunks_exact(WIDTH)) {
+            (0..WIDTH).for_each(|i| sums[i] += w[i] * v[i]);
         }
-        (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+        let four: [f64; 4] = std::array::from_fn(|i| sums[i] + sums[i + 4]);
+        (four[0] + four[2]) + (four[1] + four[3])
     }
     /// Add an impulse of this size over the effective masses of the nodes.
     #[inline(always)]
@@ -172,40 +179,21 @@ impl Rows {
                 }
             }
             self.weights.extend(weights.iter().map(|(_, weight)| weight[axis]));
+            self.weights.resize(self.weights.len().next_multiple_of(WIDTH), 0.0);
             before = weights;
         }
     }
 
     /// Visit every particle of `order`, with its row of `values`, which it may change; `shown` are the inverse effective
     /// masses of the nodes.
-    #[inline(always)]
     fn each(
         &mut self,
         order: &[usize],
         shown: &[f64],
         values: &mut [f64],
-        mut visit: impl FnMut(usize, &mut Row<'_>),
+        visit: impl FnMut(usize, &mut Row<'_>),
     ) {
-        let Rows { groups, nodes, weights, values: of_group, shown: shown_of_group } = self;
-        let (mut order, mut nodes, mut weights) = (order, &nodes[..], &weights[..]);
-        for group in groups {
-            let (mine, rest) = nodes.split_at(group.nodes);
-            nodes = rest;
-            of_group.clear();
-            of_group.extend(mine.iter().map(|node| values[*node as usize]));
-            shown_of_group.clear();
-            shown_of_group.extend(mine.iter().map(|node| shown[*node as usize]));
-            let (particles, rest) = order.split_at(group.particles);
-            order = rest;
-            for &p in particles {
-                let (row, rest) = weights.split_at(group.nodes);
-                weights = rest;
-                visit(p, &mut Row { weights: row, values: of_group, shown: shown_of_group });
-            }
-            for (node, value) in mine.iter().zip(&*of_group) {
-                values[*node as usize] = *value;
-            }
-        }
+        f64::dispatch(Sweep { rows: self, order, shown, values, visit });
     }
 
     /// Allocated memory, bytes.
@@ -216,13 +204,54 @@ impl Rows {
     }
 }
 
+/// Visit of all rows.
+struct Sweep<'a, F> {
+    rows: &'a mut Rows,
+    order: &'a [usize],
+    shown: &'a [f64],
+    values: &'a mut [f64],
+    visit: F,
+}
+
+impl<F: FnMut(usize, &mut Row<'_>)> Kernel<f64> for Sweep<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<f64>>(self) {
+        let Sweep { rows, order, shown, values, mut visit } = self;
+        let Rows { groups, nodes, weights, values: of_group, shown: shown_of_group } = rows;
+        let (mut order, mut nodes, mut weights) = (order, &nodes[..], &weights[..]);
+        for group in groups {
+            let (mine, rest) = nodes.split_at(group.nodes);
+            nodes = rest;
+            of_group.clear();
+            of_group.extend(mine.iter().map(|node| values[*node as usize]));
+            shown_of_group.clear();
+            shown_of_group.extend(mine.iter().map(|node| shown[*node as usize]));
+            let width = group.nodes.next_multiple_of(WIDTH);
+            of_group.resize(width, 0.0);
+            shown_of_group.resize(width, 0.0);
+            let (particles, rest) = order.split_at(group.particles);
+            order = rest;
+            for &p in particles {
+                let (row, rest) = weights.split_at(width);
+                weights = rest;
+                visit(p, &mut Row { weights: row, values: of_group, shown: shown_of_group });
+            }
+            for (node, value) in mine.iter().zip(&*of_group) {
+                values[*node as usize] = *value;
+            }
+        }
+    }
+}
+
 impl<const D: usize> AtWall<D> {
     /// Correct normal nodal velocities until active surfaces move with the wall, and others do not penetrate it within the
     /// step.
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
         let drag = wall.velocity[wall.axis];
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
-        for _ in 0..SWEEPS {
+        for _ in 0..WALL_SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             self.rows.each(&self.order, &self.shown, velocities, |p, row| {
                 let surface = &mut self.surfaces[p];
@@ -254,7 +283,7 @@ impl<const D: usize> AtWall<D> {
             let closing = wall.sign * (along(self.near.weights(p), axis, velocities) - drag) < 0.0;
             surface.presses = surface.pressed || surface.gap <= 0.0 && closing;
         }
-        for _ in 0..SWEEPS {
+        for _ in 0..WALL_SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             self.rows.each(&self.order, &self.shown, accelerations, |p, row| {
                 let surface = &mut self.surfaces[p];
@@ -368,6 +397,7 @@ impl<const D: usize> AtWall<D> {
             + self.pressing.capacity() * size_of::<(u32, usize)>()
             + self.surfaces.capacity() * size_of::<Surface>()
             + self.shown.capacity() * size_of::<f64>()
+            + self.bins.capacity() * size_of::<[i32; D]>()
             + self.order.capacity() * size_of::<usize>()
             + self.rows.bytes()
             + self.light.capacity() * size_of::<u32>()

@@ -1,7 +1,7 @@
 //! Positions of the nodes of a block.
 
-use crate::dim::BLOCK;
 use super::layout::{LAYERS, whole_block};
+use crate::dim::BLOCK;
 use impactite_geometry::Lattice;
 use impactite_scene::boundary::{Boundary, Plane};
 

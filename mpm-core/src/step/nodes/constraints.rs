@@ -178,12 +178,7 @@ impl<'a, const D: usize> Near<'a, D> {
     /// Number of boundaries with a bit.
     const LISTED: usize = 64;
 
-    fn new<T: Float>(
-        of: &Constraints<'a, T, D>,
-        place: &BlockPlace<D>,
-        apart: bool,
-        rigid: bool,
-    ) -> Self {
+    fn new<T: Float>(of: &Constraints<'a, T, D>, place: &BlockPlace<D>, apart: bool, rigid: bool) -> Self {
         let spacing = of.lattice.spacing();
         let mut near = Near {
             boundaries: of.boundaries,

@@ -21,7 +21,8 @@ pub struct Layout {
 }
 
 /// First of the four layers of a block normal to each axis, one bit per node.
-pub(in crate::step) const LAYERS: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
+pub(in crate::step) const LAYERS: [u64; 3] =
+    [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
 
 /// Return the bits of all nodes of a block.
 pub(in crate::step) const fn whole_block(d: usize) -> u64 {

@@ -94,8 +94,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let known = !mapped && !self.kernels.facts().maps_together;
         let step = dt.to_double();
-        let AtWall { pressing, near, surfaces, light, .. } = at;
+        let AtWall { pressing, near, surfaces, light, bins, .. } = at;
         near.clear();
+        bins.clear();
         surfaces.clear();
         let rounding = RefCell::new(std::mem::take(light));
         rounding.borrow_mut().clear();
@@ -134,6 +135,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     passes: [0.0; 2],
                 });
                 masses.push(particle.mass);
+                bins.push(weights.iter().map(|w| w.node).min().unwrap_or([0; D]));
                 full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();
@@ -150,7 +152,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if known {
             at.tie(wall, &masses, spacing);
         }
-        let AtWall { near, surfaces, shown, order, rows, .. } = at;
+        let AtWall { near, surfaces, shown, order, rows, bins, .. } = at;
         let end = self.clock.time + step;
         let tolerance = 1e-6 * spacing;
         let copies = if self.facts().wide() { 1.5 * spacing } else { 0.0 };
@@ -179,8 +181,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         order.clear();
         order.extend((0..near.len()).filter(|p| surfaces[*p].give > 0.0));
-        let (bodies, firsts, numbers) = (near.bodies(), near.firsts(), near.numbers());
-        order.sort_unstable_by_key(|&p| (bodies[p], firsts[p], numbers[p]));
+        let (bodies, numbers) = (near.bodies(), near.numbers());
+        order.sort_unstable_by_key(|&p| (bodies[p], bins[p], numbers[p]));
         rows.arrange(near, order, wall.axis);
     }
 

@@ -13,9 +13,9 @@ use super::rows::of_row;
 use super::slot::{Domains, Slot};
 use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours, offset};
 use crate::particles::{Columns, Masses};
-use crate::step::nodes::layout::LAYERS;
 use crate::shape::domain::{Table, table};
 use crate::shape::{ShapeFunction, Weights, bin_centre, node_offset};
+use crate::step::nodes::layout::LAYERS;
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 
 /// Stencil nodes of a bin among the requested ones: index in the block of each, or [`OUTSIDE`].
