@@ -14,7 +14,7 @@ use impactite_scene::watch::{Look, Loss, Watcher};
 use impactite_scene::{
     Account, Archive, Body, Boundaries, BoundaryEntry, CheckpointError, Clock, ContactPoint, Embedding,
     Exchange, Finding, GainCause, LocalDamping, PairContact, SceneError, Solver, StepError, StepLimit,
-    Stopped, TimeControl, Warning, Watch,
+    Stopped, TimeControl, Totals, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::Pairs;
@@ -664,8 +664,8 @@ impl<const D: usize> Solver for Fem<D> {
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()
     }
-    fn account(&self) -> Account {
-        self.watcher.account(&self.totals(), &Solver::exchange(self), self.hoop)
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.watcher.account(totals, &Solver::exchange(self), self.hoop)
     }
     fn contacts(&self) -> Vec<PairContact> {
         self.contact.as_ref().map_or(Vec::new(), |contact| contact.pairs())

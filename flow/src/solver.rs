@@ -9,7 +9,7 @@ use impactite_scene::control::ControlError;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, Exchange, SceneError, Solver, StepError, StepLimit,
-    Stopped, TimeControl, Warning, Watch,
+    Stopped, TimeControl, Totals, Warning, Watch,
 };
 use impactite_simd::Team;
 
@@ -475,8 +475,8 @@ impl<const D: usize> Solver for Flow<D> {
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()
     }
-    fn account(&self) -> Account {
-        self.watcher.account(&self.totals(), &self.exchange, false)
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.watcher.account(totals, &self.exchange, false)
     }
     fn bytes(&self) -> usize {
         self.liquids.iter().map(Liquid::bytes).sum::<usize>() + self.grid.bytes()

@@ -10,7 +10,7 @@ use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundaries, Boundary, BoundaryEntry, CheckpointError, Clock, Exchange,
-    LocalDamping, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    LocalDamping, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Totals, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -681,7 +681,7 @@ impl<const D: usize, M: Composition<D>> Solver for Fpm<D, M> {
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()
     }
-    fn account(&self) -> Account {
-        self.watcher.account(&self.totals(), &Solver::exchange(self), false)
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.watcher.account(totals, &Solver::exchange(self), false)
     }
 }

@@ -329,7 +329,7 @@ impl Job {
             tracing::info!("ended at t = {:.6e} s by `until`: {why}", solver.time());
         }
         if ended.is_ok() && looks.ended.is_none() {
-            measures.borrow().missing(solver)?.iter().for_each(|line| tracing::warn!("{line}"));
+            measures.borrow().missing(&RunView::of(solver))?.iter().for_each(|line| tracing::warn!("{line}"));
         }
         if ended.is_ok() {
             crate::inertia::report(scene, solver);
@@ -342,7 +342,7 @@ impl Job {
         }
 
         let columns = measured::columns(scene);
-        let values = with_energy_error(scene, measures.borrow().take(solver)?, error());
+        let values = with_energy_error(scene, measures.borrow().take(&RunView::of(solver))?, error());
         let checks = if ended.is_ok() { checks(scene, &columns, &values) } else { Vec::new() };
         let unjudged = columns
             .iter()
@@ -454,8 +454,8 @@ impl Observer for Looks {
     }
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let said = |e: measured::MeasureError| ObserveError::Other(e.to_string());
-        self.measures.borrow_mut().look(now.solver()).map_err(said)?;
-        self.ended = self.measures.borrow().ended(now.solver()).map_err(said)?;
+        self.measures.borrow_mut().look(now).map_err(said)?;
+        self.ended = self.measures.borrow().ended(now).map_err(said)?;
         Ok(())
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
@@ -486,7 +486,7 @@ fn history(
         .collect();
     let (measures, scene) = (measures.clone(), scene.clone());
     let measuring: Measuring = Box::new(move |now| {
-        let values = measures.borrow().take(now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
+        let values = measures.borrow().take(now).map_err(|e| ObserveError::Other(e.to_string()))?;
         let values = with_energy_error(&scene, values, error());
         Ok(std::iter::once(now.time()).chain(values).collect())
     });

@@ -31,7 +31,7 @@ pub(crate) fn histories(
         std::fs::create_dir_all(&folder).map_err(CliError::file(&folder))?;
     }
     let one = |(name, profile): (&String, &impactite_input::model::measure::Profile)| {
-        profile_values(scene, name, profile, solver).map_err(said)?;
+        profile_values(scene, name, profile, &RunView::of(solver)).map_err(said)?;
         let bins = profile_columns(profile);
         let bins = bins.iter().map(|(name, unit)| (name.as_str(), unit.as_str()));
         let columns: Vec<Column> = [("time", "s")].into_iter().chain(bins).map(Column::from).collect();
@@ -39,7 +39,7 @@ pub(crate) fn histories(
         let (scene, name, profile) = (scene.clone(), name.clone(), profile.clone());
         let path = folder.join(format!("{name}.csv"));
         let evaluation: Evaluation = Box::new(move |now| {
-            let values = profile_values(&scene, &name, &profile, now.solver()).map_err(said)?;
+            let values = profile_values(&scene, &name, &profile, now).map_err(said)?;
             Ok(std::iter::once(now.time()).chain(values).collect())
         });
         Ok(HistoryCsv::create(path, columns, pace, evaluation)?)

@@ -86,7 +86,7 @@ impl Observer for Shown {
                 end: now.end(),
                 steps: now.step(),
                 rate: now.rate(),
-                energy_error: now.solver().account().energy_error(),
+                energy_error: now.account().energy_error(),
             };
             advance.update(|seen, _| *seen = stand);
         }

@@ -417,7 +417,7 @@ impl Observer for Recorder {
         let totals = now.totals();
         let account = self.books.enter(totals, &now.exchange(), now.axisymmetric());
         if self.books.rest() == 0.0 || !self.books.moves() {
-            self.books.enter_rest(now.solver().account().rest);
+            self.books.enter_rest(now.account().rest);
         }
         worse(&mut self.worst_unexplained, account.unexplained);
         worse(&mut self.worst_missing, account.missing());

@@ -73,9 +73,14 @@ pub trait Solver: Any + Send {
     fn warnings(&self) -> &[Warning] {
         &[]
     }
+    /// Balances of energy and momentum since the first step, from the present [`Solver::totals`]; zero if the method has none.
+    fn account_of(&self, totals: &Totals) -> Account {
+        let _ = totals;
+        Account::default()
+    }
     /// Balances of energy and momentum since the first step; zero if the method has none.
     fn account(&self) -> Account {
-        Account::default()
+        self.account_of(&self.totals())
     }
     /// Pairs of bodies that were ever in contact: force, contact points and gap in the last step, energy since the start.
     fn contacts(&self) -> Vec<PairContact> {

@@ -124,18 +124,21 @@ pub fn mean_radius<const D: usize>(x: &Corners<D>) -> f64 {
 pub fn angles<const D: usize>(x: &Corners<D>) -> (f64, f64) {
     let Slopes { of, .. } = slopes(x);
     let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let (mut small, mut large) = (-1.0, 1.0);
-    for a in 0..=D {
-        for b in 0..a {
-            let cosine = -dot(&of[a], &of[b]) / (dot(&of[a], &of[a]) * dot(&of[b], &of[b])).sqrt();
-            if cosine.is_nan() {
-                return (f64::NAN, f64::NAN);
-            }
-            small = f64::max(small, cosine);
-            large = f64::min(large, cosine);
-        }
+    let squares = of.map(|slope| dot(&slope, &slope));
+    // Pairs of the corners of a triangle, then those with the fourth corner.
+    const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
+    let pairs = &PAIRS[..if D == 2 { 3 } else { 6 }];
+    let mut cosines = [0.0; 6];
+    for (cosine, &[a, b]) in cosines.iter_mut().zip(pairs) {
+        *cosine = -dot(&of[a], &of[b]) / (squares[a] * squares[b]).sqrt();
     }
-    (small, large)
+    let cosines = &cosines[..pairs.len()];
+    if cosines.iter().any(|cosine| cosine.is_nan()) {
+        return (f64::NAN, f64::NAN);
+    }
+    cosines
+        .iter()
+        .fold((-1.0, 1.0), |(small, large), &cosine| (f64::max(small, cosine), f64::min(large, cosine)))
 }
 
 /// Squared distance.

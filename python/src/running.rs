@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
+use impactite::observe::RunView;
 use impactite::parallel::Team;
 use impactite::scene::Solver;
 use impactite_input::measured::Measures;
@@ -52,7 +53,7 @@ struct State {
 impl State {
     /// True if a measure ends the scene.
     fn by_measure(&self) -> Result<bool, Failed> {
-        Ok(self.measures.ended(&*self.solver)?.is_some())
+        Ok(self.measures.ended(&RunView::of(&*self.solver))?.is_some())
     }
 }
 
@@ -147,7 +148,7 @@ impl Running {
     pub fn measured(&self, py: Python<'_>) -> PyResult<Vec<f64>> {
         let taken = py.detach(|| {
             let state = self.lock()?;
-            Ok::<_, Failed>(state.measures.take(&*state.solver)?)
+            Ok::<_, Failed>(state.measures.take(&RunView::of(&*state.solver))?)
         });
         Ok(taken?)
     }
@@ -224,7 +225,7 @@ impl Running {
                     state.changes += 1;
                     let State { solver, measures, .. } = &mut *state;
                     solver.step_towards(end)?;
-                    measures.look(&**solver)?;
+                    measures.look(&RunView::of(&**solver))?;
                     made += 1;
                 }
                 if state.solver.reached(end) || time.is_none() && state.by_measure()? {

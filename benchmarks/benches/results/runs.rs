@@ -12,10 +12,32 @@ use crate::sample::{Sample, Subject, attempt};
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes");
 
+/// Scenes of the table of threads: name, file below `scenes`, and what is set in it.
+const SIZES: [(&str, &str, &[&str]); 10] = [
+    ("Taylor bar, 5 cells on the radius", "taylor_bar.toml", &["parameters.cells=5"]),
+    ("Taylor bar, 10 cells", "taylor_bar.toml", &[]),
+    ("Taylor bar, 20 cells", "taylor_bar.toml", &["parameters.cells=20", "end=10 us"]),
+    ("29 bodies in contact", "pressed_balls.toml", &[]),
+    (
+        "1001 bodies in contact",
+        "pressed_balls.toml",
+        &["parameters.balls=10", "bodies.ball.repeat.counts=[10,10,10]", "end=4 us"],
+    ),
+    ("rod and plate in contact", "oblique_penetration.toml", &[]),
+    ("finite elements", "templates/fem_bar.toml", &["parameters.elements=50", "end=10 us"]),
+    ("smoothed particles", "templates/sph_bars.toml", &["parameters.particles=40"]),
+    ("fragile points", "templates/fpm_spall.toml", &["parameters.cells=40"]),
+    ("particle contact", "elastic_bar.toml", &[]),
+];
+
+/// Output of runs whose steps alone are measured.
+const QUIET: [&str; 3] = ["output.histories=1 s", "output.pictures=1 s", "output.frames=1 s"];
+
 /// Measured run of a scene file.
 struct Ran {
-    /// Wall-clock times of the command and of its steps, s.
+    /// Wall-clock times of the command, of its start and of its steps, s.
     wall: f64,
+    start: f64,
     steps: f64,
     /// Number of point updates.
     updates: f64,
@@ -25,13 +47,21 @@ struct Ran {
     bytes: f64,
 }
 
-fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ran, CaseError> {
+fn run(
+    program: &Path,
+    (scene, set): (&Path, &[&str]),
+    threads: usize,
+    folder: &Path,
+) -> Result<Ran, CaseError> {
     // Delete old results, which a program that refuses the scene would leave in place.
     let path = folder.join("result.json");
     let _ = std::fs::remove_file(&path);
     let start = Instant::now();
     let mut command = Command::new(program);
     command.arg("run").arg(scene).args(["--threads", &threads.to_string(), "--out"]).arg(folder);
+    set.iter().for_each(|set| {
+        command.args(["--set", set]);
+    });
     let done = command
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -44,8 +74,11 @@ fn run(program: &Path, scene: &Path, threads: usize, folder: &Path) -> Result<Ra
     let said: serde_json::Value = serde_json::from_str(&text).map_err(|e| failed(e.to_string()))?;
     let number = |key: &str| said[key].as_f64().ok_or_else(|| failed(format!("no number `{key}`")));
     let steps = number("wall_seconds")?;
+    let record = std::fs::read_to_string(folder.join("run.json")).unwrap_or_default();
+    let record: serde_json::Value = serde_json::from_str(&record).unwrap_or_default();
+    let start = record["timing"]["setup"].as_f64().unwrap_or(f64::NAN);
     let updates = number("particle_updates_per_second")? * steps;
-    Ok(Ran { wall, steps, updates, points: number("particles")?, bytes: number("peak_memory_bytes")? })
+    Ok(Ran { wall, start, steps, updates, points: number("particles")?, bytes: number("peak_memory_bytes")? })
 }
 
 /// List the scene files by name.
@@ -80,7 +113,7 @@ pub fn cost(
         for threads in [1, 2] {
             let subject = |name: &str, program: PathBuf| {
                 let (scene, folder) = (&scene, &folder);
-                Subject::new(name, move || run(&program, scene, threads, folder))
+                Subject::new(name, move || run(&program, (scene, &[]), threads, folder))
             };
             let mut subjects = vec![subject("now", program.into())];
             subjects.extend(previous.map(|previous| subject("before", previous.into())));
@@ -108,6 +141,7 @@ pub fn cost(
                 threads.to_string(),
                 text(of(before, |r| r.wall)),
                 wall.text(2),
+                format!("{:.2}", now.spread(|r| r.start).median),
                 text(of(before, |r| r.steps)),
                 steps.text(2),
                 format!("{:.2}", steps.median / wall.median),
@@ -116,7 +150,6 @@ pub fn cost(
             ]);
         }
     }
-    let _ = std::fs::remove_dir_all(&folder);
     for threads in [1, 2] {
         let [wall, steps, wall_before, steps_before] = all.map(|sum| sum[threads - 1]);
         let before = |sum: f64| if previous.is_some() { format!("{sum:.1}") } else { "-".into() };
@@ -126,6 +159,7 @@ pub fn cost(
             threads.to_string(),
             before(wall_before),
             format!("{wall:.1}"),
+            String::new(),
             before(steps_before),
             format!("{steps:.1}"),
             format!("{:.2}", steps / wall),
@@ -139,16 +173,65 @@ pub fn cost(
         "threads",
         "command before, s",
         "command, s",
+        "of it start, s",
         "steps before, s",
         "steps, s",
         "share of steps",
         "10^6 updates a second",
         "memory, MB",
     ];
+    let of_threads = threads(quick, program, previous, &folder)?;
+    let _ = std::fs::remove_dir_all(&folder);
     Ok(Some(format!(
         "## Whole commands\n\n`impactite run` on the scene files of `scenes/` with default options: pictures, frames, histories and page are made. Seconds of the \
          whole command and of its steps; medians with least and most of rounds in alternation with the program of an earlier commit. With two threads pictures are \
-         drawn and frames written by one of them while the run goes on.\n\n{}",
-        table(title, &rows)
+         drawn and frames written by one of them while the run goes on.\n\n{}\n\n{}",
+        table(title, &rows),
+        of_threads
     )))
+}
+
+/// Measure steps on one and two threads without pictures and frames.
+fn threads(quick: bool, program: &Path, previous: Option<&Path>, folder: &Path) -> Result<String, CaseError> {
+    let mut rows = Vec::new();
+    for (name, file, set) in SIZES {
+        let scene = Path::new(SCENES).join(file);
+        let set: Vec<&str> = set.iter().copied().chain(QUIET).collect();
+        let of = |program: &Path, threads: usize| {
+            let (program, scene, set) = (program.to_path_buf(), &scene, &set);
+            move || run(&program, (scene, set), threads, folder)
+        };
+        let mut subjects: Vec<Subject<'_, Ran>> =
+            [1, 2].map(|t| Subject::new(&format!("now {t}"), of(program, t))).into();
+        let of_before = |program| [1, 2].map(|t| Subject::new(&format!("before {t}"), of(program, t)));
+        subjects.extend(previous.into_iter().flat_map(of_before));
+        let samples = attempt(&subjects, if quick { 1 } else { 3 });
+        if let Some(failure) = samples.iter().find_map(|s| s.failure.clone()) {
+            eprintln!("{name}: {failure}");
+            continue;
+        }
+        let nanoseconds = |s: &Sample<Ran>| s.spread(|r| 1e9 * r.steps / r.updates);
+        let times: Vec<Spread> = samples.iter().map(nanoseconds).collect();
+        let gain = |one: usize| match times.get(one..one + 2) {
+            Some([one, two]) => format!("{:.2}", one.median / two.median),
+            _ => "-".into(),
+        };
+        let text = |n: usize| times.get(n).map_or("-".into(), |t| t.text(0));
+        let points = format!("{:.0}", samples[0].first().points);
+        rows.push([name.into(), points, text(2), text(0), text(3), text(1), gain(2), gain(0)]);
+    }
+    let title = [
+        "scene",
+        "points",
+        "1 thread before",
+        "1 thread",
+        "2 threads before",
+        "2 threads",
+        "gain before",
+        "gain",
+    ];
+    Ok(format!(
+        "Nanoseconds of steps a point and step, and the gain of the second thread:\n\n{}",
+        table(title, &rows)
+    ))
 }

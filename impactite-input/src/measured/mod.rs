@@ -7,6 +7,7 @@ mod value;
 use std::fmt;
 use std::sync::Arc;
 
+use impactite::observe::RunView;
 use impactite::scene::{Archive, Body, CheckpointError, Solver};
 
 use crate::build::conditions::accounts;
@@ -62,9 +63,9 @@ pub fn profile_values(
     scene: &SceneFile,
     name: &str,
     profile: &Profile,
-    solver: &dyn Solver,
+    now: &RunView<'_>,
 ) -> Result<Vec<f64>, ProfileError> {
-    let values = value::profile_values(&value::Now::new(scene.space, solver), profile);
+    let values = value::profile_values(&value::Now::new(scene.space, now), profile);
     values.map_err(|why| ProfileError { name: name.into(), why })
 }
 
@@ -161,8 +162,9 @@ impl Measures {
             End { measure, below: value(&until.below), above: value(&until.above), armed: [false; 2] }
         });
         let mut measures = Measures { space: scene.space, list, ends: ends.collect(), looked: None };
-        measures.look(solver)?;
-        measures.take(solver)?;
+        let view = RunView::of(solver);
+        measures.look(&view)?;
+        measures.take(&view)?;
         Ok(measures)
     }
 
@@ -178,12 +180,12 @@ impl Measures {
     ///
     /// # Errors
     /// Field that the law of a body does not have.
-    pub fn look(&mut self, solver: &dyn Solver) -> Result<(), MeasureError> {
-        let steps = solver.steps();
+    pub fn look(&mut self, view: &RunView<'_>) -> Result<(), MeasureError> {
+        let (solver, steps) = (view.solver(), view.step());
         if !self.looks() || self.looked.replace(steps) == Some(steps) {
             return Ok(());
         }
-        let (time, now) = (solver.time(), value::Now::new(self.space, solver));
+        let (time, now) = (view.time(), value::Now::new(self.space, view));
         for taken in &mut self.list {
             if let Measurement::ConditionForce(of) = &taken.what {
                 let axis = self.space.axis(of.axis).unwrap_or_default();
@@ -213,8 +215,8 @@ impl Measures {
     ///
     /// # Errors
     /// Field that the law of a body does not have.
-    pub fn ended(&self, solver: &dyn Solver) -> Result<Option<String>, MeasureError> {
-        let now = value::Now::new(self.space, solver);
+    pub fn ended(&self, view: &RunView<'_>) -> Result<Option<String>, MeasureError> {
+        let now = value::Now::new(self.space, view);
         for end in &self.ends {
             let (taken, [below, above]) = (&self.list[end.measure], end.armed);
             let value = self.value(&now, taken)?;
@@ -233,9 +235,9 @@ impl Measures {
     ///
     /// # Errors
     /// Field that the law of a body does not have.
-    pub fn missing(&self, solver: &dyn Solver) -> Result<Vec<String>, MeasureError> {
+    pub fn missing(&self, view: &RunView<'_>) -> Result<Vec<String>, MeasureError> {
         let mut list = Vec::new();
-        let now = value::Now::new(self.space, solver);
+        let now = value::Now::new(self.space, view);
         for end in &self.ends {
             let taken = &self.list[end.measure];
             let value = self.value(&now, taken)?;
@@ -266,8 +268,8 @@ impl Measures {
     ///
     /// # Errors
     /// Field that the law of a body does not have.
-    pub fn take(&self, solver: &dyn Solver) -> Result<Vec<f64>, MeasureError> {
-        let now = value::Now::new(self.space, solver);
+    pub fn take(&self, view: &RunView<'_>) -> Result<Vec<f64>, MeasureError> {
+        let now = value::Now::new(self.space, view);
         self.list.iter().map(|taken| self.value(&now, taken)).collect()
     }
 

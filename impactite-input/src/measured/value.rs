@@ -1,7 +1,8 @@
 //! Values of measures at one time.
 
-use std::cell::{OnceCell, RefCell};
+use std::cell::RefCell;
 
+use impactite::observe::RunView;
 use impactite::scene::{Account, Body, Parts, PointView, Solver, Totals};
 
 use super::profile::Bins;
@@ -17,25 +18,28 @@ type Corners = Option<[[f64; 3]; 2]>;
 /// Scene at one time, with cached quantities that several measures use.
 pub(super) struct Now<'a> {
     space: Space,
-    solver: &'a dyn Solver,
+    view: &'a RunView<'a>,
     bodies: Vec<&'a dyn Body>,
-    account: OnceCell<Account>,
     totals: Known<'a, Totals>,
     bounds: Known<'a, Corners>,
 }
 
 impl<'a> Now<'a> {
-    pub(super) fn new(space: Space, solver: &'a dyn Solver) -> Self {
-        let (account, totals, bounds) = (OnceCell::new(), RefCell::default(), RefCell::default());
-        Now { space, solver, bodies: solver.bodies(), account, totals, bounds }
+    pub(super) fn new(space: Space, view: &'a RunView<'a>) -> Self {
+        Now { space, view, bodies: view.bodies(), totals: RefCell::default(), bounds: RefCell::default() }
     }
     fn find(&self, name: &str) -> Result<&'a dyn Body, String> {
         find(&self.bodies, name)
     }
-    fn account(&self) -> &Account {
-        self.account.get_or_init(|| self.solver.account())
+    /// Solver, for what only some measures ask for.
+    fn solver(&self) -> &'a dyn Solver {
+        self.view.solver()
     }
     fn totals(&self, body: &'a dyn Body) -> Totals {
+        // Those of the scene are known to all observers.
+        if self.bodies.len() == 1 {
+            return *self.view.totals();
+        }
         once(&self.totals, body.name(), || body.totals())
     }
     fn bounds(&self, body: &'a dyn Body) -> Corners {
@@ -75,7 +79,7 @@ fn farthest(body: &dyn Body, axis: usize, sign: f64, share: f64) -> f64 {
 /// Evaluate an instantaneous measure.
 pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
     use Measurement as M;
-    let (space, solver) = (now.space, now.solver);
+    let (space, solver) = (now.space, now.solver());
     let (find, measure) = (|name: &str| now.find(name), &taken.what);
     // Evaluate a quantity at the point of a body; NaN once the point is removed.
     let at_point = |body: &str, ask: &dyn Fn(&PointView) -> f64| {
@@ -201,11 +205,11 @@ pub(super) fn of(now: &Now<'_>, taken: &Taken) -> Result<f64, String> {
             values.get((m.bin as usize).wrapping_sub(1)).copied().unwrap_or(f64::NAN)
         }
         M::KineticShare(_) => {
-            let totals = solver.totals();
+            let totals = now.view.totals();
             totals.kinetic_now() / totals.internal
         }
-        M::Balance(entry) => balance(now.account(), *entry),
-        M::EnergyError(_) => now.account().energy_error(),
+        M::Balance(entry) => balance(&now.view.account(), *entry),
+        M::EnergyError(_) => now.view.account().energy_error(),
         M::OverTime(m) => taken.past.value(m),
     })
 }

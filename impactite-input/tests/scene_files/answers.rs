@@ -1,5 +1,6 @@
 //! Scenes whose answers are known, by keys of files: loads, damping, contact force, points, integration of elements.
 
+use impactite::observe::RunView;
 use impactite::scene::{Solver, StepLimit};
 use impactite_input::measured::Measures;
 use impactite_input::{SceneFile, Source};
@@ -24,12 +25,12 @@ fn end_of(text: &str) -> impl Fn(&str) -> f64 + use<> {
     let Ready { scene, solver, measures } = &mut ready;
     while !solver.reached(scene.end.value) {
         solver.step_towards(scene.end.value).unwrap_or_else(|e| panic!("{e}"));
-        measures.look(&**solver).unwrap_or_else(|e| panic!("{e}"));
-        if measures.ended(&**solver).unwrap_or_else(|e| panic!("{e}")).is_some() {
+        measures.look(&RunView::of(&**solver)).unwrap_or_else(|e| panic!("{e}"));
+        if measures.ended(&RunView::of(&**solver)).unwrap_or_else(|e| panic!("{e}")).is_some() {
             break;
         }
     }
-    let values = ready.measures.take(&*ready.solver).unwrap_or_else(|e| panic!("{e}"));
+    let values = ready.measures.take(&RunView::of(&*ready.solver)).unwrap_or_else(|e| panic!("{e}"));
     let names: Vec<String> = ready.scene.measures.keys().cloned().collect();
     move |name| values[names.iter().position(|n| n == name).expect("a measure")]
 }
@@ -179,11 +180,11 @@ tip = {{ position_at = {{ body = "beam", at = ["0.4 m", "0.02 m"], axis = "y" }}
 "#
     );
     let mut ready = set_up(&text).unwrap_or_else(|e| panic!("{integration}: {e}"));
-    let start = ready.measures.take(&*ready.solver).expect("a place")[0];
+    let start = ready.measures.take(&RunView::of(&*ready.solver)).expect("a place")[0];
     let mut lowest = start;
     for n in 1..=20 {
         ready.solver.run_until(0.011 * f64::from(n)).unwrap_or_else(|e| panic!("{integration}: {e}"));
-        lowest = lowest.min(ready.measures.take(&*ready.solver).expect("a place")[0]);
+        lowest = lowest.min(ready.measures.take(&RunView::of(&*ready.solver)).expect("a place")[0]);
     }
     start - lowest
 }

@@ -127,7 +127,7 @@ impl Ledger {
         let totals = now.totals();
         let account = self.books.enter(totals, &now.exchange(), now.axisymmetric());
         if !account.moves() || account.rest == 0.0 {
-            self.books.enter_rest(now.solver().account().rest);
+            self.books.enter_rest(now.account().rest);
         }
         let lost = account.missing();
         if lost.is_nan() || lost > self.worst_missing {

@@ -72,7 +72,7 @@ fn message(now: &RunView<'_>, (start, from): (Instant, f64)) -> String {
     let part = (time - from) / (end - from);
     let left = start.elapsed().as_secs_f64() * (1.0 - part) / part;
     let expected = if left.is_finite() { clock_at(left) } else { "not known yet".into() };
-    let account = now.solver().account();
+    let account = now.account();
     let error = match account.moves() || account.rest == 0.0 {
         true => format!("energy error {:+.2} %", 100.0 * account.energy_error()),
         false => "nothing moves".into(),

@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 
 use impactite_output::{OutputError, Snapshot};
 
+use crate::balance::Account;
 use crate::body::{Body, Totals};
 use crate::contact::{ContactPoint, PairContact};
 use crate::exchange::Exchange;
@@ -99,6 +100,11 @@ impl<'a> RunView<'a> {
     #[must_use]
     pub fn totals(&self) -> &Totals {
         self.totals.get_or_init(|| self.solver.totals())
+    }
+    /// Balances of energy and momentum since the first step, from the same totals.
+    #[must_use]
+    pub fn account(&self) -> Account {
+        self.solver.account_of(self.totals())
     }
     /// Return all points of all bodies for pictures and files: [`Solver::snapshot`].
     ///

@@ -390,8 +390,8 @@ impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()
     }
-    fn account(&self) -> Account {
-        self.watcher.account(&self.totals(), &self.exchange(), self.axisymmetric())
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.watcher.account(totals, &self.exchange(), self.axisymmetric())
     }
     fn contacts(&self) -> Vec<PairContact> {
         self.pairs.clone()

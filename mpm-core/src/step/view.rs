@@ -157,8 +157,8 @@ impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     fn warnings(&self) -> &[Warning] {
         Mpm::warnings(self)
     }
-    fn account(&self) -> Account {
-        Mpm::account(self)
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.looks.watcher.account(totals, &self.exchange(), self.facts().hoop)
     }
     fn contacts(&self) -> Vec<PairContact> {
         self.grid.contact.pairs().to_vec()

@@ -74,10 +74,10 @@ impl LocalDelaunay {
     }
 }
 
-/// Smallest angle of a triangle, radians; zero for one that is not positively oriented.
-fn smallest_angle<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f64 {
+/// Cosine of the smallest angle of a triangle; one for a triangle that is not positively oriented.
+fn cosine<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f64 {
     let x = corners(particles, nodes);
-    if measure(&x) > 0.0 { angles(&x).0.acos() } else { 0.0 }
+    if measure(&x) > 0.0 { angles(&x).0 } else { 1.0 }
 }
 
 impl LocalDelaunay {
@@ -92,6 +92,8 @@ impl LocalDelaunay {
                 continue;
             }
             let element = view.element(e);
+            let cosine = |nodes: &[u32]| cosine(view.particles, nodes);
+            let own = cosine(element);
             let mut best: Option<(f64, usize, [u32; 6])> = None;
             for k in 0..3 {
                 let Some((other, opposite)) = view.across(e, k) else { continue };
@@ -101,11 +103,12 @@ impl LocalDelaunay {
                 let (top, a, b) = (element[k], element[(k + 1) % 3], element[(k + 2) % 3]);
                 let foot = view.element(other)[opposite];
                 let pair = [top, a, foot, top, foot, b];
-                let angle = |nodes: &[u32]| smallest_angle(view.particles, nodes);
-                let before = angle(element).min(angle(view.element(other)));
-                let after = angle(&pair[..3]).min(angle(&pair[3..]));
+                let before = own.max(cosine(view.element(other)));
+                let after = cosine(&pair[..3]).max(cosine(&pair[3..]));
                 let sound = |nodes: &[u32]| self.keep.flaw(view.particles, nodes).is_none();
-                let better = after > self.gain * before && best.is_none_or(|(most, ..)| after > most);
+                let better = after < before
+                    && best.is_none_or(|(least, ..)| after < least)
+                    && after.acos() > self.gain * before.acos();
                 if better && sound(&pair[..3]) && sound(&pair[3..]) {
                     best = Some((after, other, pair));
                 }

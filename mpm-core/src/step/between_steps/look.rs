@@ -2,7 +2,7 @@
 
 use impactite_scene::error::{StepError, Stopped};
 use impactite_scene::watch::{Account, Finding, GainCause, Look, Loss, Warning, Watch, Watcher};
-use impactite_scene::{Body, Totals};
+use impactite_scene::{Body, Solver, Totals};
 
 use super::cells::{Alternation, Cells, Wholeness};
 
@@ -67,7 +67,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Present balance; it opens with the first step after the last body was added.
     pub fn account(&self) -> Account {
-        self.looks.watcher.account(&self.totals(), &self.exchange(), self.facts().hoop)
+        Solver::account(self)
     }
 
     /// Open the balance before the first step.

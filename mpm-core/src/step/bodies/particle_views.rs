@@ -28,21 +28,13 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         numbers.clear();
         block.read(at, numbers);
         let numbers = &*numbers;
-        let centre = self.bin_centre();
-        let coordinates = block.bin_coordinates(bin);
         p.number = numbers[self.columns.number()].to_double() as usize;
         p.mass = self.masses.of(numbers).to_double();
         if parts.size {
             p.half_edges = self.half_edges(numbers);
         }
-        (p.position, p.velocity) = ([0.0; 3], [0.0; 3]);
-        let total = self.facts().total;
+        (p.position, p.velocity) = (self.position_of(block, bin, at, way), [0.0; 3]);
         for d in 0..D {
-            let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
-            if total {
-                cells += numbers[self.columns.frame() + d].to_double();
-            }
-            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - way[d];
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
         let state = self.state_of(numbers);
@@ -61,6 +53,23 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             p.failed = said.failed;
             p.volume = unstrained() * said.volume_ratio.to_double();
         }
+    }
+
+    /// Position of a particle, m; `way` is that of the lead.
+    #[inline]
+    fn position_of(&self, block: &Block<T, D>, bin: usize, at: Place, way: &[f64; 3]) -> [f64; 3] {
+        let (coordinates, centre, total) =
+            (block.bin_coordinates(bin), self.bin_centre(), self.facts().total);
+        let mut position = [0.0; 3];
+        for d in 0..D {
+            let mut cells =
+                f64::from(coordinates[d]) + centre + block.get(at, Columns::position() + d).to_double();
+            if total {
+                cells += block.get(at, self.columns.frame() + d).to_double();
+            }
+            position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - way[d];
+        }
+        position
     }
 
     /// State variables of the law among the values of a particle.
@@ -82,27 +91,21 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     pub(super) fn totals_of(&self, slot: &Slot<T, D>) -> Totals {
         let mut part = Totals::default();
-        let mut numbers = Vec::with_capacity(self.columns.count());
-        let (centre, spacing, way) = (self.bin_centre(), self.lattice.spacing(), self.lead.way());
-        let (total, density) = (self.facts().total, self.material.density());
+        let mut state = Vec::with_capacity(self.columns.count());
+        let (way, density) = (self.lead.way(), self.material.density());
         for (bin, at) in slot.block.places() {
-            numbers.clear();
-            slot.block.read(at, &mut numbers);
-            let coordinates = slot.block.bin_coordinates(bin);
-            let (mut x, mut v) = ([0.0; 3], [0.0; 3]);
+            let number = |column: usize| slot.block.get(at, column);
+            state.clear();
+            state.extend((Columns::state(D)..self.columns.domain()).map(number));
+            let x = self.position_of(&slot.block, bin, at, &way);
+            let mut v = [0.0; 3];
             for d in 0..D {
-                let mut cells =
-                    f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
-                if total {
-                    cells += numbers[self.columns.frame() + d].to_double();
-                }
-                x[d] = self.lattice.origin()[d] + spacing * cells - way[d];
-                v[d] = numbers[Columns::velocity(D) + d].to_double();
+                v[d] = number(Columns::velocity(D) + d).to_double();
             }
-            let mass = self.masses.of(&numbers);
-            let energy = self.material.energy_of(self.state_of(&numbers)).unwrap_or_default();
+            let mass = self.masses.read(number);
+            let energy = self.material.energy_of(&state).unwrap_or_default();
             part.internal += (energy * (mass / density)).to_double();
-            let heat = self.material.viscous_heat_of(self.state_of(&numbers));
+            let heat = self.material.viscous_heat_of(&state);
             part.viscous_heat += (heat * (mass / density)).to_double();
             let mass = mass.to_double();
             part.particles += 1;
@@ -159,10 +162,16 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
         let mut parts = vec![Bounds::default(); self.index.len()];
         let way = self.lead.way();
         Team::ambient().each(&mut parts, |n, held| {
-            let (mut numbers, mut p) = (Vec::new(), PointView::default());
+            let (mut state, mut p) = (Vec::new(), PointView::default());
             let block = &self.slots[self.index[n].1 as usize].block;
             for (bin, at) in block.places() {
-                self.read_particle((block, bin, at), Parts::SIZE, &way, &mut numbers, &mut p);
+                p.position = self.position_of(block, bin, at, &way);
+                state.clear();
+                state.extend((Columns::state(D)..self.columns.domain()).map(|column| block.get(at, column)));
+                if let Some(ratio) = self.material.volume_ratio_of(&state) {
+                    let mass = self.mass_at(block, at).to_double();
+                    p.volume = mass / self.material.density().to_double() * ratio.to_double();
+                }
                 held.hold(&p, dimensions, axisymmetric);
             }
         });

@@ -35,17 +35,20 @@ pub struct Conditions<const D: usize> {
     pub damping: LocalDamping,
 }
 
-/// Add a share of the exchange of a node.
-fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
+/// Move a share of the exchange of a node to a sum, and reset it; `accounts` is true if conditions have accounts.
+fn move_share(sum: &mut Exchange, share: f64, o: &mut Exchange, accounts: bool) {
     for d in 0..3 {
-        sum.impulse[d] += share * o.impulse[d];
-        sum.load[d] += share * o.load[d];
-        sum.dropped[d] += share * o.dropped[d];
+        sum.impulse[d] += share * std::mem::take(&mut o.impulse[d]);
+        sum.load[d] += share * std::mem::take(&mut o.load[d]);
+        sum.dropped[d] += share * std::mem::take(&mut o.dropped[d]);
     }
-    sum.work += share * o.work;
-    sum.friction += share * o.friction;
-    sum.damping += share * o.damping;
-    sum.add_accounts(share, o);
+    sum.work += share * std::mem::take(&mut o.work);
+    sum.friction += share * std::mem::take(&mut o.friction);
+    sum.damping += share * std::mem::take(&mut o.damping);
+    if accounts {
+        sum.add_accounts(share, o);
+        o.accounts = Default::default();
+    }
 }
 
 /// Set the nodes of a rigid body's block to the rigid velocity. Returns true if they are final.
@@ -113,6 +116,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         let bound = near.nodes | place.copies(mirrors);
         // Nodes of no condition are updated in groups, in the order of all nodes.
         let (mut free, items) = (0, nodes.items.len());
+        let [mut of_node, mut of_copies] = [Exchange::default(); 2];
         for (i, n) in numbers(nodes.kept()).enumerate() {
             let share = own.next_share(i, &nodes.items[i]);
             if bound >> n & 1 == 0 && share.is_none() {
@@ -135,11 +139,10 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
                 held: if U::HOLDS { [false; 3] } else { held_now },
             };
             if let Some(share) = share {
-                let mut all = Exchange::default();
-                update.update(node, &mut around, &mut all);
-                add_share(ledger, share, &all);
+                update.update(node, &mut around, &mut of_node);
+                move_share(ledger, share, &mut of_node, near.accounts);
             } else if copy {
-                update.update(node, &mut around, &mut Exchange::default());
+                update.update(node, &mut around, &mut of_copies);
             } else {
                 update.update(node, &mut around, ledger);
             }
@@ -170,6 +173,8 @@ struct Near<'a, const D: usize> {
     reached: bool,
     /// True if any condition reacts in this block.
     reacting: bool,
+    /// True if any condition has an account.
+    accounts: bool,
     /// Nodes within reach of a boundary, one bit each.
     nodes: u64,
 }
@@ -191,6 +196,7 @@ impl<'a, const D: usize> Near<'a, D> {
             rigid,
             reached: false,
             reacting: false,
+            accounts: of.boundaries.has_accounts(),
             nodes: 0,
         };
         for (n, b) in of.boundaries.iter().enumerate() {
@@ -274,7 +280,7 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
     fn constrain_booked(&self, v: &mut [f64; 3], time: f64, mass: f64, ledger: &mut Exchange) -> bool {
         let before = *v;
         let tolerance = 1e-6 * self.of.lattice.spacing();
-        if !self.of.boundaries.has_accounts() {
+        if !self.near.accounts {
             return self.constrain(v, time);
         }
         let at = (time, tolerance, self.of.copies);
