@@ -72,3 +72,70 @@ impl<const D: usize> BlockPlace<D> {
         x
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dim::block_nodes;
+    use impactite_scene::boundary::Side;
+
+    /// Check that a boundary changes no velocity of a node that is not within reach of it.
+    fn covers<const D: usize>(boundaries: impl Fn(usize, f64, Side) -> Vec<Boundary<D>>) {
+        let spacing = 0.25;
+        let lattice = Lattice::new([0.1; D], spacing).expect("a lattice");
+        let (time, dt) = (2.0, 0.05);
+        let mut spared = 0;
+        for (axis, side) in (0..D).flat_map(|axis| [(axis, Side::Above), (axis, Side::Below)]) {
+            for place in -6..18 {
+                for boundary in boundaries(axis, 0.1 + 0.5 * spacing * f64::from(place), side) {
+                    let block = BlockPlace::new(&lattice, &[0; D]);
+                    let nodes = block.within_reach(&boundary, time, 2.0 * spacing);
+                    for n in 0..block_nodes(D) {
+                        let changes = [1e3, -1e3].iter().any(|speed| {
+                            let mut v = [*speed; 3];
+                            boundary.constrain(&block.node(n), &mut v, time + dt, 1e-6 * spacing, 0.0);
+                            v != [*speed; 3]
+                        });
+                        assert!(!changes || nodes >> n & 1 != 0, "node {n} of {boundary:?}");
+                        spared += usize::from(nodes >> n & 1 == 0);
+                    }
+                }
+            }
+        }
+        assert!(spared > 0, "all nodes are within reach of all boundaries");
+    }
+
+    fn planes<const D: usize>(axis: usize, at: f64, side: Side) -> Vec<Boundary<D>> {
+        let mut velocity = [0.3; D];
+        // Up to a cell a step, from a place at the time of the step.
+        let fast = if side == Side::Above { 4.0 } else { -4.0 };
+        let mut list = vec![
+            Boundary::Symmetry { axis, at, side },
+            Boundary::Fixed { axis, at, side },
+            Boundary::Wall { axis, at, side, velocity: 0.0 },
+            Boundary::Wall { axis, at: at - 2.0 * fast, side, velocity: fast },
+        ];
+        for normal in [0.0, fast] {
+            velocity[axis] = normal;
+            list.push(Boundary::FrictionWall { axis, at: at - 2.0 * normal, side, velocity, friction: 0.2 });
+        }
+        list
+    }
+
+    #[test]
+    fn boundaries_change_only_nodes_within_reach() {
+        covers::<2>(planes::<2>);
+        covers::<3>(planes::<3>);
+    }
+
+    #[test]
+    fn nodes_behind_a_plane_are_its_copies() {
+        let lattice = Lattice::new([0.0; 3], 1.0).expect("a lattice");
+        let block = BlockPlace::new(&lattice, &[0, -1, 2]);
+        for (axis, node, sign) in [(0, 2, 1), (1, -2, -1), (2, 8, 1), (2, 11, -1)] {
+            let mirror = Plane { axis, node, sign };
+            let copies = block.copies(&[mirror]);
+            assert!((0..64).all(|n| (copies >> n & 1 != 0) == block.is_copy(n, &[mirror])));
+        }
+    }
+}
