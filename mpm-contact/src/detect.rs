@@ -138,7 +138,7 @@ impl<N> SurfaceDistance<N> {
         Ok(SurfaceDistance { normals, threshold, what: SurfaceQuantity::CentreReach })
     }
     /// Measure surfaces at the particles' half sizes, only by particles whose centres are within half a cell of the line through the node
-    /// along the normal; by all particles around the node if one of the bodies has none there.
+    /// along the normal, or whose domains the line passes through.
     #[must_use]
     pub fn locally(mut self) -> Self {
         self.what = SurfaceQuantity::LocalReach;
@@ -175,8 +175,8 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
     }
 }
 
-/// Reach of the surfaces of both fields of a pair beyond places, towards the other along the normals, m, in the first components: by all
-/// particles around the place if a body has none near the line of [`SurfaceQuantity::LocalReach`].
+/// Reach of the surfaces of both fields of a pair beyond places, towards the other along the normals, m, in the first components; a large
+/// negative number for a body without particles near the line of [`SurfaceQuantity::LocalReach`].
 pub(crate) fn distances<T: Float, const D: usize>(
     at: &dyn Places<T, D>,
     what: SurfaceQuantity,
@@ -188,15 +188,8 @@ pub(crate) fn distances<T: Float, const D: usize>(
     let mut reach: [Nodal<[T; 3]>; 2] = [[[far; 3]; 64]; 2];
     let mut opposite = *normals;
     each_place(nodes).for_each(|n| opposite[n] = times(normals[n], T::of(-1.0)));
-    let mut ask = |what, nodes| {
-        at.surface_quantity(pair[0], what, nodes, normals, &mut reach[0]);
-        at.surface_quantity(pair[1], what, nodes, &opposite, &mut reach[1]);
-        let missed = |n: &usize| reach.iter().any(|r| r[*n][0] <= far);
-        each_place(nodes).filter(missed).fold(0, |bits, n| bits | 1 << n)
-    };
-    let missed = ask(what, nodes);
-    if missed != 0 && what == SurfaceQuantity::LocalReach {
-        ask(SurfaceQuantity::Reach, missed);
+    for ((field, normals), reach) in pair.into_iter().zip([normals, &opposite]).zip(&mut reach) {
+        at.surface_quantity(field, what, nodes, normals, reach);
     }
     reach
 }

@@ -13,7 +13,7 @@ pub enum SurfaceQuantity {
     /// of \[Ma2010\]). First component; start from a large negative number.
     Reach,
     /// Local reach: [`SurfaceQuantity::Reach`] of the particles whose centres are within half a cell of the line through the place along
-    /// its normal, without bulges beside it.
+    /// its normal, or whose domains the line passes through, without bulges beside it.
     LocalReach,
     /// Reach of the centres: [`SurfaceQuantity::Reach`] without l_p.
     CentreReach,

@@ -26,7 +26,7 @@ where
     Extent<D, 3>: Stencil,
 {
     type Extent = Extent<D, 3>;
-    const USL_LIMIT: f64 = 0.39;
+    const USL_LIMIT: f64 = 0.5;
     const NAME: &'static str = "tent-averaged linear shape function";
 
     #[inline(always)]

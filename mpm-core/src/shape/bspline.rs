@@ -16,6 +16,7 @@ where
     type Extent = Extent<D, 3>;
     const POLYNOMIAL: bool = true;
     const USL_LIMIT: f64 = 0.59;
+    const AFLIP_SHARE: f64 = 0.9;
     const NAME: &'static str = "quadratic B-spline";
 
     #[inline(always)]
@@ -74,7 +75,7 @@ where
 {
     type Extent = Extent<D, 4>;
     const POLYNOMIAL: bool = true;
-    const USL_LIMIT: f64 = 0.8;
+    const USL_LIMIT: f64 = 0.9;
     const NAME: &'static str = "cubic B-spline";
 
     #[inline(always)]

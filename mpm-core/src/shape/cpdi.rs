@@ -45,7 +45,7 @@ macro_rules! convected {
         {
             type Extent = Extent<D, 4>;
             const DOMAIN: Domain = $domain;
-            const USL_LIMIT: f64 = 0.39;
+            const USL_LIMIT: f64 = 0.5;
             const NAME: &'static str = $title;
 
             #[inline(always)]

@@ -45,7 +45,7 @@ where
     Extent<D, 3>: Stencil,
 {
     type Extent = Extent<D, 3>;
-    const USL_LIMIT: f64 = 0.39;
+    const USL_LIMIT: f64 = 0.5;
     const NAME: &'static str = "uGIMP";
 
     #[inline(always)]
@@ -63,7 +63,7 @@ where
 {
     type Extent = Extent<D, 3>;
     const DOMAIN: Domain = Domain::Axes;
-    const USL_LIMIT: f64 = 0.39;
+    const USL_LIMIT: f64 = 0.5;
     const NAME: &'static str = "cpGIMP";
 
     #[inline(always)]

@@ -17,7 +17,7 @@ where
 {
     type Extent = Extent<D, 2>;
     const POLYNOMIAL: bool = true;
-    const USL_LIMIT: f64 = 0.39;
+    const USL_LIMIT: f64 = 0.5;
     const NAME: &'static str = "linear";
 
     #[inline(always)]

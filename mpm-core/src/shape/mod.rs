@@ -71,9 +71,11 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     const DOMAIN: Domain = Domain::Fixed;
     /// True if the basis ends at walls and fixed planes ([`BoundaryModified`]).
     const BOUNDARY_MODIFIED: bool = false;
-    /// Smallest stable Courant number dt c / h with USL in three dimensions, with 1 to 4 particles per axis and cell (book,
-    /// "The stable time step"); 0.9 of it is the default.
+    /// Smallest stable Courant number dt c / h measured with USL in three dimensions, with 2 particles per axis and cell
+    /// (book, "The stable time step"); 0.7 of it is the default.
     const USL_LIMIT: f64;
+    /// Default step of AFLIP with USL over [`ShapeFunction::USL_LIMIT`].
+    const AFLIP_SHARE: f64 = 0.7;
     /// Name in tables and messages.
     const NAME: &'static str;
 

@@ -36,10 +36,8 @@ fn wall<const D: usize>(boundary: &Boundary<D>, number: usize, time: f64) -> Opt
     Some(Wall { number, axis, sign, at: at + velocity[axis] * time, velocity, friction })
 }
 
-/// Maximum number of sweeps, of friction and of the constraints of walls, and convergence tolerance: change of the impulses
-/// over the largest impulse.
+/// Maximum number of sweeps, and convergence tolerance: change of the impulses over the largest impulse.
 const SWEEPS: usize = 20;
-const WALL_SWEEPS: usize = 10;
 const FOUND: f64 = 1e-6;
 
 /// Nodes of a surface: weight, weight including images per direction, mass, and inverse of the effective mass normal to the wall.
@@ -255,7 +253,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
         list.retain(|touch| touch.shown(wall.axis) > 0.0);
         // Particles of a cell, which act on the same nodes, in turn.
-        let lowest = |touch: &Touch<D>| self.images[touch.point][0].weights.iter().map(|w| w.node).min();
+        let reached =
+            |touch: &Touch<D>| self.images[touch.point][0].weights.iter().filter(|w| w.value != 0.0);
+        let lowest = |touch: &Touch<D>| reached(touch).map(|w| w.node).min();
         list.sort_by_key(|touch| (lowest(touch), touch.point));
         let ties = if list.is_empty() { Vec::new() } else { ties };
         (list, lights, ties)
@@ -398,7 +398,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             let closes = wall.sign * (speed - drag) < 0.0;
             touch.presses = touch.gap <= 0.0 && closes || touch.pressed;
         }
-        for _ in 0..WALL_SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for touch in touches.iter_mut().filter(|touch| touch.presses) {
                 let mut excess = 0.0;
@@ -439,7 +439,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     ) {
         let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         touches.iter_mut().for_each(|touch| touch.stop = 0.0);
-        for _ in 0..WALL_SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for touch in &mut *touches {
                 let mut speed = 0.0;

@@ -1,6 +1,6 @@
 //! Particle surfaces at a wall, and their contact constraints ([`super::meet_walls`]).
 
-use crate::step::clients::near_particles::{FOUND, NearParticles};
+use crate::step::clients::near_particles::{FOUND, NearParticles, SWEEPS};
 
 /// Ratio of surface mass acting on a node behind a wall to nodal mass, above which the node is tied to the one in front.
 const THIN: f64 = 10.0;
@@ -55,7 +55,7 @@ pub(in crate::step) struct AtWall<const D: usize> {
     pub(in crate::step) surfaces: Vec<Surface>,
     /// Inverse effective masses of the nodes, 1/kg; zero for nodes that a condition constrains along the axis of the wall.
     pub(in crate::step) shown: Vec<f64>,
-    /// Lowest node of the stencil of each particle, by index on the lattice.
+    /// Lowest node with a weight of each particle, by index on the lattice.
     pub(in crate::step) bins: Vec<[i32; D]>,
     /// Particles sorted by stencil and number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
@@ -99,9 +99,6 @@ fn along<const D: usize>(weights: &[(u32, [f64; D])], axis: usize, of: &[f64]) -
     weights.iter().map(|(node, weight)| weight[axis] * of[*node as usize]).sum()
 }
 
-/// Maximum number of sweeps over the surfaces at a wall. Twice and ten times as many change the length of a Taylor bar by
-/// less than 1e-6 of it: what is left are differences between particles of a cell, which act on the same nodes.
-const WALL_SWEEPS: usize = 10;
 /// Number of nodes to which rows of weights are extended, by zeros: a whole number of these.
 const WIDTH: usize = 8;
 
@@ -251,7 +248,7 @@ impl<const D: usize> AtWall<D> {
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
         let drag = wall.velocity[wall.axis];
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
-        for _ in 0..WALL_SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             self.rows.each(&self.order, &self.shown, velocities, |p, row| {
                 let surface = &mut self.surfaces[p];
@@ -283,7 +280,7 @@ impl<const D: usize> AtWall<D> {
             let closing = wall.sign * (along(self.near.weights(p), axis, velocities) - drag) < 0.0;
             surface.presses = surface.pressed || surface.gap <= 0.0 && closing;
         }
-        for _ in 0..WALL_SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             self.rows.each(&self.order, &self.shown, accelerations, |p, row| {
                 let surface = &mut self.surfaces[p];

@@ -135,7 +135,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     passes: [0.0; 2],
                 });
                 masses.push(particle.mass);
-                bins.push(weights.iter().map(|w| w.node).min().unwrap_or([0; D]));
+                let reached = weights.iter().filter(|w| w.value != 0.0).map(|w| w.node);
+                bins.push(reached.min().unwrap_or([0; D]));
                 full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();

@@ -170,8 +170,10 @@ pub(in crate::step) const REACH: u8 = 1;
 pub(in crate::step) const TRACTION: u8 = 2;
 
 /// Squared distance limit of particles from the line through a node for [`SurfaceQuantity::LocalReach`], in cells;
-/// particles half a cell away to either side are included despite rounding.
-const BESIDE: f64 = 0.25 + 1e-6;
+/// particles half a cell away to either side are included despite rounding. Particles whose domain the line passes through
+/// are included, too.
+const BESIDE: f64 = 0.25 + BESIDE_ROUNDING;
+const BESIDE_ROUNDING: f64 = 1e-6;
 
 /// Marker of a reach without particles.
 const LOWEST: f64 = -1e30;
@@ -234,6 +236,9 @@ where
         let convects = S::DOMAIN.convects();
         let reaches = KIND == REACH;
         let (centres, local) = (what == SurfaceQuantity::CentreReach, what == SurfaceQuantity::LocalReach);
+        // Domains that may cover a line farther from their centres than [`BESIDE`].
+        let diagonal = domains.half[..D].iter().fold(T::default(), |sum, half| sum + *half * *half);
+        let wide = reaches && local && !convects && (carries || diagonal > T::of(BESIDE));
         let per_density = A::Pack::splat(material.density()).recip();
         // One sum per node and lane; lanes are added up at the end.
         let mut sums = [[if reaches { lowest } else { zero }; 3]; block_nodes(3)];
@@ -351,6 +356,17 @@ where
                                 if local {
                                     let near = (away - along * along).lt(A::Pack::of(BESIDE));
                                     reach = A::Pack::select(near, reach, lowest);
+                                    if wide {
+                                        // Largest distance from the line in half sizes of the domain.
+                                        let mut most = zero;
+                                        for d in 0..D {
+                                            let x = xi[d] - A::Pack::of(node_offset::<S::Extent>(place[d]));
+                                            let off = (x - along * n[d]) / size[d];
+                                            most = most.max(off.max(-off));
+                                        }
+                                        let through = most.lt(A::Pack::of(1.0 + BESIDE_ROUNDING));
+                                        reach = A::Pack::select(through, along + half, reach);
+                                    }
                                 }
                                 sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
                             }
