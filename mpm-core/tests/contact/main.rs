@@ -24,3 +24,4 @@ mod rigid;
 mod sliding;
 mod stacked;
 mod symmetry;
+mod units;
