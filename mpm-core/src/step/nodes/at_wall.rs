@@ -55,7 +55,7 @@ pub(in crate::step) struct AtWall<const D: usize> {
     pub(in crate::step) surfaces: Vec<Surface>,
     /// Inverse effective masses of the nodes, 1/kg; zero for nodes that a condition constrains along the axis of the wall.
     pub(in crate::step) shown: Vec<f64>,
-    /// Lowest node with a weight of each particle, by index on the lattice.
+    /// Bin of each particle, whose particles have the same nodes, by index on the lattice.
     pub(in crate::step) bins: Vec<[i32; D]>,
     /// Particles sorted by stencil and number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
@@ -115,13 +115,12 @@ pub(in crate::step) struct Rows {
     shown: Vec<f64>,
 }
 
-/// Group of particles with the same nodes.
+/// Group of particles with the same nodes: ranges of particles in order, of nodes, and start of the weights.
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    /// Number of particles.
-    particles: usize,
-    /// Number of nodes.
-    nodes: usize,
+    particles: [usize; 2],
+    nodes: [usize; 2],
+    weights: usize,
 }
 
 /// Weights of a particle, with the values at its nodes.
@@ -165,13 +164,14 @@ impl Rows {
         self.nodes.clear();
         self.weights.clear();
         let mut before: &[(u32, [f64; D])] = &[];
-        for &p in order {
+        for (n, &p) in order.iter().enumerate() {
             let weights = near.weights(p);
             let same = weights.len() == before.len() && weights.iter().zip(before).all(|(a, b)| a.0 == b.0);
             match self.groups.last_mut().filter(|_| same) {
-                Some(group) => group.particles += 1,
+                Some(group) => group.particles[1] = n + 1,
                 None => {
-                    self.groups.push(Group { particles: 1, nodes: weights.len() });
+                    let nodes = [self.nodes.len(), self.nodes.len() + weights.len()];
+                    self.groups.push(Group { particles: [n, n + 1], nodes, weights: self.weights.len() });
                     self.nodes.extend(weights.iter().map(|(node, _)| *node));
                 }
             }
@@ -181,16 +181,16 @@ impl Rows {
         }
     }
 
-    /// Visit every particle of `order`, with its row of `values`, which it may change; `shown` are the inverse effective
-    /// masses of the nodes.
+    /// Visit every particle of `order`, or in reverse order in every second sweep, with its row of `values`, which it may
+    /// change; `shown` are the inverse effective masses of the nodes.
     fn each(
         &mut self,
-        order: &[usize],
-        shown: &[f64],
+        sweep: usize,
+        (order, shown): (&[usize], &[f64]),
         values: &mut [f64],
         visit: impl FnMut(usize, &mut Row<'_>),
     ) {
-        f64::dispatch(Sweep { rows: self, order, shown, values, visit });
+        f64::dispatch(Sweep { rows: self, back: sweep % 2 == 1, order, shown, values, visit });
     }
 
     /// Allocated memory, bytes.
@@ -204,6 +204,8 @@ impl Rows {
 /// Visit of all rows.
 struct Sweep<'a, F> {
     rows: &'a mut Rows,
+    /// True for the reverse order.
+    back: bool,
     order: &'a [usize],
     shown: &'a [f64],
     values: &'a mut [f64],
@@ -215,27 +217,25 @@ impl<F: FnMut(usize, &mut Row<'_>)> Kernel<f64> for Sweep<'_, F> {
 
     #[inline(always)]
     fn run<A: Arch<f64>>(self) {
-        let Sweep { rows, order, shown, values, mut visit } = self;
+        let Sweep { rows, back, order, shown, values, mut visit } = self;
         let Rows { groups, nodes, weights, values: of_group, shown: shown_of_group } = rows;
-        let (mut order, mut nodes, mut weights) = (order, &nodes[..], &weights[..]);
-        for group in groups {
-            let (mine, rest) = nodes.split_at(group.nodes);
-            nodes = rest;
+        for g in 0..groups.len() {
+            let group = groups[if back { groups.len() - 1 - g } else { g }];
+            let nodes = &nodes[group.nodes[0]..group.nodes[1]];
             of_group.clear();
-            of_group.extend(mine.iter().map(|node| values[*node as usize]));
+            of_group.extend(nodes.iter().map(|node| values[*node as usize]));
             shown_of_group.clear();
-            shown_of_group.extend(mine.iter().map(|node| shown[*node as usize]));
-            let width = group.nodes.next_multiple_of(WIDTH);
+            shown_of_group.extend(nodes.iter().map(|node| shown[*node as usize]));
+            let width = nodes.len().next_multiple_of(WIDTH);
             of_group.resize(width, 0.0);
             shown_of_group.resize(width, 0.0);
-            let (particles, rest) = order.split_at(group.particles);
-            order = rest;
-            for &p in particles {
-                let (row, rest) = weights.split_at(width);
-                weights = rest;
-                visit(p, &mut Row { weights: row, values: of_group, shown: shown_of_group });
+            let particles = &order[group.particles[0]..group.particles[1]];
+            for n in 0..particles.len() {
+                let n = if back { particles.len() - 1 - n } else { n };
+                let row = &weights[group.weights + n * width..][..width];
+                visit(particles[n], &mut Row { weights: row, values: of_group, shown: shown_of_group });
             }
-            for (node, value) in mine.iter().zip(&*of_group) {
+            for (node, value) in nodes.iter().zip(&*of_group) {
                 values[*node as usize] = *value;
             }
         }
@@ -248,9 +248,9 @@ impl<const D: usize> AtWall<D> {
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
         let drag = wall.velocity[wall.axis];
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
-        for _ in 0..SWEEPS {
+        for sweep in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            self.rows.each(&self.order, &self.shown, velocities, |p, row| {
+            self.rows.each(sweep, (&self.order, &self.shown), velocities, |p, row| {
                 let surface = &mut self.surfaces[p];
                 let gap = if surface.presses { 0.0 } else { surface.gap.max(0.0) };
                 let excess = wall.sign * (row.sum() - drag) + gap / step;
@@ -280,9 +280,9 @@ impl<const D: usize> AtWall<D> {
             let closing = wall.sign * (along(self.near.weights(p), axis, velocities) - drag) < 0.0;
             surface.presses = surface.pressed || surface.gap <= 0.0 && closing;
         }
-        for _ in 0..SWEEPS {
+        for sweep in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            self.rows.each(&self.order, &self.shown, accelerations, |p, row| {
+            self.rows.each(sweep, (&self.order, &self.shown), accelerations, |p, row| {
                 let surface = &mut self.surfaces[p];
                 if !surface.presses {
                     return;

@@ -102,6 +102,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         rounding.borrow_mut().clear();
         let spacing = self.grid.lattice().spacing();
         let (margin, touches) = (0.1 * spacing, TOUCHES * spacing);
+        // Stencils of three nodes are about the nearest node, others about the middle of a cell.
+        let middle = if self.kernels.facts().nodes == 3 { 0.5 } else { 0.0 };
+        let origin = self.grid.lattice().origin();
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
         let (mut shifted, mut full, mut masses) = (Vec::new(), 0.0f64, Vec::new());
@@ -135,8 +138,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     passes: [0.0; 2],
                 });
                 masses.push(particle.mass);
-                let reached = weights.iter().filter(|w| w.value != 0.0).map(|w| w.node);
-                bins.push(reached.min().unwrap_or([0; D]));
+                bins.push(std::array::from_fn(|d| {
+                    ((particle.position[d] - origin[d]) / spacing + middle).floor() as i32
+                }));
                 full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();
