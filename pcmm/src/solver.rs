@@ -10,7 +10,7 @@ use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundaries, BoundaryEntry, CentreLead, CheckpointError, Clock, Embedding,
-    Exchange, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    Exchange, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Totals, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -598,7 +598,7 @@ impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()
     }
-    fn account(&self) -> Account {
-        self.watcher.account(&self.totals(), &Solver::exchange(self), M::Embedding::HOOP)
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.watcher.account(totals, &Solver::exchange(self), M::Embedding::HOOP)
     }
 }

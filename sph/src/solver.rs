@@ -11,7 +11,8 @@ use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundaries, Boundary, BoundaryEntry, CheckpointError, Clock, Embedding, Exchange,
-    LocalDamping, SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    LocalDamping, SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl, Totals, Warning,
+    Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -664,7 +665,7 @@ impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()
     }
-    fn account(&self) -> Account {
-        self.watcher.account(&self.totals(), &Solver::exchange(self), Self::HOOP)
+    fn account_of(&self, totals: &Totals) -> Account {
+        self.watcher.account(totals, &Solver::exchange(self), Self::HOOP)
     }
 }

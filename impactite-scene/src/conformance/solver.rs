@@ -15,7 +15,7 @@ use impactite_simd::Team;
 
 use super::Broken;
 use crate::archive::{Archive, CheckpointError};
-use crate::balance::{Books, share};
+use crate::balance::{Account, Books, share};
 use crate::body::{PointView, Totals};
 use crate::error::Stopped;
 use crate::exchange::Exchange;
@@ -315,6 +315,10 @@ impl Observer for Count {
     }
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let _ = (now.snapshot()?, now.contact_points(), now.totals());
+        let numbers = |account: Account| [account.kinetic, account.internal, account.rest].map(f64::to_bits);
+        if numbers(now.account()) != numbers(now.solver().account()) {
+            return Err(ObserveError::Other("`account` is not `account_of` the totals".into()));
+        }
         self.looks += 1;
         Ok(())
     }
