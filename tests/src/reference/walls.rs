@@ -3,7 +3,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use mpm_core::dim::Stencil;
 use mpm_core::{Boundary, ShapeFunction, Side};
 
 use super::boundaries::{constrain, held};
@@ -77,13 +76,6 @@ impl<const D: usize> Touch<D> {
     fn of(&self, value: impl Fn(&Index<D>) -> f64) -> f64 {
         self.row.iter().map(|(index, (own, ..))| own * value(index)).sum()
     }
-}
-
-/// Iterate over the surfaces, backwards in every second sweep.
-fn in_turn<const D: usize>(touches: &mut [Touch<D>], sweep: usize) -> impl Iterator<Item = &mut Touch<D>> {
-    let count = touches.len();
-    let mut all: Vec<Option<&mut Touch<D>>> = touches.iter_mut().map(Some).collect();
-    (0..count).filter_map(move |n| all[if sweep % 2 == 1 { count - 1 - n } else { n }].take())
 }
 
 /// Particle surfaces at a wall, nodes of negligible mass there, and pairs of a node behind the wall and the node in
@@ -260,13 +252,6 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
         }
         list.retain(|touch| touch.shown(wall.axis) > 0.0);
-        // Particles of a bin, which act on the same nodes, in turn.
-        let middle = if <S::Extent as Stencil>::NODES == 3 { 0.5 } else { 0.0 };
-        let bin = |touch: &Touch<D>| -> Index<D> {
-            let (x, origin, h) = (&self.points[touch.point].x, self.lattice.origin(), self.lattice.spacing());
-            std::array::from_fn(|d| ((x[d] - origin[d]) / h + middle).floor() as i64)
-        };
-        list.sort_by_key(|touch| (bin(touch), touch.point));
         let ties = if list.is_empty() { Vec::new() } else { ties };
         (list, lights, ties)
     }
@@ -408,9 +393,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             let closes = wall.sign * (speed - drag) < 0.0;
             touch.presses = touch.gap <= 0.0 && closes || touch.pressed;
         }
-        for sweep in 0..SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for touch in in_turn(touches, sweep).filter(|touch| touch.presses) {
+            for touch in touches.iter_mut().filter(|touch| touch.presses) {
                 let mut excess = 0.0;
                 for (index, (own, _, mass, shown)) in &touch.row {
                     excess += wall.sign * dt * own * self.nodes[index].acceleration[axis] * mass * shown;
@@ -449,9 +434,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     ) {
         let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         touches.iter_mut().for_each(|touch| touch.stop = 0.0);
-        for sweep in 0..SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for touch in in_turn(touches, sweep) {
+            for touch in &mut *touches {
                 let mut speed = 0.0;
                 for (index, (own, ..)) in &touch.row {
                     speed += self.nodes.get_mut(index).map_or(0.0, |node| own * record(node)[axis]);

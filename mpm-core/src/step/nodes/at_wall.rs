@@ -55,9 +55,7 @@ pub(in crate::step) struct AtWall<const D: usize> {
     pub(in crate::step) surfaces: Vec<Surface>,
     /// Inverse effective masses of the nodes, 1/kg; zero for nodes that a condition constrains along the axis of the wall.
     pub(in crate::step) shown: Vec<f64>,
-    /// Bin of each particle, whose particles have the same nodes, by index on the lattice.
-    pub(in crate::step) bins: Vec<[i32; D]>,
-    /// Particles sorted by stencil and number, so that results do not depend on their storage.
+    /// Particles sorted by number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
     /// Weights of the particles of `order` along the axis of the wall.
     pub(in crate::step) rows: Rows,
@@ -181,16 +179,14 @@ impl Rows {
         }
     }
 
-    /// Visit every particle of `order`, or in reverse order in every second sweep, with its row of `values`, which it may
-    /// change; `shown` are the inverse effective masses of the nodes.
+    /// Visit every particle of `order`, with its row of `values`, which it may change; `shown` are the inverse effective masses of the nodes.
     fn each(
         &mut self,
-        sweep: usize,
         (order, shown): (&[usize], &[f64]),
         values: &mut [f64],
         visit: impl FnMut(usize, &mut Row<'_>),
     ) {
-        f64::dispatch(Sweep { rows: self, back: sweep % 2 == 1, order, shown, values, visit });
+        f64::dispatch(Sweep { rows: self, order, shown, values, visit });
     }
 
     /// Allocated memory, bytes.
@@ -204,8 +200,6 @@ impl Rows {
 /// Visit of all rows.
 struct Sweep<'a, F> {
     rows: &'a mut Rows,
-    /// True for the reverse order.
-    back: bool,
     order: &'a [usize],
     shown: &'a [f64],
     values: &'a mut [f64],
@@ -217,10 +211,9 @@ impl<F: FnMut(usize, &mut Row<'_>)> Kernel<f64> for Sweep<'_, F> {
 
     #[inline(always)]
     fn run<A: Arch<f64>>(self) {
-        let Sweep { rows, back, order, shown, values, mut visit } = self;
+        let Sweep { rows, order, shown, values, mut visit } = self;
         let Rows { groups, nodes, weights, values: of_group, shown: shown_of_group } = rows;
-        for g in 0..groups.len() {
-            let group = groups[if back { groups.len() - 1 - g } else { g }];
+        for group in groups {
             let nodes = &nodes[group.nodes[0]..group.nodes[1]];
             of_group.clear();
             of_group.extend(nodes.iter().map(|node| values[*node as usize]));
@@ -230,10 +223,9 @@ impl<F: FnMut(usize, &mut Row<'_>)> Kernel<f64> for Sweep<'_, F> {
             of_group.resize(width, 0.0);
             shown_of_group.resize(width, 0.0);
             let particles = &order[group.particles[0]..group.particles[1]];
-            for n in 0..particles.len() {
-                let n = if back { particles.len() - 1 - n } else { n };
+            for (n, &p) in particles.iter().enumerate() {
                 let row = &weights[group.weights + n * width..][..width];
-                visit(particles[n], &mut Row { weights: row, values: of_group, shown: shown_of_group });
+                visit(p, &mut Row { weights: row, values: of_group, shown: shown_of_group });
             }
             for (node, value) in nodes.iter().zip(&*of_group) {
                 values[*node as usize] = *value;
@@ -248,9 +240,9 @@ impl<const D: usize> AtWall<D> {
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
         let drag = wall.velocity[wall.axis];
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
-        for sweep in 0..SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            self.rows.each(sweep, (&self.order, &self.shown), velocities, |p, row| {
+            self.rows.each((&self.order, &self.shown), velocities, |p, row| {
                 let surface = &mut self.surfaces[p];
                 let gap = if surface.presses { 0.0 } else { surface.gap.max(0.0) };
                 let excess = wall.sign * (row.sum() - drag) + gap / step;
@@ -280,9 +272,9 @@ impl<const D: usize> AtWall<D> {
             let closing = wall.sign * (along(self.near.weights(p), axis, velocities) - drag) < 0.0;
             surface.presses = surface.pressed || surface.gap <= 0.0 && closing;
         }
-        for sweep in 0..SWEEPS {
+        for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            self.rows.each(sweep, (&self.order, &self.shown), accelerations, |p, row| {
+            self.rows.each((&self.order, &self.shown), accelerations, |p, row| {
                 let surface = &mut self.surfaces[p];
                 if !surface.presses {
                     return;
@@ -394,7 +386,6 @@ impl<const D: usize> AtWall<D> {
             + self.pressing.capacity() * size_of::<(u32, usize)>()
             + self.surfaces.capacity() * size_of::<Surface>()
             + self.shown.capacity() * size_of::<f64>()
-            + self.bins.capacity() * size_of::<[i32; D]>()
             + self.order.capacity() * size_of::<usize>()
             + self.rows.bytes()
             + self.light.capacity() * size_of::<u32>()

@@ -94,17 +94,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let known = !mapped && !self.kernels.facts().maps_together;
         let step = dt.to_double();
-        let AtWall { pressing, near, surfaces, light, bins, .. } = at;
+        let AtWall { pressing, near, surfaces, light, .. } = at;
         near.clear();
-        bins.clear();
         surfaces.clear();
         let rounding = RefCell::new(std::mem::take(light));
         rounding.borrow_mut().clear();
         let spacing = self.grid.lattice().spacing();
         let (margin, touches) = (0.1 * spacing, TOUCHES * spacing);
-        // Stencils of three nodes are about the nearest node, others about the middle of a cell.
-        let middle = if self.kernels.facts().nodes == 3 { 0.5 } else { 0.0 };
-        let origin = self.grid.lattice().origin();
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
         let (mut shifted, mut full, mut masses) = (Vec::new(), 0.0f64, Vec::new());
@@ -138,9 +134,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     passes: [0.0; 2],
                 });
                 masses.push(particle.mass);
-                bins.push(std::array::from_fn(|d| {
-                    ((particle.position[d] - origin[d]) / spacing + middle).floor() as i32
-                }));
                 full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();
@@ -157,7 +150,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if known {
             at.tie(wall, &masses, spacing);
         }
-        let AtWall { near, surfaces, shown, order, rows, bins, .. } = at;
+        let AtWall { near, surfaces, shown, order, rows, .. } = at;
         let end = self.clock.time + step;
         let tolerance = 1e-6 * spacing;
         let copies = if self.facts().wide() { 1.5 * spacing } else { 0.0 };
@@ -187,7 +180,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         order.clear();
         order.extend((0..near.len()).filter(|p| surfaces[*p].give > 0.0));
         let (bodies, numbers) = (near.bodies(), near.numbers());
-        order.sort_unstable_by_key(|&p| (bodies[p], bins[p], numbers[p]));
+        order.sort_unstable_by_key(|&p| (bodies[p], numbers[p]));
         rows.arrange(near, order, wall.axis);
     }
 
