@@ -202,8 +202,8 @@ fn threads(quick: bool, program: &Path, previous: Option<&Path>, folder: &Path) 
             move || run(&program, (scene, set), threads, folder)
         };
         let mut subjects: Vec<Subject<'_, Ran>> =
-            [1, 2].map(|t| Subject::new(&format!("now {t}"), of(program, t))).into();
-        let of_before = |program| [1, 2].map(|t| Subject::new(&format!("before {t}"), of(program, t)));
+            [1, 2].map(|t| Subject::new(format!("now {t}"), of(program, t))).into();
+        let of_before = |program| [1, 2].map(|t| Subject::new(format!("before {t}"), of(program, t)));
         subjects.extend(previous.into_iter().flat_map(of_before));
         let samples = attempt(&subjects, if quick { 1 } else { 3 });
         if let Some(failure) = samples.iter().find_map(|s| s.failure.clone()) {
