@@ -6,7 +6,6 @@ use crate::step::clients::near_particles::{FOUND, NearParticles, SWEEPS};
 const THIN: f64 = 10.0;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::{Boundary, Side};
-use impactite_simd::{Arch, Float, Kernel};
 
 /// Wall at the start of a step.
 #[derive(Clone, Copy, Debug)]
@@ -57,8 +56,6 @@ pub(in crate::step) struct AtWall<const D: usize> {
     pub(in crate::step) shown: Vec<f64>,
     /// Particles sorted by number, so that results do not depend on their storage.
     pub(in crate::step) order: Vec<usize>,
-    /// Weights of the particles of `order` along the axis of the wall.
-    pub(in crate::step) rows: Rows,
     /// Indices of nodes of almost no mass in the grid, which move with the wall.
     pub(in crate::step) light: Vec<u32>,
     /// Light nodes behind the wall, each with the node in front to which it is tied, by index in `near`.
@@ -97,162 +94,28 @@ fn along<const D: usize>(weights: &[(u32, [f64; D])], axis: usize, of: &[f64]) -
     weights.iter().map(|(node, weight)| weight[axis] * of[*node as usize]).sum()
 }
 
-/// Number of nodes to which rows of weights are extended, by zeros: a whole number of these.
-const WIDTH: usize = 8;
-
-/// Particles in order, in groups that act on the same nodes, with their weights along an axis.
-#[derive(Clone, Debug, Default)]
-pub(in crate::step) struct Rows {
-    groups: Vec<Group>,
-    /// Nodes of each group.
-    nodes: Vec<u32>,
-    /// Weights of each particle of a group on its nodes.
-    weights: Vec<f64>,
-    /// Values and effective masses at the nodes of a group.
-    values: Vec<f64>,
-    shown: Vec<f64>,
-}
-
-/// Group of particles with the same nodes: ranges of particles in order, of nodes, and start of the weights.
-#[derive(Clone, Copy, Debug)]
-struct Group {
-    particles: [usize; 2],
-    nodes: [usize; 2],
-    weights: usize,
-}
-
-/// Weights of a particle, with the values at its nodes.
-pub(in crate::step) struct Row<'a> {
-    weights: &'a [f64],
-    values: &'a mut [f64],
-    shown: &'a [f64],
-}
-
-impl Row<'_> {
-    /// Interpolate the values.
-    #[inline(always)]
-    fn sum(&self) -> f64 {
-        let mut sums = [0.0; WIDTH];
-        for (w, v) in self.weights.chunks_exact(WIDTH).zip(self.values.chunks_exact(WIDTH)) {
-            (0..WIDTH).for_each(|i| sums[i] += w[i] * v[i]);
-        }
-        let four: [f64; 4] = std::array::from_fn(|i| sums[i] + sums[i + 4]);
-        (four[0] + four[2]) + (four[1] + four[3])
-    }
-    /// Add an impulse of this size over the effective masses of the nodes.
-    #[inline(always)]
-    fn add(&mut self, size: f64) {
-        if size != 0.0 {
-            for ((value, weight), shown) in self.values.iter_mut().zip(self.weights).zip(self.shown) {
-                *value += size * weight * shown;
-            }
-        }
-    }
-}
-
-impl Rows {
-    /// Arrange the weights of particles in this order along an axis.
-    pub(in crate::step) fn arrange<const D: usize>(
-        &mut self,
-        near: &NearParticles<D>,
-        order: &[usize],
-        axis: usize,
-    ) {
-        self.groups.clear();
-        self.nodes.clear();
-        self.weights.clear();
-        let mut before: &[(u32, [f64; D])] = &[];
-        for (n, &p) in order.iter().enumerate() {
-            let weights = near.weights(p);
-            let same = weights.len() == before.len() && weights.iter().zip(before).all(|(a, b)| a.0 == b.0);
-            match self.groups.last_mut().filter(|_| same) {
-                Some(group) => group.particles[1] = n + 1,
-                None => {
-                    let nodes = [self.nodes.len(), self.nodes.len() + weights.len()];
-                    self.groups.push(Group { particles: [n, n + 1], nodes, weights: self.weights.len() });
-                    self.nodes.extend(weights.iter().map(|(node, _)| *node));
-                }
-            }
-            self.weights.extend(weights.iter().map(|(_, weight)| weight[axis]));
-            self.weights.resize(self.weights.len().next_multiple_of(WIDTH), 0.0);
-            before = weights;
-        }
-    }
-
-    /// Visit every particle of `order`, with its row of `values`, which it may change; `shown` are the inverse effective masses of the nodes.
-    fn each(
-        &mut self,
-        (order, shown): (&[usize], &[f64]),
-        values: &mut [f64],
-        visit: impl FnMut(usize, &mut Row<'_>),
-    ) {
-        f64::dispatch(Sweep { rows: self, order, shown, values, visit });
-    }
-
-    /// Allocated memory, bytes.
-    fn bytes(&self) -> usize {
-        self.groups.capacity() * size_of::<Group>()
-            + self.nodes.capacity() * size_of::<u32>()
-            + (self.weights.capacity() + self.values.capacity() + self.shown.capacity()) * size_of::<f64>()
-    }
-}
-
-/// Visit of all rows.
-struct Sweep<'a, F> {
-    rows: &'a mut Rows,
-    order: &'a [usize],
-    shown: &'a [f64],
-    values: &'a mut [f64],
-    visit: F,
-}
-
-impl<F: FnMut(usize, &mut Row<'_>)> Kernel<f64> for Sweep<'_, F> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<A: Arch<f64>>(self) {
-        let Sweep { rows, order, shown, values, mut visit } = self;
-        let Rows { groups, nodes, weights, values: of_group, shown: shown_of_group } = rows;
-        for group in groups {
-            let nodes = &nodes[group.nodes[0]..group.nodes[1]];
-            of_group.clear();
-            of_group.extend(nodes.iter().map(|node| values[*node as usize]));
-            shown_of_group.clear();
-            shown_of_group.extend(nodes.iter().map(|node| shown[*node as usize]));
-            let width = nodes.len().next_multiple_of(WIDTH);
-            of_group.resize(width, 0.0);
-            shown_of_group.resize(width, 0.0);
-            let particles = &order[group.particles[0]..group.particles[1]];
-            for (n, &p) in particles.iter().enumerate() {
-                let row = &weights[group.weights + n * width..][..width];
-                visit(p, &mut Row { weights: row, values: of_group, shown: shown_of_group });
-            }
-            for (node, value) in nodes.iter().zip(&*of_group) {
-                values[*node as usize] = *value;
-            }
-        }
-    }
-}
-
 impl<const D: usize> AtWall<D> {
     /// Correct normal nodal velocities until active surfaces move with the wall, and others do not penetrate it within the
     /// step.
     pub(in crate::step) fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
-        let drag = wall.velocity[wall.axis];
+        let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            self.rows.each((&self.order, &self.shown), velocities, |p, row| {
-                let surface = &mut self.surfaces[p];
+            for &p in &self.order {
+                let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
                 let gap = if surface.presses { 0.0 } else { surface.gap.max(0.0) };
-                let excess = wall.sign * (row.sum() - drag) + gap / step;
+                let excess = wall.sign * (along(weights, axis, velocities) - drag) + gap / step;
                 let wanted = surface.stop - excess / surface.give;
                 let wanted = if surface.presses { wanted } else { wanted.max(0.0) };
                 let more = wanted - surface.stop;
                 surface.stop = wanted;
                 (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
-                row.add(wall.sign * more);
-            });
+                for (node, weight) in weights.iter().filter(|_| more != 0.0) {
+                    let node = *node as usize;
+                    velocities[node] += wall.sign * weight[axis] * more * self.shown[node];
+                }
+            }
             if changed <= FOUND * largest {
                 break;
             }
@@ -274,18 +137,21 @@ impl<const D: usize> AtWall<D> {
         }
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            self.rows.each((&self.order, &self.shown), accelerations, |p, row| {
-                let surface = &mut self.surfaces[p];
+            for &p in &self.order {
+                let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
                 if !surface.presses {
-                    return;
+                    continue;
                 }
-                let excess = wall.sign * row.sum() * step;
+                let excess = wall.sign * along(weights, axis, accelerations) * step;
                 let wanted = (surface.force - excess / surface.give).max(0.0);
                 let more = wanted - surface.force;
                 surface.force = wanted;
                 (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
-                row.add(wall.sign * more / step);
-            });
+                for (node, weight) in weights.iter().filter(|_| more != 0.0) {
+                    let node = *node as usize;
+                    accelerations[node] += wall.sign * weight[axis] * more * self.shown[node] / step;
+                }
+            }
             if changed <= FOUND * largest {
                 break;
             }
@@ -308,7 +174,6 @@ impl<const D: usize> AtWall<D> {
         let presses = |surface: &Surface| surface.presses || surface.stop > least;
         let pressing = self.order.iter().filter(|p| presses(&self.surfaces[**p]));
         self.pressing.extend(pressing.map(|&p| (bodies[p], numbers[p])));
-        self.pressing.sort_unstable();
     }
 
     /// Tie nodes behind a wall to those in front, one cell of `spacing`, m, away, if their mass is small relative to that
@@ -387,7 +252,6 @@ impl<const D: usize> AtWall<D> {
             + self.surfaces.capacity() * size_of::<Surface>()
             + self.shown.capacity() * size_of::<f64>()
             + self.order.capacity() * size_of::<usize>()
-            + self.rows.bytes()
             + self.light.capacity() * size_of::<u32>()
             + self.tied.capacity() * size_of::<(u32, u32)>()
     }

@@ -150,7 +150,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if known {
             at.tie(wall, &masses, spacing);
         }
-        let AtWall { near, surfaces, shown, order, rows, .. } = at;
+        let AtWall { near, surfaces, shown, order, .. } = at;
         let end = self.clock.time + step;
         let tolerance = 1e-6 * spacing;
         let copies = if self.facts().wide() { 1.5 * spacing } else { 0.0 };
@@ -181,7 +181,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         order.extend((0..near.len()).filter(|p| surfaces[*p].give > 0.0));
         let (bodies, numbers) = (near.bodies(), near.numbers());
         order.sort_unstable_by_key(|&p| (bodies[p], numbers[p]));
-        rows.arrange(near, order, wall.axis);
     }
 
     fn meet_wall(&mut self, at: &mut AtWall<D>, wall: &Plane<D>, dt: T) {
