@@ -223,7 +223,7 @@ impl Job {
         solver.set_team(team.clone());
         let points: usize = solver.bodies().iter().map(|b| b.len()).sum();
         tracing::info!("`{}`: {}, {points} points, {threads} threads", scene.title, solver.method());
-        let outcome = self.steps(&scene, &mut *solver, &team, start, stop);
+        let outcome = team.run(|| self.steps(&scene, &mut *solver, &team, start, stop));
         self.setting_up.store(true, Ordering::Relaxed);
         outcome
     }
@@ -319,7 +319,7 @@ impl Job {
         }
         let setup = start.elapsed().as_secs_f64();
         self.setting_up.store(false, Ordering::Relaxed);
-        let ended = team.run(|| run.until(end));
+        let ended = run.until(end);
         if ended.is_ok() && self.keep_checkpoint {
             run.save()?;
         }

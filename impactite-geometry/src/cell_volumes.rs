@@ -15,6 +15,8 @@ const LARGEST: f64 = 0.02;
 const EQUAL: f64 = 1e-9;
 /// Number of sites along an axis in which the particle nearest to a sample is sought, to each side.
 const REACH: usize = 2;
+/// Number of sites whose samples are in memory at once.
+const SITES_AT_ONCE: usize = 4096;
 
 impl<const D: usize> Seeds<D> {
     /// Replace the volumes by those of the cells of the Voronoi diagram in the shape, up to their sampling, scaled to the same sum. The
@@ -51,25 +53,29 @@ impl<const D: usize> Seeds<D> {
         around.dedup();
         let parts = if D <= 2 { 6 } else { 4 };
         let samples = Samples { parts, edge: edge / parts as f64 };
-        let mut shares: Vec<Vec<(u32, f64)>> = vec![Vec::new(); around.len()];
-        team.each(&mut shares, |at, shares| {
-            let site = &around[at];
-            if sites.at.get(site).is_some_and(|list| list.iter().any(|n| deep[*n as usize])) {
-                return;
-            }
-            let mut near = Near::new(&sites, &self.positions, site);
-            samples.each(&sites.corner(site), |x| {
-                let distance = shape.signed_distance_within(x, edge);
-                let part = part_below(shape, x, [samples.edge; D], distance);
-                if part > 0.0 {
-                    let nearest = near.nearest(&x);
-                    let share = part * samples.edge.powi(D as i32) * weight(&x) / nearest.len() as f64;
-                    shares.extend(nearest.iter().map(|n| (*n, share)));
+        let mut shares: Vec<Vec<(u32, f64)>> = vec![Vec::new(); SITES_AT_ONCE.min(around.len())];
+        for around in around.chunks(SITES_AT_ONCE) {
+            let shares = &mut shares[..around.len()];
+            team.each(shares, |at, shares| {
+                shares.clear();
+                let site = &around[at];
+                if sites.at.get(site).is_some_and(|list| list.iter().any(|n| deep[*n as usize])) {
+                    return;
                 }
+                let mut near = SiteParticles::new(&sites, &self.positions, site);
+                samples.each(&sites.corner(site), |x| {
+                    let distance = shape.signed_distance_within(x, edge);
+                    let part = part_below(shape, x, [samples.edge; D], distance);
+                    if part > 0.0 {
+                        let nearest = near.nearest(&x);
+                        let share = part * samples.edge.powi(D as i32) * weight(&x) / nearest.len() as f64;
+                        shares.extend(nearest.iter().map(|n| (*n, share)));
+                    }
+                });
             });
-        });
-        // In the order of sites, so that the sums do not depend on the number of threads.
-        shares.iter().flatten().for_each(|(n, share)| volumes[*n as usize] += share);
+            // In the order of sites, so that the sums do not depend on the number of threads.
+            shares.iter().flatten().for_each(|(n, share)| volumes[*n as usize] += share);
+        }
         let found = sum(volumes.iter().copied());
         if volumes.iter().all(|v| *v > 0.0) && found.is_finite() {
             self.volumes = volumes.iter().map(|v| v * total / found).collect();
@@ -150,7 +156,7 @@ impl<const D: usize> Sites<D> {
 }
 
 /// Particles around a site, for the nearest ones to places in it.
-struct Near<'a, const D: usize> {
+struct SiteParticles<'a, const D: usize> {
     sites: &'a Sites<D>,
     positions: &'a [[f64; D]],
     site: &'a [i64; D],
@@ -160,14 +166,14 @@ struct Near<'a, const D: usize> {
     nearest: Vec<u32>,
 }
 
-impl<'a, const D: usize> Near<'a, D> {
+impl<'a, const D: usize> SiteParticles<'a, D> {
     fn new(sites: &'a Sites<D>, positions: &'a [[f64; D]], site: &'a [i64; D]) -> Self {
         let (squares, nearest) = (Vec::new(), Vec::new());
-        Near { sites, positions, site, around: std::array::from_fn(|_| None), squares, nearest }
+        SiteParticles { sites, positions, site, around: std::array::from_fn(|_| None), squares, nearest }
     }
     /// Find the particles nearest to a place in the site: all that are equally near, so that symmetric shapes stay so.
     fn nearest(&mut self, x: &[f64; D]) -> &[u32] {
-        let Near { sites, positions, site, around, squares, nearest } = self;
+        let SiteParticles { sites, positions, site, around, squares, nearest } = self;
         for (n, around) in around.iter_mut().enumerate() {
             let reach = n as i64 + 1;
             let near = around.get_or_insert_with(|| {

@@ -42,6 +42,8 @@ struct Gathered {
 
 struct State {
     solver: Box<dyn Solver>,
+    /// Threads of the solver, which measures use, too.
+    team: Team,
     /// Measures of the scene, by the initial positions of points.
     measures: Measures,
     /// Number of changes of the scene.
@@ -53,7 +55,7 @@ struct State {
 impl State {
     /// True if a measure ends the scene.
     fn by_measure(&self) -> Result<bool, Failed> {
-        Ok(self.measures.ended(&RunView::of(&*self.solver))?.is_some())
+        Ok(self.team.run(|| self.measures.ended(&RunView::of(&*self.solver)))?.is_some())
     }
 }
 
@@ -87,11 +89,11 @@ impl Running {
         let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
         let team = Team::new(threads.unwrap_or_else(all)).map_err(|e| Failed::Value(e.to_string()))?;
         let threads = team.threads();
-        let mut solver = source.build(&scene)?;
-        solver.set_team(team);
-        let measures = Measures::new(source, &scene, &*solver)?;
+        let mut solver = team.run(|| source.build(&scene))?;
+        solver.set_team(team.clone());
+        let measures = team.run(|| Measures::new(source, &scene, &*solver))?;
         let gathered = solver.bodies().iter().map(|_| None).collect();
-        let state = State { solver, measures, changes: 0, unusable: None };
+        let state = State { solver, team, measures, changes: 0, unusable: None };
         Ok(Running {
             scene,
             threads,
@@ -148,7 +150,7 @@ impl Running {
     pub fn measured(&self, py: Python<'_>) -> PyResult<Vec<f64>> {
         let taken = py.detach(|| {
             let state = self.lock()?;
-            Ok::<_, Failed>(state.measures.take(&RunView::of(&*state.solver))?)
+            Ok::<_, Failed>(state.team.run(|| state.measures.take(&RunView::of(&*state.solver)))?)
         });
         Ok(taken?)
     }
@@ -223,9 +225,9 @@ impl Running {
                         return Ok(false);
                     }
                     state.changes += 1;
-                    let State { solver, measures, .. } = &mut *state;
+                    let State { solver, team, measures, .. } = &mut *state;
                     solver.step_towards(end)?;
-                    measures.look(&RunView::of(&**solver))?;
+                    team.run(|| measures.look(&RunView::of(&**solver)))?;
                     made += 1;
                 }
                 if state.solver.reached(end) || time.is_none() && state.by_measure()? {

@@ -31,12 +31,12 @@ impl<'a> Now<'a> {
     fn find(&self, name: &str) -> Result<&'a dyn Body, String> {
         find(&self.bodies, name)
     }
-    /// Solver, for what only some measures ask for.
+    /// Solver of the scene.
     fn solver(&self) -> &'a dyn Solver {
         self.view.solver()
     }
     fn totals(&self, body: &'a dyn Body) -> Totals {
-        // Those of the scene are known to all observers.
+        // Totals of the scene, computed once for all observers.
         if self.bodies.len() == 1 {
             return *self.view.totals();
         }

@@ -32,8 +32,8 @@ impl<const D: usize> BlockPlace<D> {
         let layer = |k: usize| LAYERS[axis] << (k * BLOCK.pow(axis as u32));
         whole_block(D) & (0..BLOCK).filter(at).fold(0, |nodes, k| nodes | layer(k))
     }
-    /// Return the nodes on which a boundary may act in the step from `time`, s, one bit each: those within `reach`, m, of a
-    /// boundary that moves or has no plane.
+    /// Return the nodes on which a boundary may act in the step from `time`, s, one bit each: those on and behind a
+    /// plane at rest, those within `reach`, m, of one that moves, and all for a boundary without a plane.
     pub(in crate::step) fn within_reach(&self, boundary: &Boundary<D>, time: f64, reach: f64) -> u64 {
         let Some(axis) = boundary.across() else { return whole_block(D) };
         let margin = if boundary.rests() { 2e-6 * self.spacing } else { reach };

@@ -97,7 +97,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         // Wall contact acts on single particles; material without stress on these nodes is stopped by the wall's impulse on
         // them.
         let apart = body.is_none_or(|b| b.meets_surfaces().is_some());
-        let near = Near::new(self, &place, apart, rigid);
+        let near = NearBoundaries::new(self, &place, apart, rigid);
         if !near.reached {
             if U::HOLDS {
                 *held = NodeSets::default();
@@ -157,9 +157,9 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
 }
 
 /// Boundaries near a block of nodes, and the nodes on which they may act.
-struct Near<'a, const D: usize> {
+struct NearBoundaries<'a, const D: usize> {
     boundaries: &'a Boundaries<D>,
-    /// Boundaries that act on these nodes, one bit each; those from [`Near::LISTED`] on are tested each time.
+    /// Boundaries that act on these nodes, one bit each; those from [`NearBoundaries::LISTED`] on are tested each time.
     listed: u64,
     low: [f64; D],
     high: [f64; D],
@@ -179,13 +179,13 @@ struct Near<'a, const D: usize> {
     nodes: u64,
 }
 
-impl<'a, const D: usize> Near<'a, D> {
+impl<'a, const D: usize> NearBoundaries<'a, D> {
     /// Number of boundaries with a bit.
     const LISTED: usize = 64;
 
     fn new<T: Float>(of: &Constraints<'a, T, D>, place: &BlockPlace<D>, apart: bool, rigid: bool) -> Self {
         let spacing = of.lattice.spacing();
-        let mut near = Near {
+        let mut near = NearBoundaries {
             boundaries: of.boundaries,
             listed: 0,
             low: place.low,
@@ -236,7 +236,7 @@ impl<'a, const D: usize> Near<'a, D> {
 /// Boundary conditions of a node.
 struct AtNode<'a, T: Float, const D: usize> {
     of: &'a Constraints<'a, T, D>,
-    near: &'a Near<'a, D>,
+    near: &'a NearBoundaries<'a, D>,
     /// Position of the node, m.
     x: [f64; D],
     /// Index of the node among all.
