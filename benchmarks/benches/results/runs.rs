@@ -127,22 +127,22 @@ pub fn cost(
             let of = |sample: Option<&Sample<Ran>>, number: fn(&Ran) -> f64| sample.map(|s| s.spread(number));
             let text = |spread: Option<Spread>| spread.map_or("-".into(), |s| s.text(2));
             let (wall, steps) = (now.spread(|r| r.wall), now.spread(|r| r.steps));
-            for (sum, spread) in all.iter_mut().zip([
-                Some(&wall),
-                Some(&steps),
-                of(before, |r| r.wall).as_ref(),
-                of(before, |r| r.steps).as_ref(),
-            ]) {
-                sum[threads - 1] += spread.map_or(0.0, |s| s.median);
+            let (wall_before, steps_before) = (of(before, |r| r.wall), of(before, |r| r.steps));
+            // Sums are over scenes that both programs run.
+            if previous.is_none() || before.is_some() {
+                let spreads = [Some(&wall), Some(&steps), wall_before.as_ref(), steps_before.as_ref()];
+                for (sum, spread) in all.iter_mut().zip(spreads) {
+                    sum[threads - 1] += spread.map_or(0.0, |s| s.median);
+                }
             }
             rows.push([
                 name.clone(),
                 format!("{:.0} x {:.0}", now.first().points, now.first().updates / now.first().points),
                 threads.to_string(),
-                text(of(before, |r| r.wall)),
+                text(wall_before),
                 wall.text(2),
                 format!("{:.2}", now.spread(|r| r.start).median),
-                text(of(before, |r| r.steps)),
+                text(steps_before),
                 steps.text(2),
                 format!("{:.2}", steps.median / wall.median),
                 now.spread(|r| 1e-6 * r.updates / r.steps).text(2),
@@ -154,7 +154,7 @@ pub fn cost(
         let [wall, steps, wall_before, steps_before] = all.map(|sum| sum[threads - 1]);
         let before = |sum: f64| if previous.is_some() { format!("{sum:.1}") } else { "-".into() };
         rows.push([
-            "all".into(),
+            if previous.is_some() { "all that both run" } else { "all" }.into(),
             String::new(),
             threads.to_string(),
             before(wall_before),
