@@ -72,7 +72,7 @@ mod water;
 pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, worst};
 pub use cased::Cased;
 pub use check::{Check, NotJudged};
-pub use detection::{Detection, Detector, Normals};
+pub use detection::Detection;
 pub use fragments::{Fragments, mott_strains};
 pub use heap::Heap;
 pub use immersed::{WATER_PRESSURE, immersed};

@@ -3,11 +3,11 @@
 use clap::ValueEnum;
 use coupling::Elements;
 use fem::Fem;
-use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
+use mpm_contact::{AnyNormals, Coulomb, Pairs, SurfaceDistance};
 use mpm_core::{BlockGrid, GridContact, Kernels, Mpm};
 use serde::Serialize;
 
-use crate::{CaseError, Normals};
+use crate::CaseError;
 
 /// How elements meet particles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -59,7 +59,7 @@ impl Coupling {
         Ok(match self {
             Coupling::Surface => Mpm::new(method, grid),
             Coupling::Grid => {
-                let detector = SurfaceDistance::new(Normals::Plane, 0.0)?.locally();
+                let detector = SurfaceDistance::new(AnyNormals::Plane, 0.0)?.locally();
                 Mpm::with_contact(
                     method,
                     grid,

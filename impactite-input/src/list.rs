@@ -1,7 +1,7 @@
 //! Lists of accepted keys and values of scene files, generated from the schema and from the compiled laws and kernels.
 
 use crate::build::kernels::{PARTS, PURPOSES, word};
-use crate::build::material::{METALS, described};
+use crate::build::material::described;
 use crate::keys::{self, Key};
 use crate::model::material::Library;
 
@@ -56,7 +56,7 @@ impl Topic {
     pub fn what(self) -> &'static str {
         match self {
             Topic::Methods => "methods with their options",
-            Topic::Parts => "combinations of parts of `mpm` and of laws that are compiled",
+            Topic::Parts => "combinations of parts of `mpm` that are compiled",
             Topic::Bodies => "keys of a body",
             Topic::Shapes => "shapes of bodies and regions",
             Topic::Materials => "named sets of constants: density, moduli, laws, failure, source",
@@ -177,8 +177,7 @@ fn parts() -> Vec<Line> {
         let name = format!("{}, {}, {}", word(shape), word(transfer), word(update));
         line("method.mpm.parts", name, "shape function, transfer, stress update; updated Lagrangian")
     });
-    let metals = METALS.iter().map(|(name, what)| line("materials.NAME", (*name).into(), what));
-    of_purpose.chain(of_parts).chain(metals).collect()
+    of_purpose.chain(of_parts).collect()
 }
 
 /// List named sets with their properties.

@@ -63,6 +63,10 @@ measures! {
     Rate: "rate", "1/s";
     /// Temperature, K.
     Temperature: "temperature", "K";
+    /// Reciprocal pressure, 1/Pa.
+    PerPressure: "per pressure", "1/Pa";
+    /// Reciprocal temperature, 1/K.
+    PerTemperature: "per temperature", "1/K";
     /// Specific heat capacity, J/(kg K).
     HeatCapacity: "heat capacity", "J/(kg K)";
     /// Energy per area, J/m^2.

@@ -120,6 +120,10 @@ impl Default for SurfaceDistance {
     }
 }
 impl<N> SurfaceDistance<N> {
+    /// Create with surfaces that touch at the particles' half sizes.
+    pub(crate) fn touching_along(normals: N) -> Self {
+        SurfaceDistance { normals, threshold: 0.0, what: SurfaceQuantity::Reach }
+    }
     /// Create with surfaces at the particles' half sizes, in contact closer than `threshold` cells (0, or a little more for early contact).
     ///
     /// # Errors

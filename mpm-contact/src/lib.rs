@@ -19,6 +19,7 @@
 //! # Features
 //! - `conformance`: tests for custom detectors, laws and bodies of particles.
 
+mod any_detector;
 mod bonds;
 #[cfg(feature = "conformance")]
 pub mod conformance;
@@ -36,6 +37,7 @@ mod relax;
 mod separate;
 pub mod vector;
 
+pub use any_detector::{AnyDetector, AnyNormals};
 pub use bonds::{Adhesion, Stick};
 pub use detect::{Approach, Compression, ContactDetector, Criterion, SurfaceDistance};
 pub use friction::{Coulomb, Frictionless, SlipWeakening};

@@ -1,19 +1,21 @@
-//! Laws whose kernels are compiled once, here, for all programs: those of [`crate::library`], each without and with
-//! bulk viscosity, metals with their most common failure criteria, and linear elasticity in plane stress.
+//! Laws whose kernels are compiled once, here, for all programs: those of [`crate::library`] other than metals, each
+//! without and with bulk viscosity, linear elasticity in plane stress, and viscous fluids. Metals have the kernels of
+//! [`crate::composed`].
 
 use std::sync::Arc;
 
-use crate::eos::{IdealGas, LinearDensity, LogarithmicBulk, MieGruneisen, Tait};
+use crate::composed::AnyLocalisation;
+use crate::eos::{IdealGas, MieGruneisen, Tait};
 use crate::explosive::Explosive;
-use crate::failure::{DamageLimit, JohnsonCookDamage, NoFailure, TensilePressure};
-use crate::fluid::{Fluid, Inviscid};
+use crate::failure::NoFailure;
+use crate::fluid::{Fluid, Inviscid, Newtonian};
 use crate::ground::Ground;
 use crate::material::{Compiled, IntoMaterial, Material};
+#[cfg(feature = "single")]
 use crate::solid::Solid;
-use crate::strength::{
-    AdiabaticJohnsonCook, Borvik, DruckerPrager, Elastic, HolmquistJohnsonCook, J2, JohnsonCook,
-    SteinbergGuinan,
-};
+#[cfg(feature = "single")]
+use crate::strength::AdiabaticJohnsonCook;
+use crate::strength::{DruckerPrager, HolmquistJohnsonCook, MohrCoulomb};
 use crate::viscosity::{BulkViscosity, NoViscosity};
 use crate::{Jwl, LinearElastic, NeoHookean, PlaneStress};
 
@@ -36,16 +38,8 @@ macro_rules! with_viscosity {
     ($t:ty, $v:ty) => {
         compiled! {
             $t:
-            Solid<Elastic<$t>, LinearDensity<$t>, NoFailure, $v>,
-            Solid<Elastic<$t>, LogarithmicBulk<$t>, NoFailure, $v>,
-            Solid<J2<$t>, LogarithmicBulk<$t>, NoFailure, $v>,
-            Solid<JohnsonCook<$t>, MieGruneisen<$t>, NoFailure, $v>,
-            Solid<AdiabaticJohnsonCook<$t>, MieGruneisen<$t>, NoFailure, $v>,
-            Solid<AdiabaticJohnsonCook<$t>, MieGruneisen<$t>, JohnsonCookDamage<$t>, $v>,
-            Solid<AdiabaticJohnsonCook<$t>, MieGruneisen<$t>, TensilePressure<$t>, $v>,
-            Solid<SteinbergGuinan<$t>, MieGruneisen<$t>, NoFailure, $v>,
-            Solid<Borvik<$t>, LogarithmicBulk<$t>, DamageLimit<$t>, $v>,
             Ground<DruckerPrager<$t>, NoFailure, $v>,
+            Ground<MohrCoulomb<$t>, NoFailure, $v>,
             Ground<HolmquistJohnsonCook<$t>, NoFailure, $v>,
             Explosive<$t, Jwl<$t>, $v>,
             Fluid<IdealGas<$t>, Inviscid, $v>,
@@ -60,6 +54,9 @@ compiled! {
     LinearElastic<f64>,
     PlaneStress<LinearElastic<f64>>,
     NeoHookean<f64>,
+    Ground<HolmquistJohnsonCook<f64, AnyLocalisation<f64>>, NoFailure, BulkViscosity<f64>>,
+    Fluid<IdealGas<f64>, Newtonian<f64>, BulkViscosity<f64>>,
+    Fluid<Tait<f64>, Newtonian<f64>, BulkViscosity<f64>>,
 }
 with_viscosity!(f64, NoViscosity);
 with_viscosity!(f64, BulkViscosity<f64>);

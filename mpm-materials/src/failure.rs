@@ -22,12 +22,12 @@ pub use aftermath::{LosesShear, LosesTension, Remains, Removed};
 pub use cohesive::{CohesiveSpall, Crack};
 pub use combine::{Cracking, NoCrack, OneCrack, OpeningCrack};
 pub use damage_limit::DamageLimit;
-pub use johnson_cook::JohnsonCookDamage;
+pub use johnson_cook::{Damaged, JohnsonCookDamage};
 pub use localisation::{CrackBand, Local, Localisation};
 pub use plastic_strain::PlasticStrainLimit;
 pub use principal::PrincipalStress;
 pub use tensile::TensilePressure;
-pub use tuler_butcher::TulerButcher;
+pub use tuler_butcher::{Overstressed, TulerButcher};
 
 use crate::lane::{Lane, Mask, Real};
 use crate::point::{Nothing, Pair, State};
@@ -112,6 +112,30 @@ pub trait Failure<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
 
     /// State variables of the criterion.
     type History<L: Lane<Real = T>>: State<L>;
+
+    /// True if a point can fail: [`Failure::POSSIBLE`], or less for a set of criteria chosen at run time.
+    #[inline(always)]
+    fn is_possible(&self) -> bool {
+        Self::POSSIBLE
+    }
+
+    /// Post-failure response: [`Failure::REMAINS`], unless it is chosen at run time.
+    #[inline(always)]
+    fn remains(&self) -> Remains {
+        Self::REMAINS
+    }
+
+    /// True if a crack can open: that of [`Failure::Cracks`], or less for a set of criteria chosen at run time.
+    #[inline(always)]
+    fn opens_cracks(&self) -> bool {
+        <Self::Cracks as Cracking>::OPENS
+    }
+
+    /// Bit mask of the stored state variables: [`Constitutive::stored`](crate::Constitutive::stored).
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        u64::MAX
+    }
 
     /// History of an intact point.
     fn intact(&self) -> Self::History<T::Single>;

@@ -41,6 +41,11 @@ pub trait ShearViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'stati
     fn stress<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> Sym3<L>;
     /// Largest dynamic viscosity, Pa s, for the time step limit.
     fn largest(&self) -> T;
+    /// Bit mask of the stored state variables; `None`: all are stored.
+    #[inline(always)]
+    fn stored(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// No shear viscosity.
@@ -226,6 +231,14 @@ where
     }
     fn shock_viscosity(&self) -> [T; 2] {
         self.viscosity.coefficients()
+    }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        let Some(shear) = self.shear.stored() else { return u64::MAX };
+        let first = 1 + <E::Energy<T::Single> as State<T::Single>>::LEN;
+        let count = <N::Memory<T::Single> as State<T::Single>>::LEN;
+        let low = |count: usize| (1 << count) - 1;
+        low(first) | (shear & low(count)) << first | u64::MAX << (first + count)
     }
     /// Virgin state at reference density; a gas has its initial pressure there.
     fn virgin(&self) -> Self::State<T::Single> {

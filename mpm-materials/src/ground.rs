@@ -209,7 +209,7 @@ where
     ) -> Update<L, Self::State<L>> {
         let (zero, one, half) = (L::zero(), L::one(), L::of(0.5));
         let stilled;
-        let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
+        let kinematics = if self.failure.is_possible() && !self.failure.remains().compression() {
             // A removed point does not follow the motion: no work, no breakdown.
             let gone = self.failure.failed(&old.failure, self.law.plastic_strain(&old.history));
             let increment = kinematics.increment * L::select(gone, zero, one);
@@ -229,7 +229,7 @@ where
         let strain_deviator = step.strain.deviator();
         let two_g = L::splat(self.law.shear_modulus() * T::of(2.0));
         let mut tried = old_deviator + strain_deviator * two_g;
-        if F::POSSIBLE && !F::REMAINS.shear() {
+        if self.failure.is_possible() && !self.failure.remains().shear() {
             let failed = self.failure.failed(&old.failure, self.law.plastic_strain(&old.history));
             tried = tried * L::select(failed, zero, one);
         }
@@ -247,7 +247,7 @@ where
         let mut pressure = returned.pressure;
         let mut viscous = self.viscosity.pressure(kinematics, volume_factor, density);
         let mut failure = old.failure;
-        if F::POSSIBLE {
+        if self.failure.is_possible() {
             let plastic_strain = self.law.plastic_strain(&returned.history);
             let observed = Observed {
                 deviator,
@@ -262,13 +262,13 @@ where
             failure = self.failure.judge(&observed, &old.failure);
             let failed = self.failure.failed(&failure, plastic_strain);
             let intact = L::select(failed, zero, one);
-            if !F::REMAINS.shear() {
+            if !self.failure.remains().shear() {
                 deviator = deviator * intact;
             }
-            if !F::REMAINS.compression() {
+            if !self.failure.remains().compression() {
                 pressure = pressure * intact;
                 viscous = viscous * intact;
-            } else if !F::REMAINS.tension() {
+            } else if !self.failure.remains().tension() {
                 pressure = L::select(failed, pressure.max(zero), pressure);
             }
         }

@@ -6,6 +6,7 @@
 
 pub mod capability;
 mod compiled;
+pub mod composed;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 pub mod detonation;
@@ -32,6 +33,10 @@ pub mod tensor;
 pub mod viscosity;
 
 pub use capability::{Hyperelastic, Stretches, Yields};
+pub use composed::{
+    AnyCriterion, AnyEos, AnyFailure, AnyFluid, AnyHardening, AnyHeat, AnyLocalisation, AnyPlate, AnyPorous,
+    AnyRate, AnyShear, AnySolid, AnyStrength, Stretched,
+};
 pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
 pub use eos::{

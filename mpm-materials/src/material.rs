@@ -36,9 +36,10 @@
 //! # use impactite_simd::Float;
 //! ```
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
-use impactite_simd::{Arch, Float, Kernel, Lane, Mask, Pack, RowPair, Vectors};
+use impactite_simd::{Arch, Float, Kernel, Lane, Mask, Pack, Real, RowPair, Vectors};
 
 use crate::capability::Stretches;
 use crate::point::{Breakdown, CompiledHere, Constitutive, Fault, Kinematics, Sink, Source, State, flatten};
@@ -162,6 +163,19 @@ impl<T: Float> Response<T> {
     #[inline(always)]
     pub fn faults(&self) -> &[BrokenPoint] {
         &self.faults
+    }
+    /// Remove the breakdowns and return them.
+    pub(crate) fn take_faults(&mut self) -> Vec<BrokenPoint> {
+        std::mem::take(&mut self.faults)
+    }
+    /// Add breakdowns of points that have none yet.
+    pub(crate) fn add_faults(&mut self, faults: Vec<BrokenPoint>) {
+        if faults.is_empty() {
+            return;
+        }
+        self.faults.extend(faults);
+        self.faults.sort_by_key(|point| (point.group, point.lane));
+        self.faults.dedup_by_key(|point| (point.group, point.lane));
     }
     /// Return the memory of the buffers, bytes.
     pub fn bytes(&self) -> usize {
@@ -333,37 +347,73 @@ fn local<C: Clone>(law: &C) -> Option<C> {
     if const { std::mem::needs_drop::<C>() } { None } else { Some(law.clone()) }
 }
 
+/// Bit mask of the stored state variables of a law, and their position.
+#[derive(Clone, Copy)]
+struct Stored {
+    mask: u64,
+    /// Index of the next state variable.
+    next: usize,
+    /// Number of stored variables before it.
+    at: usize,
+}
+
+impl Stored {
+    #[inline(always)]
+    fn of<T: Real, C: Constitutive<T>>(law: &C) -> Self {
+        Stored { mask: law.stored(), next: 0, at: 0 }
+    }
+    /// Number of stored state variables of a law.
+    #[inline(always)]
+    fn count<T: Real, C: Constitutive<T>>(law: &C) -> usize {
+        let all = <C::State<T::Single> as State<T::Single>>::LEN;
+        let mask = law.stored();
+        // A state of more than 64 variables is stored as a whole.
+        if mask == u64::MAX { all } else { (0..all).filter(|k| mask >> k & 1 != 0).count() }
+    }
+    /// Return the place of the next state variable; `None` if it is not stored.
+    #[inline(always)]
+    fn place(&mut self) -> Option<usize> {
+        let there = self.mask == u64::MAX || self.mask >> self.next & 1 != 0;
+        self.next += 1;
+        if !there {
+            return None;
+        }
+        self.at += 1;
+        Some(self.at - 1)
+    }
+}
+
 /// Reader of state variables from the rows of the groups of a pack.
-pub(crate) struct Reader<'a, T: Float> {
+struct Reader<'a, T: Float> {
     rows: [&'a [T::Row]; 2],
     lane: usize,
-    at: usize,
+    stored: Stored,
 }
 
 impl<T: Float, P: Pack<T>> Source<P> for Reader<'_, T> {
     #[inline(always)]
     fn take(&mut self) -> P {
-        self.at += 1;
+        let Some(at) = self.stored.place() else { return P::zero() };
         let second = if P::GROUPS == 1 { 0 } else { 1 };
-        P::from_rows([&self.rows[0][self.at - 1], &self.rows[second][self.at - 1]], self.lane)
+        P::from_rows([&self.rows[0][at], &self.rows[second][at]], self.lane)
     }
 }
 
 /// Writer of state variables to the rows of the groups of a pack.
-pub(crate) struct Writer<'a, T: Float> {
+struct Writer<'a, T: Float> {
     rows: [&'a mut [T::Row]; 2],
     lane: usize,
-    at: usize,
+    stored: Stored,
 }
 
 impl<T: Float, P: Pack<T>> Sink<P> for Writer<'_, T> {
     #[inline(always)]
     fn put(&mut self, value: P) {
-        value.to_row(0, &mut self.rows[0][self.at], self.lane);
+        let Some(at) = self.stored.place() else { return };
+        value.to_row(0, &mut self.rows[0][at], self.lane);
         if P::GROUPS > 1 {
-            value.to_row(1, &mut self.rows[1][self.at], self.lane);
+            value.to_row(1, &mut self.rows[1][at], self.lane);
         }
-        self.at += 1;
     }
 }
 
@@ -388,7 +438,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
         let own = local(law);
         let law = own.as_ref().unwrap_or(law);
         let StatesMut { all, stride, first, groups } = states;
-        let length = <C::State<A::Batch> as State<A::Batch>>::LEN;
+        let (length, stored) = (Stored::count::<T, C>(law), Stored::of(law));
         let count = groups.len();
         let (deformation, outputs) =
             (&motion.deformation[..count.div_ceil(2)], &mut outputs[..count.div_ceil(2)]);
@@ -418,7 +468,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
             let (deformation, outputs, half) = (&deformation[n / 2], &mut outputs[n / 2], n % 2);
             for lane in (0..T::GROUP).step_by(A::Batch::WIDTH.min(T::GROUP)) {
                 let from = [&*rows[0], &*rows[1]];
-                let old = C::State::<A::Batch>::read(&mut Reader { rows: from, lane, at: 0 });
+                let old = C::State::<A::Batch>::read(&mut Reader { rows: from, lane, stored });
                 let step = A::Batch::from_pair(&deformation.step, half, lane);
                 let mut increment = Mat3::<A::Batch>::zero();
                 for i in 0..3 {
@@ -435,7 +485,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
                 };
                 let new = law.update(&Kinematics { increment, dt, length: cell }, &old);
                 let [one_rows, two_rows] = &mut rows;
-                new.state.write(&mut Writer { rows: [one_rows, two_rows], lane, at: 0 });
+                new.state.write(&mut Writer { rows: [one_rows, two_rows], lane, stored });
                 for i in 0..6 {
                     new.stress.0[i].to_pair(&mut outputs.stress[i], half, lane);
                 }
@@ -476,12 +526,13 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let Describe { law, states: States { all, stride, first, groups }, length, outputs } = self;
-        let (numbers, length) = (<C::State<A::Pack> as State<A::Pack>>::LEN, A::Pack::splat(length));
+        let (numbers, stored) = (Stored::count::<T, C>(law), Stored::of(law));
+        let length = A::Pack::splat(length);
         for (n, &group) in groups.iter().enumerate().filter(|(_, group)| **group != NO_GROUP) {
             let (outputs, half) = (&mut outputs[n / 2], n % 2);
             let rows = &all[group as usize * stride + first..][..numbers];
             for lane in (0..T::GROUP).step_by(A::Pack::WIDTH) {
-                let now = C::State::<A::Pack>::read(&mut Reader { rows: [rows; 2], lane, at: 0 });
+                let now = C::State::<A::Pack>::read(&mut Reader { rows: [rows; 2], lane, stored });
                 let Sym3(stress) = law.stress(&now);
                 for i in 0..6 {
                     stress[i].to_pair(&mut outputs.stress[i], half, lane);
@@ -493,46 +544,49 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
     }
 }
 
-/// Reader of the state variables of one lane.
-struct Lanes<'a, T: Float> {
-    rows: &'a [T::Row],
-    lane: usize,
-    at: usize,
+/// Reader of the state variables of one point, in order.
+struct Numbers<T, I> {
+    left: I,
+    stored: Stored,
+    real: PhantomData<T>,
 }
 
-impl<T: Float> Source<T::Single> for Lanes<'_, T> {
+impl<T: Float, I: Iterator<Item = T>> Source<T::Single> for Numbers<T, I> {
     #[inline(always)]
     fn take(&mut self) -> T::Single {
-        self.at += 1;
-        self.rows[self.at - 1].as_ref()[self.lane].into()
+        let there = self.stored.place().and_then(|_| self.left.next());
+        there.unwrap_or_default().into()
     }
 }
 
-/// Iterate over the states of the lanes of a group.
-fn lanes<'a, T: Float, C: Constitutive<T>>(
-    states: &States<'a, T>,
-    group: u32,
-) -> impl Iterator<Item = (usize, C::State<T::Single>)> + use<'a, T, C> {
-    let length = <C::State<T::Single> as State<T::Single>>::LEN;
-    let rows = &states.all[group as usize * states.stride + states.first..][..length];
-    (0..T::GROUP).map(move |lane| (lane, State::read(&mut Lanes::<T> { rows, lane, at: 0 })))
-}
-
-/// Build a state from its numbers; `None` for a wrong count.
-fn single<T: Float, C: Constitutive<T>>(numbers: &[T]) -> Option<C::State<T::Single>> {
-    let length = <C::State<T::Single> as State<T::Single>>::LEN;
-    (numbers.len() == length).then(|| C::State::read(&mut Numbers { left: numbers.iter() }))
-}
-
-/// Reader of the numbers of one state.
-struct Numbers<'a, T> {
-    left: std::slice::Iter<'a, T>,
-}
-
-impl<T: Float> Source<T::Single> for Numbers<'_, T> {
-    #[inline(always)]
-    fn take(&mut self) -> T::Single {
-        T::Single::from(self.left.next().copied().unwrap_or_default())
+impl<C> Compiled<C> {
+    /// Read a state from its stored numbers.
+    fn read<T: Float>(&self, numbers: impl Iterator<Item = T>) -> C::State<T::Single>
+    where
+        C: Constitutive<T>,
+    {
+        State::read(&mut Numbers { left: numbers, stored: Stored::of(&self.law), real: PhantomData })
+    }
+    /// Build a state from its stored numbers; `None` for a wrong count.
+    fn single<T: Float>(&self, numbers: &[T]) -> Option<C::State<T::Single>>
+    where
+        C: Constitutive<T>,
+    {
+        (numbers.len() == Stored::count::<T, C>(&self.law)).then(|| self.read(numbers.iter().copied()))
+    }
+    /// Return the stored numbers of a state, or what belongs to them.
+    fn stored<T: Float, X>(&self, all: impl IntoIterator<Item = X>) -> Vec<X>
+    where
+        C: Constitutive<T>,
+    {
+        let mut stored = Stored::of(&self.law);
+        all.into_iter().filter(|_| stored.place().is_some()).collect()
+    }
+    fn numbers<T: Float>(&self, state: &C::State<T::Single>) -> Vec<T>
+    where
+        C: Constitutive<T>,
+    {
+        self.stored(flatten(state).into_iter().map(|x: T::Single| x.into()))
     }
 }
 
@@ -547,15 +601,15 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
         format!("{:?}", self.law)
     }
     fn numbers(&self) -> usize {
-        <C::State<T::Single> as State<T::Single>>::LEN
+        Stored::count::<T, C>(&self.law)
     }
     fn state_names(&self) -> Vec<String> {
         let mut names = Vec::new();
         C::State::<T::Single>::names("state", &mut names);
-        names
+        self.stored(names)
     }
     fn virgin(&self) -> Vec<T> {
-        flatten(&self.law.virgin()).into_iter().map(|x: T::Single| x.into()).collect()
+        self.numbers(&self.law.virgin())
     }
     fn advance(
         &self,
@@ -565,7 +619,7 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
         response: &mut Response<T>,
     ) {
         response.have(states.groups.len());
-        response.spare.resize(<C::State<T::Single> as State<T::Single>>::LEN, T::Row::default());
+        response.spare.resize(Stored::count::<T, C>(&self.law), T::Row::default());
         let (law, outputs, faults) = (&self.law, &mut response.outputs[..], &mut response.faults);
         let spare = &mut response.spare[..];
         T::dispatch(Advance { law, motion, states, speeds, outputs, faults, spare });
@@ -575,15 +629,18 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
         T::dispatch(Describe { law: &self.law, states, length, outputs: &mut response.outputs[..] });
     }
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]) {
+        let numbers = Stored::count::<T, C>(&self.law);
         let groups = states.groups.iter().zip(ratios);
         for (&group, ratio) in groups.filter(|(group, _)| **group != NO_GROUP) {
-            for (lane, now) in lanes::<T, C>(&states, group) {
+            let rows = &states.all[group as usize * states.stride + states.first..][..numbers];
+            for lane in 0..T::GROUP {
+                let now = self.read(rows.iter().map(|row| row.as_ref()[lane]));
                 ratio.as_mut()[lane] = self.law.volume_ratio(&now).into();
             }
         }
     }
     fn describe_point(&self, state: &[T]) -> Option<Described<T>> {
-        let now = single::<T, C>(state)?;
+        let now = self.single(state)?;
         let Sym3(stress) = self.law.stress(&now);
         Some(Described {
             stress: stress.map(Into::into),
@@ -595,24 +652,23 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
         })
     }
     fn volume_ratio_of(&self, state: &[T]) -> Option<T> {
-        Some(self.law.volume_ratio(&single::<T, C>(state)?).into())
+        Some(self.law.volume_ratio(&self.single(state)?).into())
     }
     fn step_speed(&self, state: &[T], length: T) -> Option<T> {
-        Some(self.law.step_speed(&single::<T, C>(state)?, T::Single::from(length)).into())
+        Some(self.law.step_speed(&self.single(state)?, T::Single::from(length)).into())
     }
     fn energy_of(&self, state: &[T]) -> Option<T> {
-        Some(self.law.energy(&single::<T, C>(state)?).into())
+        Some(self.law.energy(&self.single(state)?).into())
     }
     fn viscous_heat_of(&self, state: &[T]) -> T {
         let heats = self.law.has_viscous_heat();
-        let now = if heats { single::<T, C>(state) } else { None };
+        let now = if heats { self.single(state) } else { None };
         now.map_or(T::default(), |now| self.law.viscous_heat(&now).into())
     }
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>> {
         let states: Option<Vec<_>> =
-            points.iter().map(|&(mass, numbers)| Some((mass, single::<T, C>(numbers)?))).collect();
-        let merged = self.law.merged(&states?)?;
-        Some(flatten(&merged).into_iter().map(|x: T::Single| x.into()).collect())
+            points.iter().map(|&(mass, numbers)| Some((mass, self.single(numbers)?))).collect();
+        Some(self.numbers(&self.law.merged(&states?)?))
     }
     fn stretch_place(&self) -> Option<usize> {
         self.law.stretch_place()

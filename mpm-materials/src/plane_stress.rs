@@ -82,6 +82,13 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for PlaneStress<C> {
     fn is_plane_stress(&self) -> bool {
         true
     }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        match self.law.stored() {
+            u64::MAX => u64::MAX,
+            law => 0b11 | law << 2,
+        }
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         PlaneStressState { thickness: T::Single::one(), ratio: T::Single::zero(), law: self.law.virgin() }
     }

@@ -437,6 +437,13 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
         None
     }
 
+    /// Bit mask of the state variables that are stored, the first in the lowest bit; the others are zero at all times. All
+    /// are stored unless the parts of a law are chosen at run time ([`AnySolid`](crate::AnySolid)).
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        u64::MAX
+    }
+
     /// True if the law tracks viscous heat separately; [`Constitutive::viscous_heat`] is zero otherwise.
     fn has_viscous_heat(&self) -> bool {
         false

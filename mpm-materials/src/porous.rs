@@ -88,6 +88,10 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
         let viscosity = BulkViscosity::new(linear, quadratic, solid.rest_speed())?;
         Ok(Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, rate })
     }
+    pub(crate) fn with_viscosity<W>(self, viscosity: W) -> Porous<T, S, E, W, R> {
+        let Porous { strength, solid, distension, elastic_limit, full_compaction, rate, .. } = self;
+        Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, rate }
+    }
     /// Set the objective rate.
     pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Porous<T, S, E, V, Q> {
         let Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, .. } = self;
@@ -167,6 +171,14 @@ where
     }
     fn shock_viscosity(&self) -> [T; 2] {
         self.viscosity.coefficients()
+    }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        // Stress, volume ratio, energy and distension come first.
+        match self.strength.stored() {
+            u64::MAX => u64::MAX,
+            strength => 0x1ff | strength << 9,
+        }
     }
     fn virgin(&self) -> Self::State<T::Single> {
         PorousState {

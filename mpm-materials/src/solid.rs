@@ -3,7 +3,7 @@
 use crate::capability::Yields;
 use crate::eos::{Balance, Eos, balance};
 use crate::failure::combine::OfSolid;
-use crate::failure::{Cracking, Failure, NoFailure, Observed, Strain};
+use crate::failure::{Failure, NoFailure, Observed, Strain};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
@@ -76,6 +76,15 @@ impl<S, E> Solid<S, E> {
     }
 }
 
+impl<S, E, F, V> Solid<S, E, F, V> {
+    pub(crate) fn of_parts(strength: S, eos: E, failure: F, viscosity: V) -> Self {
+        Solid { strength, eos, failure, viscosity, rate: HughesWinget }
+    }
+    pub(crate) fn with_viscosity(self, viscosity: V) -> Self {
+        Solid { viscosity, ..self }
+    }
+}
+
 impl<S, E, F, V, R> Solid<S, E, F, V, R> {
     /// Set the failure criterion: `N` is `Solid<S, E, G, V, R>`, of a `G` that is a [`Failure`].
     pub fn with_failure<T, G, W, N>(self, failure: G) -> N
@@ -118,6 +127,9 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
     pub fn eos(&self) -> &E {
         &self.eos
     }
+    pub(crate) fn viscosity(&self) -> &V {
+        &self.viscosity
+    }
     /// The failure criterion.
     pub fn failure(&self) -> &F {
         &self.failure
@@ -145,7 +157,7 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
         E: Eos<T>,
         F: Failure<T>,
     {
-        if !<F::Cracks as Cracking>::OPENS {
+        if !self.failure.opens_cracks() {
             return balance(self.eos.terms(volume_ratio), worked, volume_change);
         }
         let old = *failure;
@@ -210,6 +222,17 @@ where
     fn shock_viscosity(&self) -> [T; 2] {
         self.viscosity.coefficients()
     }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        let low = |bits: u64, count: usize| bits & ((1 << count) - 1);
+        let (strength, failure) = (
+            <S::History<T::Single> as State<T::Single>>::LEN,
+            <F::History<T::Single> as State<T::Single>>::LEN,
+        );
+        // Six of the stress, volume ratio and energy come first.
+        0xff | low(self.strength.stored(), strength) << 8
+            | low(self.failure.stored(), failure) << (8 + strength)
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         let energy = T::Single::splat(self.eos.initial_energy());
         let volume_ratio = T::Single::one();
@@ -229,7 +252,7 @@ where
     ) -> Update<L, Self::State<L>> {
         let (zero, half) = (L::zero(), L::of(0.5));
         let stilled;
-        let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
+        let kinematics = if self.failure.is_possible() && !self.failure.remains().compression() {
             // A removed point does not follow the motion: no work, no breakdown.
             let gone = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
             let increment = kinematics.increment * L::select(gone, zero, L::one());
@@ -251,7 +274,7 @@ where
         let loading = Loading::of(kinematics, &step.strain, -old_mean, specific_volume);
         let two_g = L::splat(self.strength.shear_modulus() * T::of(2.0));
         let mut trial = old_deviator.plus_times(&loading.strain_deviator, two_g);
-        if F::POSSIBLE && !F::REMAINS.shear() {
+        if self.failure.is_possible() && !self.failure.remains().shear() {
             let failed = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
             trial = trial * L::select(failed, zero, L::one());
         }
@@ -273,7 +296,7 @@ where
         let mut deviator = returned.deviator;
         let mut pressure = balanced.pressure;
         let mut energy = balanced.energy;
-        if F::POSSIBLE {
+        if self.failure.is_possible() {
             let plastic_strain = self.strength.plastic_strain(&returned.history);
             let observed = Observed {
                 deviator,
@@ -290,15 +313,15 @@ where
             if failed.any() {
                 let intact = L::select(failed, zero, L::one());
                 let mut left = worked;
-                if !F::REMAINS.shear() {
+                if !self.failure.remains().shear() {
                     left = left - middle_volume * deviator.dot(&loading.strain_deviator) * half;
                     deviator = deviator * intact;
                 }
-                if F::REMAINS.compression() {
+                if self.failure.remains().compression() {
                     let again = balance(self.eos.terms(volume_ratio), left, volume_change);
                     let mut carried = again.pressure;
                     let mut kept = again.energy;
-                    if !F::REMAINS.tension() {
+                    if !self.failure.remains().tension() {
                         let tension = again.pressure.lt(zero);
                         carried = L::select(tension, zero, carried);
                         kept = L::select(tension, left, kept);
@@ -345,7 +368,7 @@ where
         let shear = L::splat(self.strength.shear_modulus() * T::of(4.0 / 3.0) / self.eos.density());
         let stiffening = self.strength.stiffening(-now.stress.mean(), now.volume_ratio, &now.strength);
         let mut stiff = shear * stiffening;
-        if F::POSSIBLE && !F::REMAINS.shear() {
+        if self.failure.is_possible() && !self.failure.remains().shear() {
             let failed = self.failure.failed(&now.failure, self.strength.plastic_strain(&now.strength));
             stiff = stiff * L::select(failed, L::zero(), L::one());
         }
@@ -363,7 +386,7 @@ where
     /// the difference as heat. The pressure of the next step follows from mean volume and energy; it differs from the
     /// mean pressure by the square of the volume differences.
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
-        if F::POSSIBLE && !F::REMAINS.compression() {
+        if self.failure.is_possible() && !self.failure.remains().compression() {
             return None;
         }
         let number = |x: T::Single| -> f64 {

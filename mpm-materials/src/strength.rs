@@ -84,6 +84,12 @@ pub trait Strength<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// Shear modulus G, Pa.
     fn shear_modulus(&self) -> T;
 
+    /// Bit mask of the stored state variables: [`Constitutive::stored`](crate::Constitutive::stored).
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        u64::MAX
+    }
+
     /// The history of a virgin point.
     fn virgin(&self) -> Self::History<T::Single>;
 

@@ -68,6 +68,13 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
     fn is_plane_stress(&self) -> bool {
         self.law.is_plane_stress()
     }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        match self.law.stored() {
+            u64::MAX => u64::MAX,
+            law => 0b111_1111 | law << 7,
+        }
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         let (one, splits) = (T::Single::one(), T::Single::zero());
         StretchingState { cauchy_green: Sym3::isotropic(one), splits, law: self.law.virgin() }

@@ -8,12 +8,14 @@ use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, RunView, VtkSeries
 use mpm_core::{Archive, CheckpointError, PointView, Solver, Team};
 use mpm_materials::{BulkViscosity, Elastic, HughesWinget, LinearDensity, NoFailure, Solid};
 
-use crate::{CaseError, Detection, Detector, Law, Simulation, Totals};
+use mpm_contact::AnyDetector;
+
+use crate::{CaseError, Detection, Law, Simulation, Totals};
 
 /// Linear elastic, with bulk viscosity.
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, HughesWinget>;
 /// Any test of contact.
-pub type Touch = GridContact<Detector, f64>;
+pub type Touch = GridContact<AnyDetector, f64>;
 
 /// From density, kg/m^3, Young's modulus, Pa, Poisson's ratio, and the linear coefficient of bulk viscosity.
 pub fn rubber(density: f64, young: f64, poisson: f64, viscosity: f64) -> Result<Rubber, CaseError> {

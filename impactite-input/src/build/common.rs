@@ -4,7 +4,7 @@ use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
+use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, Penalty, SlipWeakening, Stick};
 use impactite::geometry::{Filling, Metric, Shape};
 use impactite::materials::MassScaled;
 use impactite::mpm::{TimeControl, Watch};
@@ -15,7 +15,7 @@ use super::wrong::{At, Folder, Made, Wrong, known, wrong};
 use super::{describe, kinds, shape};
 use crate::measured::profile;
 use crate::model::body::{Body, MeetBy};
-use crate::model::contact::{Law, Pair};
+use crate::model::contact::{Detector, Law, PENALTY_FREQUENCY, PENALTY_RESTITUTION, Pair};
 use crate::model::method::{Method, TimeStep};
 use crate::model::{SceneFile, Space, fixed, formulas};
 
@@ -261,13 +261,21 @@ impl<'a, const D: usize> World<'a, D> {
                 .and_then(|b| b.elements.as_ref())
                 .is_some_and(|e| e.within.is_none() && e.by == MeetBy::Surface)
         };
-        let remembers = |law: &Law| matches!(law, Law::SlipWeakening(_));
+        let remembers = |law: &Law| matches!(law, Law::SlipWeakening(_) | Law::Penalty(_));
         let without = |key: String| {
             wrong(
                 key,
-                "`slip_weakening` is for particles on the grid (`mpm`) alone; use `friction`, or `stick`",
+                "`slip_weakening` and `penalty` are for particles on the grid (`mpm`) alone; use `friction`, or `stick`",
             )
         };
+        let springs = |law: &Law| matches!(law, Law::Penalty(_));
+        let no_gap = matches!(contact.detector, Detector::Approach | Detector::Compression);
+        if no_gap && (springs(&contact.law) || contact.pairs.iter().any(|pair| springs(&pair.law))) {
+            return wrong(
+                "contact.detector",
+                "`penalty` needs a detector of distances: `surface_distance`, or others that measure a distance",
+            );
+        }
         for (key, pair, law) in laws {
             let elements = !mpm || pair.between.iter().any(|name| by_surface(name));
             if remembers(law) && elements && bodies.len() > 1 {
@@ -289,7 +297,16 @@ impl<'a, const D: usize> World<'a, D> {
     /// Return the contact laws of pairs of bodies, which are numbered in the order of `names`.
     pub fn laws(&self, names: &[&str]) -> Made<Option<Pairs<f64>>> {
         let Some(contact) = self.scene.contact() else { return Ok(None) };
-        let mut pairs = of_law("contact.law", &contact.law, None, Pairs::new(Frictionless))?;
+        let mut pairs =
+            of_law("contact.law", &contact.law, None, Pairs::new(Frictionless), || self.spring(names))?;
+        if matches!(contact.law, Law::Penalty(_)) {
+            for one in 0..names.len() {
+                for other in one + 1..names.len() {
+                    let spring = || self.spring(&[names[one], names[other]]);
+                    pairs = of_law("contact.law", &contact.law, Some([one, other]), pairs, spring)?;
+                }
+            }
+        }
         for (n, Pair { between, law, .. }) in contact.pairs.iter().enumerate() {
             let key = format!("contact.pairs[{n}]");
             let place =
@@ -298,14 +315,39 @@ impl<'a, const D: usize> World<'a, D> {
             if one == other {
                 return wrong(format!("{key}.between"), "must be two bodies");
             }
-            pairs = of_law(&format!("{key}.law"), law, Some([one, other]), pairs)?;
+            let spring = || self.spring(&[names[one], names[other]]);
+            pairs = of_law(&format!("{key}.law"), law, Some([one, other]), pairs, spring)?;
         }
         Ok(Some(pairs))
     }
+
+    /// Return the smallest wave speed of the deformable ones among these bodies, m/s, and the cell, m: the scale of springs in contact.
+    fn spring(&self, names: &[&str]) -> Made<[f64; 2]> {
+        let Method::Mpm(options) = &self.scene.method else {
+            return wrong("contact", "`penalty` is for particles on the grid (`mpm`) alone");
+        };
+        let mut slowest = f64::INFINITY;
+        for name in names {
+            let Some(body) = self.scene.expanded.get(*name).filter(|body| body.rigid.is_none()) else {
+                continue;
+            };
+            let material = self.law(&format!("bodies.{name}"), body)?.material;
+            let speed = material.step_speed(&material.virgin(), options.cell.value).unwrap_or(f64::INFINITY);
+            slowest = slowest.min(speed);
+        }
+        // Two rigid bodies do not deform: the speed has no effect, if it is positive.
+        Ok([if slowest.is_finite() { slowest } else { 1.0 }, options.cell.value])
+    }
 }
 
-/// Add this law to the pairs for two bodies, or as the law of all.
-fn of_law(key: &str, law: &Law, pair: Option<[usize; 2]>, pairs: Pairs<f64>) -> Made<Pairs<f64>> {
+/// Add this law to the pairs for two bodies, or as the law of all; `spring` returns the scale of springs: wave speed, m/s, and cell, m.
+fn of_law(
+    key: &str,
+    law: &Law,
+    pair: Option<[usize; 2]>,
+    pairs: Pairs<f64>,
+    spring: impl FnOnce() -> Made<[f64; 2]>,
+) -> Made<Pairs<f64>> {
     macro_rules! with {
         ($law:expr) => {{
             let law = $law;
@@ -320,6 +362,11 @@ fn of_law(key: &str, law: &Law, pair: Option<[usize; 2]>, pairs: Pairs<f64>) -> 
         Law::Friction(mu) => with!(Coulomb::new(mu.value).at(key)?),
         Law::SlipWeakening(w) => {
             with!(SlipWeakening::new(w.at_rest.value, w.sliding.value, w.distance.value).at(key)?)
+        }
+        Law::Penalty(p) => {
+            let frequency = p.frequency.map_or(PENALTY_FREQUENCY, |q| q.value);
+            let restitution = p.restitution.map_or(PENALTY_RESTITUTION, |q| q.value);
+            with!(Penalty::of_cells(frequency, spring()?, restitution, p.friction.value).at(key)?)
         }
         Law::Stick(_) => with!(Stick),
         Law::Adhesion(a) => with!(Adhesion::new(a.strength.value, a.shear.value, a.friction.value).at(key)?),

@@ -3,18 +3,21 @@
 use std::sync::Arc;
 
 use impactite::geometry::Seeds;
+use impactite::materials::eos::{CrushConstants, CrushCurve};
+use impactite::materials::strength::ConcreteConstants;
 use impactite::materials::{
-    Adiabatic, BulkViscosity, Cone, Constitutive, Detonation, DruckerPrager, Elastic, Explosive, Fluid,
-    Ground, Heat, IdealGas, IntoMaterial, J2, JohnsonCook, JohnsonCookDamage, Jwl, JwlConstants,
-    LinearDensity, LinearElastic, Logarithmic, LogarithmicBulk, Material, MieGruneisen, Moduli, MohrCoulomb,
-    NeoHookean, Newtonian, PlaneStress, PlasticStrainLimit, Removed, Solid, Tait, TensilePressure, library,
+    AnyCriterion, AnyEos, AnyFailure, AnyFluid, AnyShear, AnyStrength, Bingham, BulkViscosity, Cone,
+    Constitutive, Detonation, DruckerPrager, Explosive, Fluid, Ground, HolmquistJohnsonCook, IdealGas,
+    IntoMaterial, JohnsonCookDamage, Jwl, JwlConstants, LinearElastic, Material, Moduli, MohrCoulomb,
+    NeoHookean, Newtonian, NoFailure, PlaneStress, PlasticStrainLimit, Solid, Stretched, Tait, library,
 };
 use impactite::mpm::{Deformable, FieldForce, Mpm, Splitting, Traction};
 
+use super::solid::{self, Parts};
 use super::wrong::{At, Made, Wrong, wrong};
 use crate::model::material::{
-    BURN_WIDTH, ConeWord, ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants,
-    GroundLaw, Library, Material as Spec, Strength, TAYLOR_QUINNEY,
+    BURN_WIDTH, BinghamConstants, ConeWord, ElasticConstants, Eos, ExplosiveLaw, FailureChoice, FluidLaw,
+    FrictionConstants, GroundLaw, JwlConstants as JwlSpec, Library, Material as Spec, Strength,
 };
 
 /// Velocity field, m/s, as a function of position, m.
@@ -107,7 +110,12 @@ impl Law {
             (Some(Charge::Plain(charge)), false) => lights!(charge),
             (Some(Charge::Viscous(charge)), false) => lights!(charge),
             _ => {
-                let mut body = body!(self.material.clone());
+                // Splitting needs the accumulated stretch.
+                let material: Arc<dyn Material<f64>> = match &splitting {
+                    Some(_) => Arc::new(Stretched::new(self.material.clone())),
+                    None => self.material.clone(),
+                };
+                let mut body = body!(material);
                 if let Some(splitting) = splitting {
                     body = body.with_splitting(splitting);
                 }
@@ -126,11 +134,6 @@ impl Law {
 /// Wrap a law whose kernels are compiled in the library.
 fn there<L: IntoMaterial<f64>>(law: L) -> Law {
     Law::from(law.into_material())
-}
-
-/// Wrap a law whose kernels are compiled in this crate.
-fn here<C: Constitutive<f64>>(law: C) -> Law {
-    Law::from(law.compiled().into_material())
 }
 
 /// Return the key that says of what kind the material at `key` is, exactly one; refuse the other keys that do not go with it.
@@ -164,6 +167,8 @@ pub(super) fn kind(key: &str, spec: &Spec) -> Made<&'static str> {
     };
     only(spec.eos.is_some(), "eos", &["strength"])?;
     only(spec.failure.is_some(), "failure", &["strength", "library"])?;
+    only(spec.porous.is_some(), "porous", &["strength", "library"])?;
+    only(spec.bingham.is_some(), "bingham", &["fluid"])?;
     only(
         spec.bulk_viscosity.is_some(),
         "bulk_viscosity",
@@ -184,14 +189,8 @@ fn explodes(kind: &str, spec: &Spec) -> bool {
 pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
     let kind = kind(key, spec)?;
     let width = spec.burn_width.map(|q| q.value);
-    if kind == "strength" && matches!(spec.failure, Some(Failure::Library)) {
-        return without_library(key);
-    }
-    if plate && kind != "elastic" {
-        return wrong(
-            key,
-            "in plane stress materials are `elastic`: of no other is a law of plates compiled",
-        );
+    if plate && !["elastic", "strength", "library"].contains(&kind) {
+        return wrong(key, NO_PLATE);
     }
     let viscosity = spec.bulk_viscosity.map(|list| list.map(|q| q.value));
     if let Some(constants) = &spec.elastic {
@@ -204,31 +203,22 @@ pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
         return Ok(there(NeoHookean::new(constants.density.value, moduli(&key, constants)?).at(key)?));
     }
     if let Some(name) = spec.library {
-        return of_library(key, name, spec.failure.as_ref(), viscosity, width);
+        return of_library(key, name, spec, plate);
     }
     if let Some(strength) = &spec.strength {
         let Some(eos) = &spec.eos else { return wrong(key, "`strength` goes with an `eos`") };
-        return metal(key, strength, eos, spec.failure.as_ref(), viscosity);
+        return metal(key, strength, eos, spec, plate);
     }
     if let Some(ground) = &spec.ground {
         return of_ground(key, ground, viscosity);
     }
     if let Some(fluid) = &spec.fluid {
-        return of_fluid(key, fluid, viscosity);
+        return of_fluid(key, fluid, spec.bingham.as_ref(), viscosity);
     }
     match &spec.explosive {
         Some(ExplosiveLaw::Jwl(k)) => {
             let key = format!("{key}.explosive.jwl");
-            let constants = JwlConstants {
-                density: k.density.value,
-                a: k.a.value,
-                b: k.b.value,
-                r1: k.r1.value,
-                r2: k.r2.value,
-                omega: k.omega.value,
-                energy: k.energy.value,
-            };
-            let mut charge = Explosive::new(Jwl::new(constants).at(&key)?).at(&key)?;
+            let mut charge = Explosive::new(jwl(&key, k)?).at(&key)?;
             if let Some(speed) = k.detonation_speed {
                 charge = charge.with_detonation_speed(speed.value).at(&key)?;
             }
@@ -236,6 +226,19 @@ pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
         }
         None => wrong(key, "is of no kind"),
     }
+}
+
+fn jwl(key: &str, k: &JwlSpec) -> Made<Jwl<f64>> {
+    let constants = JwlConstants {
+        density: k.density.value,
+        a: k.a.value,
+        b: k.b.value,
+        r1: k.r1.value,
+        r2: k.r2.value,
+        omega: k.omega.value,
+        energy: k.energy.value,
+    };
+    Jwl::new(constants).at(key)
 }
 
 fn moduli(key: &str, k: &ElasticConstants) -> Made<Moduli<f64>> {
@@ -264,15 +267,7 @@ fn explosive(
 
 /// Wrap a law with or without bulk viscosity, both compiled in the library.
 macro_rules! viscous {
-    ($key:expr, $law:expr, $viscosity:expr) => {
-        viscous!($key, $law, $viscosity, there)
-    };
-    // With kernels compiled in this crate, absent viscosity has zero coefficients: one law to compile instead of two.
-    ($key:expr, $law:expr, $viscosity:expr, here) => {{
-        let [linear, quadratic] = $viscosity.unwrap_or([0.0; 2]);
-        here($law.with_bulk_viscosity(linear, quadratic).at(format!("{}.bulk_viscosity", $key))?)
-    }};
-    ($key:expr, $law:expr, $viscosity:expr, there) => {{
+    ($key:expr, $law:expr, $viscosity:expr) => {{
         let law = $law;
         match $viscosity {
             Some([linear, quadratic]) => {
@@ -283,106 +278,104 @@ macro_rules! viscous {
     }};
 }
 
-fn of_library(
-    key: &str,
-    name: Library,
-    failure: Option<&Failure>,
-    viscosity: Option<[f64; 2]>,
-    width: Option<f64>,
-) -> Made<Law> {
-    macro_rules! adiabatic {
-        ($law:expr) => {
-            match (failure, own_failure(name)) {
-                (Some(Failure::Library), Some(Own::Damage(damage))) => {
-                    Ok(viscous!(key, $law.with_failure(damage), viscosity))
-                }
-                _ => with_failure(key, $law, failure, viscosity),
-            }
-        };
-    }
-    macro_rules! plain {
-        ($law:expr) => {{
-            let law = $law;
-            let limit = match (failure, own_failure(name)) {
-                (Some(Failure::PlasticStrain(limit)), _) if !limit.removed => Some(limit.limit.value),
-                (Some(Failure::Library), Some(Own::PlasticStrain(limit))) => Some(limit),
-                _ => None,
-            };
-            match (failure, limit) {
-                (None, _) => Ok(viscous!(key, law, viscosity)),
-                (Some(_), Some(limit)) => {
-                    let failure =
-                        PlasticStrainLimit::new(limit).at(format!("{key}.failure.plastic_strain"))?;
-                    Ok(viscous!(key, law.with_failure(failure), viscosity, here))
-                }
-                (Some(other), None) => wrong(
-                    format!("{key}.failure"),
-                    format!(
-                        "`{}` is not compiled for this material; take `plastic_strain`, or none",
-                        failure_word(other)
-                    ),
-                ),
-            }
-        }};
-    }
-    let own = own_failure(name);
-    if matches!(failure, Some(Failure::Library)) && own.is_none() {
-        let sets = Library::ALL.iter().filter(|(set, _)| own_failure(*set).is_some());
-        let sets: Vec<&str> = sets.map(|(_, word)| *word).collect();
-        return wrong(
-            format!("{key}.failure"),
-            format!(
-                "the named set has no failure constants of its own; these have: {}. Give constants: \
-                 `failure.plastic_strain = {{ limit = 1 }}`",
-                sets.join(", ")
-            ),
-        );
-    }
-    let within = matches!((failure, own), (Some(Failure::Library), Some(Own::Within)));
-    if failure.is_some()
-        && !within
-        && !matches!(
-            name,
-            Library::Aluminium6061T6
-                | Library::Aluminium2024T3
-                | Library::AluminiumFeng2014
-                | Library::CopperFeng2014
-                | Library::CopperOfhc
-                | Library::Steel4340
-                | Library::TungstenAlloy
-                | Library::CopperTaylor
-                | Library::CopperCasing
-                | Library::Lead
-        )
+/// Return the solid of a named set; `None` if its law is of another kind.
+fn solid(name: Library) -> Option<Parts> {
+    fn parts<S, E, F>(law: Solid<S, E, F>, within: impl Fn(&F) -> AnyFailure<f64>) -> Parts
+    where
+        S: Copy + Into<AnyStrength<f64>>,
+        E: Copy + Into<AnyEos<f64>>,
     {
-        let what = match own {
-            Some(Own::Within) => {
-                "the named set fails by its own damage; leave `failure` away, or write `failure = \"library\"`"
+        let failure = within(law.failure());
+        Parts { strength: (*law.strength()).into(), eos: (*law.eos()).into(), failure }
+    }
+    let none = |_: &NoFailure| AnyFailure::default();
+    Some(match name {
+        Library::Aluminium6061T6 => parts(library::aluminium_6061_t6(), none),
+        Library::Aluminium2024T3 => parts(library::aluminium_2024_t3(), none),
+        Library::AluminiumFeng2014 => parts(library::aluminium_feng_2014(), none),
+        Library::CopperFeng2014 => parts(library::copper_feng_2014(), none),
+        Library::CopperOfhc => parts(library::copper_ofhc(), none),
+        Library::Steel4340 => parts(library::steel_4340(), none),
+        Library::TungstenAlloy => parts(library::tungsten_alloy(), none),
+        Library::CopperTaylor => parts(library::copper_taylor(), none),
+        Library::CopperCasing => parts(library::copper_casing(), none),
+        Library::Lead => parts(library::lead(), none),
+        Library::CopperSteinberg => parts(library::copper_steinberg(), none),
+        Library::Steel4340Steinberg => parts(library::steel_4340_steinberg(), none),
+        Library::ArneToolSteel => parts(library::arne_tool_steel(), none),
+        Library::Weldox460E => parts(library::weldox_460_e(), |f| (*f).into()),
+        Library::Weldox460EUncoupled => parts(library::weldox_460_e_uncoupled(), |f| (*f).into()),
+        _ => return None,
+    })
+}
+
+/// Failure criterion of a named set, from its source; `None` if it has none, or if its law has it already.
+fn own_failure(name: Library) -> Option<AnyCriterion<f64>> {
+    Some(match name {
+        Library::Aluminium6061T6 => JohnsonCookDamage::aluminium_6061().into(),
+        Library::Aluminium2024T3 => JohnsonCookDamage::aluminium_2024_t3().into(),
+        Library::CopperOfhc => JohnsonCookDamage::copper_ofhc().into(),
+        Library::Steel4340 => JohnsonCookDamage::steel_4340().into(),
+        Library::Lead => PlasticStrainLimit::new(LEAD_FAILS).ok()?.into(),
+        _ => return None,
+    })
+}
+
+/// Plastic strain at failure of lead in its source.
+const LEAD_FAILS: f64 = 3.0;
+
+/// True if the law of a named set fails by itself.
+fn fails_by_itself(name: Library) -> bool {
+    matches!(name, Library::Weldox460E | Library::Weldox460EUncoupled)
+}
+
+/// Return the failure of a named set at `key`.
+fn failure_of_set(key: &str, name: Library) -> Made<AnyFailure<f64>> {
+    if fails_by_itself(name) {
+        return Ok(AnyFailure::default());
+    }
+    let Some(own) = own_failure(name) else {
+        let sets =
+            Library::ALL.iter().filter(|(set, _)| own_failure(*set).is_some() || fails_by_itself(*set));
+        let sets: Vec<&str> = sets.map(|(_, word)| *word).collect();
+        return wrong(key, format!("this named set has none of its own; sets with one: {}", sets.join(", ")));
+    };
+    AnyFailure::default().or(own).at(key)
+}
+
+fn of_library(key: &str, name: Library, spec: &Spec, plate: bool) -> Made<Law> {
+    let viscosity = spec.bulk_viscosity.map(|list| list.map(|q| q.value));
+    if let Some(mut parts) = solid(name) {
+        let at = format!("{key}.failure");
+        let own = || failure_of_set(&at, name);
+        match &spec.failure {
+            None => {}
+            Some(FailureChoice::Library) => {
+                for criterion in own()?.criteria() {
+                    parts.failure = parts.failure.or(criterion).at(&at)?;
+                }
             }
-            _ => "no failure is compiled for this named set",
-        };
-        return wrong(format!("{key}.failure"), what);
+            Some(FailureChoice::By(criteria)) => {
+                parts.failure = solid::failing(&at, criteria, &parts, own)?;
+            }
+        }
+        return parts.law(key, viscosity, spec.porous.as_ref(), plate);
+    }
+    if plate {
+        return wrong(key, NO_PLATE);
+    }
+    if spec.failure.is_some() {
+        return wrong(format!("{key}.failure"), "is of metals; this named set is none");
+    }
+    if spec.porous.is_some() {
+        return wrong(format!("{key}.porous"), "is of metals; this named set is none");
     }
     if viscosity.is_some() && matches!(name, Library::SteelElastic) {
         return wrong(format!("{key}.bulk_viscosity"), "`steel_elastic` has none; take `strength` and `eos`");
     }
+    let width = spec.burn_width.map(|q| q.value);
     match name {
-        Library::Aluminium6061T6 => adiabatic!(library::aluminium_6061_t6()),
-        Library::Aluminium2024T3 => adiabatic!(library::aluminium_2024_t3()),
-        Library::AluminiumFeng2014 => adiabatic!(library::aluminium_feng_2014()),
-        Library::CopperFeng2014 => adiabatic!(library::copper_feng_2014()),
-        Library::CopperOfhc => adiabatic!(library::copper_ofhc()),
-        Library::Steel4340 => adiabatic!(library::steel_4340()),
-        Library::TungstenAlloy => adiabatic!(library::tungsten_alloy()),
-        Library::CopperTaylor => plain!(library::copper_taylor()),
-        Library::CopperCasing => plain!(library::copper_casing()),
-        Library::Lead => plain!(library::lead()),
-        Library::CopperSteinberg => Ok(viscous!(key, library::copper_steinberg(), viscosity)),
-        Library::Steel4340Steinberg => Ok(viscous!(key, library::steel_4340_steinberg(), viscosity)),
         Library::SteelElastic => Ok(there(library::steel_elastic())),
-        Library::Weldox460E => Ok(viscous!(key, library::weldox_460_e(), viscosity)),
-        Library::Weldox460EUncoupled => Ok(viscous!(key, library::weldox_460_e_uncoupled(), viscosity, here)),
-        Library::ArneToolSteel => Ok(viscous!(key, library::arne_tool_steel(), viscosity)),
         Library::Concrete48 => Ok(viscous!(key, library::concrete_48(), viscosity)),
         Library::SlopeSoil => Ok(viscous!(key, library::slope_soil(), viscosity)),
         Library::AluminiumBars => Ok(viscous!(key, library::aluminium_bars(), viscosity)),
@@ -391,41 +384,13 @@ fn of_library(
         Library::Air => Ok(viscous!(key, library::air(), viscosity)),
         Library::Water => Ok(viscous!(key, library::water(), viscosity)),
         Library::WaterShocked => Ok(viscous!(key, library::water_shocked(), viscosity)),
+        _ => wrong(key, "is no named set"),
     }
 }
 
-fn failure_word(failure: &Failure) -> &'static str {
-    match failure {
-        Failure::JohnsonCook(_) => "johnson_cook",
-        Failure::TensilePressure(_) => "tensile_pressure",
-        Failure::PlasticStrain(_) => "plastic_strain",
-        Failure::Library => "library",
-    }
-}
-
-/// Failure model of a named set, from its source.
-#[derive(Clone, Copy, Debug)]
-enum Own {
-    Damage(JohnsonCookDamage<f64>),
-    PlasticStrain(f64),
-    /// Damage that is part of the law of the set, and always active.
-    Within,
-}
-
-fn own_failure(name: Library) -> Option<Own> {
-    Some(match name {
-        Library::Aluminium6061T6 => Own::Damage(JohnsonCookDamage::aluminium_6061()),
-        Library::Aluminium2024T3 => Own::Damage(JohnsonCookDamage::aluminium_2024_t3()),
-        Library::CopperOfhc => Own::Damage(JohnsonCookDamage::copper_ofhc()),
-        Library::Steel4340 => Own::Damage(JohnsonCookDamage::steel_4340()),
-        Library::Lead => Own::PlasticStrain(LEAD_FAILS),
-        Library::Weldox460E | Library::Weldox460EUncoupled => Own::Within,
-        _ => return None,
-    })
-}
-
-/// Plastic strain at failure of lead in its source.
-const LEAD_FAILS: f64 = 3.0;
+/// Error of materials in plane stress.
+const NO_PLATE: &str =
+    "in plane stress materials are `elastic`, or metals of `strength` and `eos` or of a named set";
 
 /// Named set: law with its constants, and failure.
 pub(crate) struct Described {
@@ -435,166 +400,35 @@ pub(crate) struct Described {
 
 /// Describe a named set; `None` if its law cannot be built alone.
 pub(crate) fn described(name: Library) -> Option<Described> {
-    let law = of_library("materials", name, None, None, None).ok()?.material;
+    let law = of_library("materials", name, &Spec::default(), false).ok()?.material;
     let failure = match own_failure(name) {
-        Some(Own::Damage(damage)) => format!("with `failure = \"library\"`: {damage:?}"),
-        Some(Own::PlasticStrain(limit)) => format!("with `failure = \"library\"`: plastic strain {limit}"),
-        Some(Own::Within) => "always, by its own damage".into(),
+        Some(own) => format!("with `failure = \"library\"`: {own:?}"),
+        None if fails_by_itself(name) => "always, by its own damage".into(),
         None => "none of its own".into(),
     };
     Some(Described { law, failure })
 }
 
-/// Combine a metal with rate and temperature with a failure model.
-fn with_failure(
-    key: &str,
-    law: library::Metal<f64>,
-    failure: Option<&Failure>,
-    viscosity: Option<[f64; 2]>,
-) -> Made<Law> {
-    let at = |word: &str| format!("{key}.failure.{word}");
-    Ok(match failure {
-        None => viscous!(key, law, viscosity),
-        Some(Failure::Library) => return without_library(key),
-        Some(Failure::JohnsonCook(k)) => {
-            let damage =
-                JohnsonCookDamage::new(k.d.map(|d| d.value), k.reference.value).at(at("johnson_cook"))?;
-            viscous!(key, law.with_failure(damage), viscosity)
+/// Build a metal of strength, equation of state and failure.
+fn metal(key: &str, strength: &Strength, eos: &Eos, spec: &Spec, plate: bool) -> Made<Law> {
+    let mut parts = solid::parts(key, strength, eos)?;
+    let at = format!("{key}.failure");
+    match &spec.failure {
+        None => {}
+        Some(FailureChoice::Library) => return without_library(&at),
+        Some(FailureChoice::By(criteria)) => {
+            parts.failure = solid::failing(&at, criteria, &parts, || without_library(&at))?;
         }
-        Some(Failure::TensilePressure(k)) => {
-            let spall = TensilePressure::new(k.strength.value).at(at("tensile_pressure"))?;
-            viscous!(key, law.with_failure(spall), viscosity)
-        }
-        Some(Failure::PlasticStrain(k)) => {
-            let limit = PlasticStrainLimit::new(k.limit.value).at(at("plastic_strain"))?;
-            if k.removed {
-                viscous!(key, law.with_failure(Removed(limit)), viscosity, here)
-            } else {
-                viscous!(key, law.with_failure(limit), viscosity, here)
-            }
-        }
-    })
-}
-
-fn metal(
-    key: &str,
-    strength: &Strength,
-    eos: &Eos,
-    failure: Option<&Failure>,
-    viscosity: Option<[f64; 2]>,
-) -> Made<Law> {
-    let shock = |k: &crate::model::material::ShockConstants| {
-        MieGruneisen::new(k.density.value, k.sound_speed.value, k.slope.value, k.gruneisen.value)
-            .at(format!("{key}.eos.mie_gruneisen"))
-    };
-    let bulk = |k: &crate::model::material::BulkConstants| {
-        LogarithmicBulk::new(k.density.value, k.bulk_modulus.value).at(format!("{key}.eos.logarithmic_bulk"))
-    };
-    match (strength, eos, failure) {
-        (Strength::Elastic(s), eos, None) => {
-            let strength = Elastic::new(s.shear_modulus.value).at(format!("{key}.strength.elastic"))?;
-            Ok(match eos {
-                Eos::LinearDensity(k) => {
-                    let eos = LinearDensity::new(k.density.value, k.sound_speed.value);
-                    viscous!(
-                        key,
-                        Solid::new(strength, eos.at(format!("{key}.eos.linear_density"))?),
-                        viscosity
-                    )
-                }
-                Eos::LogarithmicBulk(k) => viscous!(key, Solid::new(strength, bulk(k)?), viscosity),
-                Eos::MieGruneisen(k) => viscous!(key, Solid::new(strength, shock(k)?), viscosity, here),
-            })
-        }
-        (Strength::J2(s), eos, failure) => {
-            let strength = J2::linear(s.shear_modulus.value, s.yield_stress.value, s.hardening.value)
-                .at(format!("{key}.strength.j2"))?;
-            match (eos, failure) {
-                (Eos::LogarithmicBulk(k), None) => {
-                    Ok(viscous!(key, Solid::new(strength, bulk(k)?), viscosity))
-                }
-                (Eos::MieGruneisen(k), None) => {
-                    Ok(viscous!(key, Solid::new(strength, shock(k)?), viscosity, here))
-                }
-                (Eos::LogarithmicBulk(k), Some(Failure::PlasticStrain(limit))) if !limit.removed => {
-                    let limit = PlasticStrainLimit::new(limit.limit.value)
-                        .at(format!("{key}.failure.plastic_strain"))?;
-                    Ok(viscous!(key, Solid::new(strength, bulk(k)?).with_failure(limit), viscosity, here))
-                }
-                _ => not_compiled(key),
-            }
-        }
-        (Strength::JohnsonCook(s), Eos::MieGruneisen(k), failure) => {
-            let at = format!("{key}.strength.johnson_cook");
-            let plain = JohnsonCook::new(s.shear_modulus.value, s.a.value, s.b.value, s.n.value).at(&at)?;
-            match (&s.rate, &s.heat) {
-                (None, None) => match failure {
-                    None => Ok(viscous!(key, Solid::new(plain, shock(k)?), viscosity)),
-                    Some(Failure::PlasticStrain(limit)) if !limit.removed => {
-                        let limit = PlasticStrainLimit::new(limit.limit.value)
-                            .at(format!("{key}.failure.plastic_strain"))?;
-                        Ok(viscous!(key, Solid::new(plain, shock(k)?).with_failure(limit), viscosity, here))
-                    }
-                    Some(_) => not_compiled(key),
-                },
-                (rate, heat) => {
-                    // Rate without heat, or heat without rate: the absent factor has no effect.
-                    let rate = match rate {
-                        Some(rate) => Logarithmic::new(rate.c.value, rate.reference.value),
-                        None => Logarithmic::new(0.0, 1.0),
-                    };
-                    let heat = match heat {
-                        Some(heat) => Heat {
-                            room: heat.room.value,
-                            melt: heat.melt.value,
-                            exponent: heat.m.value,
-                            heat_capacity: heat.capacity.value,
-                            taylor_quinney: heat.taylor_quinney.map_or(TAYLOR_QUINNEY, |q| q.value),
-                        },
-                        None => COLD,
-                    };
-                    let heat = Adiabatic::new(heat).at(format!("{at}.heat"))?;
-                    let strength = plain.with_rate(rate.at(format!("{at}.rate"))?).with_heat(heat);
-                    with_failure(key, Solid::new(strength, shock(k)?), failure, viscosity)
-                }
-            }
-        }
-        _ => not_compiled(key),
     }
+    let viscosity = spec.bulk_viscosity.map(|list| list.map(|q| q.value));
+    parts.law(key, viscosity, spec.porous.as_ref(), plate)
 }
-
-/// Heat without temperature rise and softening, for laws with a rate only.
-const COLD: Heat<f64> =
-    Heat { room: 293.15, melt: 1e4, exponent: 1.0, heat_capacity: 1e3, taylor_quinney: 0.0 };
 
 fn without_library<T>(key: &str) -> Made<T> {
     wrong(
-        format!("{key}.failure"),
+        key,
         "`library` is the failure of a named set (`library`); of `strength` give constants: \
          `failure.plastic_strain = { limit = 1 }`, `failure.johnson_cook`, `failure.tensile_pressure`",
-    )
-}
-
-/// Compiled combinations of laws of metals: strength and equation of state, and failures.
-pub(crate) const METALS: &[(&str, &str)] = &[
-    ("strength.elastic with any eos", "no failure"),
-    ("strength.j2 with eos.logarithmic_bulk", "failure.plastic_strain without `removed`, or none"),
-    ("strength.j2 with eos.mie_gruneisen", "no failure"),
-    (
-        "strength.johnson_cook without rate and heat, with eos.mie_gruneisen",
-        "failure.plastic_strain without `removed`, or none",
-    ),
-    ("strength.johnson_cook with rate and heat, with eos.mie_gruneisen", "any failure, or none"),
-];
-
-fn not_compiled(key: &str) -> Made<Law> {
-    let list: Vec<String> = METALS.iter().map(|(laws, failures)| format!("{laws} ({failures})")).collect();
-    wrong(
-        key,
-        format!(
-            "this combination of strength, eos and failure is not compiled in the program; there are: {} (`impactite list parts`)",
-            list.join("; ")
-        ),
     )
 }
 
@@ -633,22 +467,81 @@ fn of_ground(key: &str, ground: &GroundLaw, viscosity: Option<[f64; 2]>) -> Made
             if let Some(tension) = k.tension {
                 law = law.with_tension_cutoff(tension.value).at(&at)?;
             }
-            Ok(viscous!(key, Ground::new(law), viscosity, here))
+            Ok(viscous!(key, Ground::new(law), viscosity))
+        }
+        GroundLaw::Concrete(k) => {
+            let key_of = format!("{key}.ground.concrete");
+            let constants = ConcreteConstants {
+                density: k.density.value,
+                shear: k.shear_modulus.value,
+                a: k.a.value,
+                b: k.b.value,
+                n: k.n.value,
+                c: k.c.value,
+                reference_rate: k.reference.value,
+                compressive: k.compressive.value,
+                tensile: k.tensile.value,
+                largest: k.largest.value,
+                d1: k.d1.value,
+                d2: k.d2.value,
+                smallest_strain: k.smallest_strain.value,
+            };
+            let crush = CrushCurve::new(CrushConstants {
+                crush_pressure: k.crush_pressure.value,
+                crush_compression: k.crush_compression.value,
+                lock_pressure: k.lock_pressure.value,
+                lock_compression: k.lock_compression.value,
+                solid: k.solid.map(|c| c.value),
+            })
+            .at(&key_of)?;
+            let law = HolmquistJohnsonCook::new(constants, crush).at(&key_of)?;
+            if k.size.is_none() {
+                return Ok(viscous!(key, Ground::new(law), viscosity));
+            }
+            let law = Ground::new(law.with_localisation(solid::localisation(&key_of, k.size)?));
+            let [linear, quadratic] = viscosity.unwrap_or_default();
+            Ok(there(law.with_bulk_viscosity(linear, quadratic).at(format!("{key}.bulk_viscosity"))?))
         }
     }
 }
 
-fn of_fluid(key: &str, fluid: &FluidLaw, viscosity: Option<[f64; 2]>) -> Made<Law> {
+fn of_fluid(
+    key: &str,
+    fluid: &FluidLaw,
+    bingham: Option<&BinghamConstants>,
+    viscosity: Option<[f64; 2]>,
+) -> Made<Law> {
+    // Any equation of state with a shear stress by value.
+    let composed = |at: String, eos: AnyEos<f64>, shear: AnyShear<f64>| {
+        let law = AnyFluid::new(eos, shear, viscosity.unwrap_or_default()).at(at)?;
+        Ok(Law::from(law.into_material()))
+    };
+    let yields = match bingham {
+        Some(k) => {
+            let at = format!("{key}.bingham");
+            Some(Bingham::new(k.yield_stress.value, k.viscosity.value, k.creep.value).at(at)?)
+        }
+        None => None,
+    };
     macro_rules! sheared {
         ($key:expr, $eos:expr, $shear:expr) => {{
-            let fluid = Fluid::new($eos.at(&$key)?);
-            Ok(match $shear {
-                Some(shear) => {
-                    let shear = Newtonian::new(shear.value).at(&$key)?;
-                    viscous!(key, fluid.with_shear_viscosity(shear), viscosity, here)
+            let eos = $eos.at(&$key)?;
+            match ($shear, yields) {
+                (Some(_), Some(_)) => {
+                    wrong(format!("{}.viscosity", $key), "is part of `bingham`; leave it out")
                 }
-                None => viscous!(key, fluid, viscosity),
-            })
+                (None, Some(bingham)) => composed($key, eos.into(), bingham.into()),
+                // Viscous fluids always have the state variables of bulk viscosity.
+                (Some(shear), None) => {
+                    let shear = Newtonian::new(shear.value).at(&$key)?;
+                    let [linear, quadratic] = viscosity.unwrap_or_default();
+                    let fluid = Fluid::new(eos).with_shear_viscosity(shear);
+                    Ok(there(
+                        fluid.with_bulk_viscosity(linear, quadratic).at(format!("{key}.bulk_viscosity"))?,
+                    ))
+                }
+                (None, None) => Ok(viscous!(key, Fluid::new(eos), viscosity)),
+            }
         }};
     }
     match fluid {
@@ -667,9 +560,23 @@ fn of_fluid(key: &str, fluid: &FluidLaw, viscosity: Option<[f64; 2]>) -> Made<La
         }),
         FluidLaw::MieGruneisen(k) => {
             let at = format!("{key}.fluid.mie_gruneisen");
-            let eos =
-                MieGruneisen::new(k.density.value, k.sound_speed.value, k.slope.value, k.gruneisen.value);
-            Ok(viscous!(key, Fluid::new(eos.at(&at)?), viscosity))
+            match (solid::shock(&at, k)?, yields) {
+                (AnyEos::MieGruneisen(eos), None) => Ok(viscous!(key, Fluid::new(eos), viscosity)),
+                (eos, shear) => composed(at, eos, shear.map_or(AnyShear::Inviscid, AnyShear::Bingham)),
+            }
+        }
+        FluidLaw::Polynomial(k) => {
+            let at = format!("{key}.fluid.polynomial");
+            let eos = solid::polynomial(&at, k)?;
+            composed(at, eos, yields.map_or(AnyShear::Inviscid, AnyShear::Bingham))
+        }
+        FluidLaw::Jwl(k) => {
+            let at = format!("{key}.fluid.jwl");
+            if k.detonation_speed.is_some() {
+                return wrong(format!("{at}.detonation_speed"), "is of an `explosive`, which burns");
+            }
+            let eos = jwl(&at, k)?;
+            composed(at, eos.into(), yields.map_or(AnyShear::Inviscid, AnyShear::Bingham))
         }
     }
 }

@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use impactite::contact::{
-    Approach, Coulomb, Frictionless, Regression, SlipWeakening, Stick, SurfaceDistance,
+    AnyDetector, AnyNormals, Coulomb, Frictionless, Gradients, SlipWeakening, Stick, SurfaceDistance,
 };
 use impactite::coupling::Elements;
 use impactite::fem::Fem;
 use impactite::geometry::Lattice;
+use impactite::materials::ParameterError;
 use impactite::materials::material::Material;
 use impactite::mpm::{
     BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
@@ -63,13 +64,10 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let names: Vec<&str> = order.iter().map(|(name, _)| name.as_str()).collect();
     let contact: Arc<dyn ContactAlgorithm<f64, D>> = match world.laws(&names)? {
         None => Arc::new(OneField),
-        Some(laws) => match world.scene.contact().map(|c| c.detector).unwrap_or_default() {
-            Detector::SurfaceDistance => Arc::new(GridContact::new(SurfaceDistance::default(), laws)),
-            Detector::Approach => {
-                Arc::new(GridContact::new(Approach::<impactite::contact::Gradients>::default(), laws))
-            }
-            Detector::Regression => Arc::new(GridContact::new(Regression, laws)),
-        },
+        Some(laws) => {
+            let detector = world.scene.contact().map(|c| c.detector).unwrap_or_default();
+            Arc::new(GridContact::new(self::detector(detector).at("contact.detector")?, laws))
+        }
     };
     let mut mpm = match &options.grid {
         Grid::Blocks => Scene::of(kernels, BlockGrid::new(lattice), contact),
@@ -132,6 +130,21 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         mpm.deactivate(&resting).at(format!("bodies.{first}.deactivated"))?;
     }
     Ok(Box::new(mpm))
+}
+
+/// Create the contact detector of a key.
+fn detector(word: Detector) -> Result<AnyDetector, ParameterError> {
+    let gradients = || AnyNormals::Gradients(Gradients::default());
+    Ok(AnyDetector::by_distance(match word {
+        Detector::Approach => return Ok(AnyDetector::by_approach(Gradients::default())),
+        Detector::Compression => return Ok(AnyDetector::by_compression(Gradients::default())),
+        Detector::SurfaceDistance => SurfaceDistance::new(AnyNormals::Plane, 0.0)?.locally(),
+        Detector::GradientDistance => SurfaceDistance::new(gradients(), 0.0)?,
+        Detector::GradientDistanceLocally => SurfaceDistance::new(gradients(), 0.0)?.locally(),
+        Detector::CentreDistance => SurfaceDistance::between_centres(gradients(), 0.5)?,
+        Detector::Regression => SurfaceDistance::new(AnyNormals::Regression, 0.0)?,
+        Detector::RegressionLocally => SurfaceDistance::new(AnyNormals::Regression, 0.0)?.locally(),
+    }))
 }
 
 /// Create a dense grid with all nodes of a box.
@@ -222,6 +235,12 @@ fn add_elements<E: Setting<D>, const D: usize>(
                     let law = SlipWeakening::new(w.at_rest.value, w.sliding.value, w.distance.value)
                         .at("contact.law")?;
                     Elements::by_surface(fem, law)
+                }
+                Law::Penalty(_) => {
+                    return wrong(
+                        "contact",
+                        "`penalty` is of bodies of particles; take `friction` or `stick`",
+                    );
                 }
                 Law::Adhesion(_) => {
                     return wrong(

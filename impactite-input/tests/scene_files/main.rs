@@ -6,6 +6,7 @@ mod estimate;
 mod keys;
 mod limits;
 mod mutations;
+mod random;
 mod refine;
 mod refused;
 mod units;

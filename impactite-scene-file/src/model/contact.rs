@@ -5,6 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Length, Plain, Pressure, Quantity};
 
+/// Default frequency of a penalty law, over c / h.
+pub const PENALTY_FREQUENCY: f64 = 0.9;
+/// Default restitution of a penalty law.
+pub const PENALTY_RESTITUTION: f64 = 0.8;
+
 /// Contact of the bodies, or no contact: `"none"`.
 #[derive(Clone, Debug)]
 pub enum ContactChoice {
@@ -85,8 +90,18 @@ pub enum Detector {
     SurfaceDistance,
     /// Approach of the bodies' velocities at a node, with normals by gradients of mass.
     Approach,
-    /// Separating plane by logistic regression: slowest, best at edges.
+    /// Approach, where the traction between the bodies is compressive (Bardenhagen).
+    Compression,
+    /// Distance of all particles around a node, with normals by gradients of mass (Ma).
+    GradientDistance,
+    /// Distance along the line through the node, with normals by gradients of mass.
+    GradientDistanceLocally,
+    /// Distance of particle centres, closer than half a cell, with normals by gradients of mass (Zhang).
+    CentreDistance,
+    /// Distance of all particles around a node, with normals by logistic regression: slowest, best at edges.
     Regression,
+    /// Distance along the line through the node, with normals by logistic regression.
+    RegressionLocally,
 }
 
 /// A contact law.
@@ -98,6 +113,8 @@ pub enum Law {
     Friction(Quantity<Plain>),
     /// Friction that falls with slip (`mpm`).
     SlipWeakening(SlipWeakening),
+    /// Springs where surfaces overlap, which return the energy of a collision (particles of `mpm`, with a detector of distances).
+    Penalty(Penalty),
     /// No slip where bodies touch: `law.stick = {}`.
     Stick(Nothing),
     /// Bond that breaks at a strength.
@@ -124,6 +141,25 @@ pub struct SlipWeakening {
     /// Slip over which the coefficient falls from static to kinetic.
     #[schemars(example = "0.1 mm")]
     pub distance: Quantity<Length>,
+}
+
+/// Spring between surfaces.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct Penalty {
+    /// Angular frequency of the spring over the wave speed of the slower body over the cell.
+    #[serde(default)]
+    #[schemars(example = 0.9, extend("default" = PENALTY_FREQUENCY, "minimum" = 0.1, "maximum" = 2))]
+    pub frequency: Option<Quantity<Plain>>,
+    /// Restitution of two colliding masses.
+    #[serde(default)]
+    #[schemars(example = 0.8, extend("default" = PENALTY_RESTITUTION, "minimum" = 0.1, "maximum" = 1))]
+    pub restitution: Option<Quantity<Plain>>,
+    /// Coefficient of friction.
+    #[serde(default)]
+    #[schemars(example = 0.3)]
+    pub friction: Quantity<Plain>,
 }
 
 /// Strength of a bond.

@@ -96,6 +96,9 @@ impl<T: Real, B: Localisation<T>> JohnsonCookDamage<T, B> {
         let smallest = Check("Johnson-Cook damage").positive("smallest failure strain", smallest)?;
         Ok(JohnsonCookDamage { smallest, ..self })
     }
+    pub(crate) fn localisation(&self) -> B {
+        self.localisation
+    }
     /// Set the dependence on the size of the cell.
     pub fn with_localisation<C: Localisation<T>>(self, localisation: C) -> JohnsonCookDamage<T, C> {
         let JohnsonCookDamage { d, reference, smallest, .. } = self;

@@ -129,6 +129,9 @@ impl<T: Real> Borvik<T> {
 }
 
 impl<T: Real, B: Localisation<T>> Borvik<T, B> {
+    pub(crate) fn localisation(&self) -> B {
+        self.localisation
+    }
     /// Set the dependence on the size of the cell.
     pub fn with_localisation<C: Localisation<T>>(self, localisation: C) -> Borvik<T, C> {
         let Borvik { shear, hardening, rate, reference, heat, fracture, critical, threshold, .. } = self;

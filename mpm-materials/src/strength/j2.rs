@@ -56,6 +56,10 @@ impl<T: Real, H: Hardening<T>> J2<T, H> {
     }
 
     /// Create from checked constants.
+    pub(crate) fn parts(self) -> (T, H) {
+        (self.shear, self.hardening)
+    }
+
     pub(crate) fn known(shear: f64, hardening: H) -> Self {
         J2 { shear: T::of(shear), hardening }
     }

@@ -19,9 +19,9 @@ use crate::tensor::Sym3;
 /// Limits: the rate factor is an extrapolation above 1e4 to 1e5 per second; at the melting temperature the
 /// strength is zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct JohnsonCook<T, R = RateIndependent, H = Isothermal> {
+pub struct JohnsonCook<T, R = RateIndependent, H = Isothermal, K = PowerHardening<T>> {
     shear: T,
-    hardening: PowerHardening<T>,
+    hardening: K,
     rate: R,
     thermal: H,
 }
@@ -138,13 +138,24 @@ impl<T: Real> JohnsonCook<T> {
     }
 }
 
-impl<T: Real, R, H> JohnsonCook<T, R, H> {
+impl<T: Real, K: Hardening<T>> JohnsonCook<T, RateIndependent, Isothermal, K> {
+    /// Create the rate-independent isothermal law of a shear modulus, Pa, and any hardening.
+    ///
+    /// # Errors
+    /// A shear modulus that is not positive.
+    pub fn hardening_by(shear: T, hardening: K) -> Result<Self, ParameterError> {
+        let shear = Check("J2 plasticity").positive("shear modulus G", shear)?;
+        Ok(JohnsonCook { shear, hardening, rate: RateIndependent, thermal: Isothermal })
+    }
+}
+
+impl<T: Real, R, H, K> JohnsonCook<T, R, H, K> {
     /// Set the rate factor.
-    pub fn with_rate<Q: RateFactor<T>>(self, rate: Q) -> JohnsonCook<T, Q, H> {
+    pub fn with_rate<Q: RateFactor<T>>(self, rate: Q) -> JohnsonCook<T, Q, H, K> {
         JohnsonCook { shear: self.shear, hardening: self.hardening, rate, thermal: self.thermal }
     }
     /// Set the thermal model.
-    pub fn with_heat<K: Thermal<T>>(self, thermal: K) -> JohnsonCook<T, R, K> {
+    pub fn with_heat<Q: Thermal<T>>(self, thermal: Q) -> JohnsonCook<T, R, Q, K> {
         JohnsonCook { shear: self.shear, hardening: self.hardening, rate: self.rate, thermal }
     }
     /// Set the shear modulus G, Pa.
@@ -154,9 +165,18 @@ impl<T: Real, R, H> JohnsonCook<T, R, H> {
     pub fn with_shear_modulus(self, shear: T) -> Result<Self, ParameterError> {
         Ok(JohnsonCook { shear: Check("Johnson-Cook").positive("shear modulus G", shear)?, ..self })
     }
+    pub(crate) fn of_parts(shear: T, hardening: K, rate: R, thermal: H) -> Self {
+        JohnsonCook { shear, hardening, rate, thermal }
+    }
+    pub(crate) fn parts(self) -> (T, K, R, H) {
+        (self.shear, self.hardening, self.rate, self.thermal)
+    }
+    pub(crate) fn thermal(&self) -> &H {
+        &self.thermal
+    }
 }
 
-impl<T: Real, R: RateFactor<T>, H: Thermal<T>> Strength<T> for JohnsonCook<T, R, H> {
+impl<T: Real, R: RateFactor<T>, H: Thermal<T>, K: Hardening<T>> Strength<T> for JohnsonCook<T, R, H, K> {
     type History<L: Lane<Real = T>> = Hardened<L, H::Temperature<L>>;
 
     fn name(&self) -> &'static str {
@@ -203,7 +223,7 @@ impl<T: Real, R: RateFactor<T>, H: Thermal<T>> Strength<T> for JohnsonCook<T, R,
     }
 }
 
-impl<T: Real, R: RateFactor<T>, H: Thermal<T>> FlowStress<T> for JohnsonCook<T, R, H> {
+impl<T: Real, R: RateFactor<T>, H: Thermal<T>, K: Hardening<T>> FlowStress<T> for JohnsonCook<T, R, H, K> {
     #[inline(always)]
     fn flow_stress<L: Lane<Real = T>>(
         &self,

@@ -2,6 +2,7 @@
 //! of the laws, since optimising a hundred short tests takes longer than running them.
 
 mod closed_forms;
+mod composed;
 mod conformance;
 mod explosives;
 mod extreme;

@@ -6,8 +6,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Normals, Restart, Totals};
-use mpm_contact::{Choice, Coulomb, Gradients, Pairs, SurfaceDistance, Weight};
+use examples::{CaseError, Restart, Totals};
+use mpm_contact::{AnyNormals, Choice, Coulomb, Gradients, Pairs, SurfaceDistance, Weight};
 use mpm_core::GridContact;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, SmallStrain, VtkSeries};
@@ -123,9 +123,9 @@ fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -
     let Task { setup, ways, files, restart } = task;
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
     let normals = match setup.detection {
-        Detection::Gradients => Normals::Gradients(Gradients::default()),
-        Detection::Regression => Normals::Regression,
-        Detection::Rod => Normals::Gradients(Gradients::new(Weight::Volume, Choice::OneBody(vec![0]))),
+        Detection::Gradients => AnyNormals::Gradients(Gradients::default()),
+        Detection::Regression => AnyNormals::Regression,
+        Detection::Rod => AnyNormals::Gradients(Gradients::new(Weight::Volume, Choice::OneBody(vec![0]))),
     };
     let contact = GridContact::new(SurfaceDistance::new(normals, 0.0)?.locally(), laws);
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(bodies.lattice), contact);

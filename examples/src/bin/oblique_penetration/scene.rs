@@ -7,9 +7,9 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use coupling::{Conversion, ConversionBook, Elements};
-use examples::{CaseError, Normals, Restart, Totals};
+use examples::{CaseError, Restart, Totals};
 use fem::{Fem, MeshBody};
-use mpm_contact::{Gradients, SurfaceDistance};
+use mpm_contact::{AnyNormals, Gradients, SurfaceDistance};
 use mpm_core::GridContact;
 use mpm_core::geometry::structured::box_mesh;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
@@ -96,14 +96,14 @@ type Files<'a> = (Option<&'a Path>, &'a Restart);
 
 fn meet(setup: &Setup, ways: &[f64], files: Files, method: Kernels<f64, 3>) -> Result<Outcome, CaseError> {
     let laws = setup.law.pairs(setup.friction, SOUND, setup.spacing())?;
-    let gradients = SurfaceDistance::new(Normals::Gradients(Gradients::default()), 0.0)?;
+    let gradients = SurfaceDistance::new(AnyNormals::Gradients(Gradients::default()), 0.0)?;
     let grid = BlockGrid::new(Lattice::new([0.0; 3], setup.spacing())?);
     let detector = match setup.detection {
         Detection::Off => return run(setup, ways, files, Mpm::new(method, grid)),
-        Detection::Plane => SurfaceDistance::new(Normals::Plane, 0.0)?.locally(),
+        Detection::Plane => SurfaceDistance::new(AnyNormals::Plane, 0.0)?.locally(),
         Detection::Distance => gradients,
         Detection::Local => gradients.locally(),
-        Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
+        Detection::Regression => SurfaceDistance::new(AnyNormals::Regression, 0.0)?.locally(),
     };
     run(setup, ways, files, Mpm::with_contact(method, grid, GridContact::new(detector, laws)))
 }

@@ -1,0 +1,363 @@
+//! Any set of failure criteria, chosen at run time.
+
+use super::strength::AnyLocalisation;
+use crate::failure::{
+    CohesiveSpall, Crack, DamageLimit, Damaged, Failure, Flag, JohnsonCookDamage, Localisation, LosesShear,
+    LosesTension, NoFailure, Observed, OpeningCrack, Overstressed, PlasticStrainLimit, PrincipalStress,
+    Remains, Removed, Strain, TensilePressure, TulerButcher,
+};
+use crate::lane::{Lane, Mask, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::Nothing;
+use crate::state;
+
+/// Failure criterion chosen at run time.
+#[derive(Clone, Copy, PartialEq)]
+pub enum AnyCriterion<T> {
+    /// Johnson-Cook damage.
+    JohnsonCook(JohnsonCookDamage<T, AnyLocalisation<T>>),
+    /// Spall at a tensile pressure.
+    TensilePressure(TensilePressure<T>),
+    /// Largest principal stress and largest shear stress.
+    PrincipalStress(PrincipalStress<T>),
+    /// Tuler and Butcher's integral of overstress over time.
+    TulerButcher(TulerButcher<T>),
+    /// Plastic strain.
+    PlasticStrainLimit(PlasticStrainLimit<T>),
+    /// Damage of the strength.
+    DamageLimit(DamageLimit<T>),
+    /// Spall with a work of fracture.
+    CohesiveSpall(CohesiveSpall<T>),
+}
+
+/// Set of failure criteria, at most one of each kind: a point fails where the first does. Empty by default.
+///
+/// ```
+/// use mpm_materials::{AnyFailure, JohnsonCookDamage, Remains, TensilePressure};
+/// # fn main() -> Result<(), mpm_materials::ParameterError> {
+/// let failure = AnyFailure::<f64>::default()
+///     .or(JohnsonCookDamage::steel_4340())?
+///     .or(TensilePressure::new(3e9)?)?
+///     .leaving(Remains::CompressionAndShear)?;
+/// # let _ = failure;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, PartialEq)]
+pub struct AnyFailure<T> {
+    johnson_cook: Option<JohnsonCookDamage<T, AnyLocalisation<T>>>,
+    tensile: Option<TensilePressure<T>>,
+    principal: Option<PrincipalStress<T>>,
+    tuler_butcher: Option<TulerButcher<T>>,
+    plastic_strain: Option<PlasticStrainLimit<T>>,
+    damage_limit: Option<DamageLimit<T>>,
+    cohesive: Option<CohesiveSpall<T>>,
+    remains: Remains,
+}
+
+impl<T> Default for AnyFailure<T> {
+    fn default() -> Self {
+        AnyFailure {
+            johnson_cook: None,
+            tensile: None,
+            principal: None,
+            tuler_butcher: None,
+            plastic_strain: None,
+            damage_limit: None,
+            cohesive: None,
+            remains: Remains::Compression,
+        }
+    }
+}
+
+impl<T: Real> AnyFailure<T> {
+    /// Add a criterion.
+    ///
+    /// # Errors
+    /// A second criterion of the same kind.
+    pub fn or(mut self, criterion: impl Into<AnyCriterion<T>>) -> Result<Self, ParameterError> {
+        let twice = self.set(criterion.into());
+        Check("failure").that(!twice, "number of criteria of one kind", T::of(2.0), "at most 1")?;
+        self.leaving(self.remains)
+    }
+    /// Add a criterion in place of one of the same kind.
+    ///
+    /// # Errors
+    /// Those of [`AnyFailure::leaving`].
+    pub fn replacing(mut self, criterion: impl Into<AnyCriterion<T>>) -> Result<Self, ParameterError> {
+        self.set(criterion.into());
+        self.leaving(self.remains)
+    }
+    /// Set a criterion. Return true if there was one of the same kind.
+    fn set(&mut self, criterion: AnyCriterion<T>) -> bool {
+        fn set<C>(place: &mut Option<C>, criterion: C) -> bool {
+            place.replace(criterion).is_some()
+        }
+        match criterion {
+            AnyCriterion::JohnsonCook(c) => set(&mut self.johnson_cook, c),
+            AnyCriterion::TensilePressure(c) => set(&mut self.tensile, c),
+            AnyCriterion::PrincipalStress(c) => set(&mut self.principal, c),
+            AnyCriterion::TulerButcher(c) => set(&mut self.tuler_butcher, c),
+            AnyCriterion::PlasticStrainLimit(c) => set(&mut self.plastic_strain, c),
+            AnyCriterion::DamageLimit(c) => set(&mut self.damage_limit, c),
+            AnyCriterion::CohesiveSpall(c) => set(&mut self.cohesive, c),
+        }
+    }
+    /// Set the post-failure response, [`Remains::Compression`] by default.
+    ///
+    /// # Errors
+    /// [`Remains::Pressure`] with a criterion that opens a crack: a cracked point carries no tension.
+    pub fn leaving(self, remains: Remains) -> Result<Self, ParameterError> {
+        let bears = remains == Remains::Pressure && self.cohesive.is_some();
+        Check("cohesive spall").that(!bears, "tension carried after failure", T::of(1.0), "0")?;
+        Ok(AnyFailure { remains, ..self })
+    }
+    #[inline(always)]
+    fn has_flag(&self) -> bool {
+        self.tensile.is_some() || self.principal.is_some() || self.damage_limit.is_some()
+    }
+}
+
+impl<T: Copy> AnyFailure<T> {
+    /// Iterate over the criteria.
+    pub fn criteria(&self) -> impl Iterator<Item = AnyCriterion<T>> {
+        let list = [
+            self.johnson_cook.map(AnyCriterion::JohnsonCook),
+            self.tensile.map(AnyCriterion::TensilePressure),
+            self.principal.map(AnyCriterion::PrincipalStress),
+            self.tuler_butcher.map(AnyCriterion::TulerButcher),
+            self.plastic_strain.map(AnyCriterion::PlasticStrainLimit),
+            self.damage_limit.map(AnyCriterion::DamageLimit),
+            self.cohesive.map(AnyCriterion::CohesiveSpall),
+        ];
+        list.into_iter().flatten()
+    }
+}
+
+impl<T> From<NoFailure> for AnyFailure<T> {
+    fn from(_: NoFailure) -> Self {
+        AnyFailure::default()
+    }
+}
+macro_rules! single {
+    ($($part:ident => $field:ident),+ $(,)?) => {$(
+        impl<T> From<$part<T>> for AnyCriterion<T> {
+            fn from(part: $part<T>) -> Self {
+                AnyCriterion::$part(part)
+            }
+        }
+        impl<T> From<$part<T>> for AnyFailure<T> {
+            fn from(part: $part<T>) -> Self {
+                AnyFailure { $field: Some(part), ..AnyFailure::default() }
+            }
+        }
+    )+};
+}
+single! {
+    TensilePressure => tensile,
+    PrincipalStress => principal,
+    TulerButcher => tuler_butcher,
+    PlasticStrainLimit => plastic_strain,
+    DamageLimit => damage_limit,
+    CohesiveSpall => cohesive,
+}
+impl<T: Real, B: Localisation<T> + Into<AnyLocalisation<T>>> From<JohnsonCookDamage<T, B>>
+    for AnyCriterion<T>
+{
+    fn from(part: JohnsonCookDamage<T, B>) -> Self {
+        let localisation = part.localisation().into();
+        AnyCriterion::JohnsonCook(part.with_localisation(localisation))
+    }
+}
+impl<T: Real, B: Localisation<T> + Into<AnyLocalisation<T>>> From<JohnsonCookDamage<T, B>> for AnyFailure<T> {
+    fn from(part: JohnsonCookDamage<T, B>) -> Self {
+        let localisation = part.localisation().into();
+        AnyFailure { johnson_cook: Some(part.with_localisation(localisation)), ..AnyFailure::default() }
+    }
+}
+macro_rules! responses {
+    ($($wrapper:ident => $remains:ident),+ $(,)?) => {$(
+        impl<T, F: Into<AnyFailure<T>>> From<$wrapper<F>> for AnyFailure<T> {
+            fn from(failure: $wrapper<F>) -> Self {
+                AnyFailure { remains: Remains::$remains, ..failure.0.into() }
+            }
+        }
+    )+};
+}
+responses! { Removed => Nothing, LosesTension => CompressionAndShear, LosesShear => Pressure }
+
+state! {
+    /// State variables of a set of failure criteria; those that it does not have are zero and not stored.
+    pub struct FailureNumbers<L> {
+        /// Johnson-Cook damage, sum of plastic strain over failure strain.
+        pub failure_damage: L,
+        /// Tuler and Butcher's integral, s.
+        pub overstress_time: L,
+        /// One where a criterion of stress or of the strength's damage has been met, else zero.
+        pub failed: L,
+        /// Volume of the open crack over reference volume.
+        pub crack_volume: L,
+        /// Largest opening of the crack over that at failure.
+        pub crack_damage: L,
+    }
+}
+
+impl<L: Lane> FailureNumbers<L> {
+    #[inline(always)]
+    fn crack(&self) -> Crack<L> {
+        Crack { crack_volume: self.crack_volume, crack_damage: self.crack_damage }
+    }
+}
+
+impl<T: Real> Failure<T> for AnyFailure<T> {
+    type Cracks = OpeningCrack;
+    type History<L: Lane<Real = T>> = FailureNumbers<L>;
+
+    #[inline(always)]
+    fn is_possible(&self) -> bool {
+        self.johnson_cook.is_some()
+            || self.tuler_butcher.is_some()
+            || self.plastic_strain.is_some()
+            || self.cohesive.is_some()
+            || self.has_flag()
+    }
+    #[inline(always)]
+    fn remains(&self) -> Remains {
+        self.remains
+    }
+    #[inline(always)]
+    fn opens_cracks(&self) -> bool {
+        self.cohesive.is_some()
+    }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        let bit = |there: bool, at: u32| u64::from(there) << at;
+        bit(self.johnson_cook.is_some(), 0)
+            | bit(self.tuler_butcher.is_some(), 1)
+            | bit(self.has_flag(), 2)
+            | bit(self.cohesive.is_some(), 3)
+            | bit(self.cohesive.is_some(), 4)
+    }
+    fn intact(&self) -> FailureNumbers<T::Single> {
+        let zero = T::Single::zero();
+        FailureNumbers {
+            failure_damage: zero,
+            overstress_time: zero,
+            failed: zero,
+            crack_volume: zero,
+            crack_damage: zero,
+        }
+    }
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>, plastic_strain: L) -> L::Mask {
+        let mut failed = L::Mask::splat(false);
+        if let Some(c) = &self.johnson_cook {
+            failed = failed | c.failed(&Damaged { failure_damage: history.failure_damage }, plastic_strain);
+        }
+        if let Some(c) = &self.tuler_butcher {
+            let history = Overstressed { overstress_time: history.overstress_time };
+            failed = failed | c.failed(&history, plastic_strain);
+        }
+        if let Some(c) = &self.plastic_strain {
+            failed = failed | c.failed(&Nothing, plastic_strain);
+        }
+        if let Some(c) = &self.cohesive {
+            failed = failed | c.failed(&history.crack(), plastic_strain);
+        }
+        if self.has_flag() {
+            failed = failed | Flag { failed: history.failed }.is_set();
+        }
+        failed
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &FailureNumbers<L>) -> FailureNumbers<L> {
+        let mut new = *old;
+        if let Some(c) = &self.johnson_cook {
+            new.failure_damage =
+                c.judge(observed, &Damaged { failure_damage: old.failure_damage }).failure_damage;
+        }
+        if let Some(c) = &self.tuler_butcher {
+            let old = Overstressed { overstress_time: old.overstress_time };
+            new.overstress_time = c.judge(observed, &old).overstress_time;
+        }
+        let mut flag = Flag { failed: old.failed };
+        if let Some(c) = &self.tensile {
+            flag = c.judge(observed, &flag);
+        }
+        if let Some(c) = &self.principal {
+            flag = c.judge(observed, &flag);
+        }
+        if let Some(c) = &self.damage_limit {
+            flag = c.judge(observed, &flag);
+        }
+        new.failed = flag.failed;
+        new
+    }
+    #[inline(always)]
+    fn crack_volume<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>) -> L {
+        history.crack_volume
+    }
+    #[inline(always)]
+    fn opens<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>, pressure: L) -> L::Mask {
+        match &self.cohesive {
+            Some(c) => c.opens(&history.crack(), pressure),
+            None => L::Mask::splat(false),
+        }
+    }
+    #[inline(always)]
+    fn opened<L: Lane<Real = T>>(
+        &self,
+        strain: &Strain<L>,
+        now: &FailureNumbers<L>,
+        old: &FailureNumbers<L>,
+    ) -> FailureNumbers<L> {
+        match &self.cohesive {
+            Some(c) => {
+                let Crack { crack_volume, crack_damage } = c.opened(strain, &now.crack(), &old.crack());
+                FailureNumbers { crack_volume, crack_damage, ..*now }
+            }
+            None => *now,
+        }
+    }
+}
+
+impl<T: std::fmt::Debug> std::fmt::Debug for AnyCriterion<T> {
+    /// Debug of the part.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            AnyCriterion::JohnsonCook(c) => c.fmt(f),
+            AnyCriterion::TensilePressure(c) => c.fmt(f),
+            AnyCriterion::PrincipalStress(c) => c.fmt(f),
+            AnyCriterion::TulerButcher(c) => c.fmt(f),
+            AnyCriterion::PlasticStrainLimit(c) => c.fmt(f),
+            AnyCriterion::DamageLimit(c) => c.fmt(f),
+            AnyCriterion::CohesiveSpall(c) => c.fmt(f),
+        }
+    }
+}
+
+impl<T: std::fmt::Debug> std::fmt::Debug for AnyFailure<T> {
+    /// Debug of the criteria, as those of composed types print it where one of them is alone.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        fn part<C: std::fmt::Debug>(criterion: &Option<C>) -> Option<&dyn std::fmt::Debug> {
+            criterion.as_ref().map(|c| c as &dyn std::fmt::Debug)
+        }
+        let list = [
+            part(&self.johnson_cook),
+            part(&self.tensile),
+            part(&self.principal),
+            part(&self.tuler_butcher),
+            part(&self.plastic_strain),
+            part(&self.damage_limit),
+            part(&self.cohesive),
+        ];
+        let criteria: Vec<&dyn std::fmt::Debug> = list.into_iter().flatten().collect();
+        match (&criteria[..], self.remains) {
+            ([], _) => NoFailure.fmt(f),
+            ([one], Remains::Compression) => one.fmt(f),
+            (all, remains) => {
+                f.debug_struct("Failure").field("criteria", &all).field("remains", &remains).finish()
+            }
+        }
+    }
+}
