@@ -307,7 +307,7 @@ impl<T: Float, C: Constitutive<T>> IntoMaterial<T> for CompiledHere<C> {
         self.0.clone()
     }
     fn into_material(self) -> Arc<dyn Material<T>> {
-        Arc::new(Compiled { law: self.0 })
+        Arc::new(Compiled::new(self.0))
     }
 }
 
@@ -323,9 +323,9 @@ impl<C: Stretches<f32>> MaySplit<f32> for C {}
 impl MaySplit<f64> for AnyLaw {}
 impl MaySplit<f32> for AnyLaw {}
 
-/// The [`Material`] of a law.
+/// The [`Material`] of a law. Kernels have AVX-512 where `WIDE`, else at most AVX2, for laws of much code that are rarely used.
 #[derive(Clone, Debug)]
-pub struct Compiled<C> {
+pub struct Compiled<C, const WIDE: bool = true> {
     law: C,
 }
 
@@ -334,6 +334,16 @@ impl<C> Compiled<C> {
     pub fn new(law: C) -> Self {
         Compiled { law }
     }
+}
+
+impl<C> Compiled<C, false> {
+    /// Wrap a law, with kernels of AVX2 at most.
+    pub fn narrow(law: C) -> Self {
+        Compiled { law }
+    }
+}
+
+impl<C, const WIDE: bool> Compiled<C, WIDE> {
     /// The law.
     pub fn law(&self) -> &C {
         &self.law
@@ -417,7 +427,7 @@ impl<T: Float, P: Pack<T>> Sink<P> for Writer<'_, T> {
     }
 }
 
-struct Advance<'a, T: Float, C> {
+struct Advance<'a, T: Float, C, const WIDE: bool> {
     law: &'a C,
     motion: &'a Motion<'a, T>,
     states: StatesMut<'a, T>,
@@ -428,8 +438,8 @@ struct Advance<'a, T: Float, C> {
     spare: &'a mut [T::Row],
 }
 
-impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
-    const VECTORS: Vectors = Vectors::Avx512;
+impl<T: Float, C: Constitutive<T>, const WIDE: bool> Kernel<T> for Advance<'_, T, C, WIDE> {
+    const VECTORS: Vectors = if WIDE { Vectors::Avx512 } else { Vectors::Avx2 };
     type Output = ();
 
     #[inline(always)]
@@ -559,7 +569,7 @@ impl<T: Float, I: Iterator<Item = T>> Source<T::Single> for Numbers<T, I> {
     }
 }
 
-impl<C> Compiled<C> {
+impl<C, const WIDE: bool> Compiled<C, WIDE> {
     /// Read a state from its stored numbers.
     fn read<T: Float>(&self, numbers: impl Iterator<Item = T>) -> C::State<T::Single>
     where
@@ -590,7 +600,7 @@ impl<C> Compiled<C> {
     }
 }
 
-impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
+impl<T: Float, C: Constitutive<T>, const WIDE: bool> Material<T> for Compiled<C, WIDE> {
     fn name(&self) -> &'static str {
         self.law.name()
     }
@@ -622,7 +632,7 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
         response.spare.resize(Stored::count::<T, C>(&self.law), T::Row::default());
         let (law, outputs, faults) = (&self.law, &mut response.outputs[..], &mut response.faults);
         let spare = &mut response.spare[..];
-        T::dispatch(Advance { law, motion, states, speeds, outputs, faults, spare });
+        T::dispatch(Advance::<_, _, WIDE> { law, motion, states, speeds, outputs, faults, spare });
     }
     fn describe(&self, states: States<'_, T>, length: T, response: &mut Response<T>) {
         response.have(states.groups.len());

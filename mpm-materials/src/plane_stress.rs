@@ -112,13 +112,15 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for PlaneStress<C> {
         let mut across = old.ratio * along;
         let (mut last, mut at_last) = (zero, zero);
         let mut found = L::Mask::splat(false);
-        motion.increment.0[2][2] = across;
-        let mut new = self.law.update(&motion, &old.law);
-        for trial in 0..TRIALS {
+        let mut trial = 0;
+        // One loop, so that the law is compiled once.
+        let new = loop {
+            motion.increment.0[2][2] = across;
+            let new = self.law.update(&motion, &old.law);
             let left = new.stress.0[2];
             found = found | left.abs().le(most);
             if found.all() || trial + 1 == TRIALS {
-                break;
+                break new;
             }
             // The first step uses the P-wave modulus, then secants follow. Converged lanes stay constant.
             let (run, rise) = (across - last, left - at_last);
@@ -128,9 +130,8 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for PlaneStress<C> {
             let next = L::select(found, across, across - left * per);
             (last, at_last) = (L::select(found, last, across), L::select(found, at_last, left));
             across = next;
-            motion.increment.0[2][2] = across;
-            new = self.law.update(&motion, &old.law);
-        }
+            trial += 1;
+        };
         let clear = along.abs().gt(size * L::of(CLEAR)) & size.gt(zero);
         let ratio = across / L::select(clear, along, one);
         let state = PlaneStressState {

@@ -135,19 +135,30 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
     #[inline(always)]
     fn compacted<L: Lane<Real = T>>(&self, volume_ratio: L, old: L, worked: L, change: L) -> L {
         let one = L::one();
-        let compacts = self.crushes(volume_ratio, old, worked, change) & old.gt(one);
-        if !compacts.any() {
-            return old;
-        }
         let (mut low, mut high) = (one, old);
-        for _ in 0..60 {
-            let middle = (low + high) * L::of(0.5);
-            let still = self.crushes(volume_ratio, middle, worked, change);
-            high = L::select(still, middle, high);
-            low = L::select(still, low, middle);
+        let (mut compacts, mut full) = (L::Mask::splat(false), L::Mask::splat(false));
+        // The old distension, full compaction, then bisections: one loop, so that the equation of state is compiled once.
+        for trial in 0..62 {
+            let at = match trial {
+                0 => old,
+                1 => one,
+                _ => (low + high) * L::of(0.5),
+            };
+            let crushes = self.crushes(volume_ratio, at, worked, change);
+            match trial {
+                0 => {
+                    compacts = crushes & old.gt(one);
+                    if !compacts.any() {
+                        return old;
+                    }
+                }
+                1 => full = crushes,
+                _ => {
+                    high = L::select(crushes, at, high);
+                    low = L::select(crushes, low, at);
+                }
+            }
         }
-        // Full compaction: the pressure exceeds P(alpha) at every distension.
-        let full = self.crushes(volume_ratio, one, worked, change);
         L::select(compacts, L::select(full, one, low), old)
     }
 }

@@ -1,7 +1,7 @@
 //! A solid composed of strength, equation of state and failure.
 
 use crate::capability::Yields;
-use crate::eos::{Balance, Eos, balance};
+use crate::eos::{Balance, Eos, Terms, balance};
 use crate::failure::combine::OfSolid;
 use crate::failure::{Failure, NoFailure, Observed, Strain};
 use crate::lane::{Lane, Mask, Real};
@@ -141,7 +141,8 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
 const CRACK_STEPS: usize = 2;
 
 impl<S, E, F, V, R> Solid<S, E, F, V, R> {
-    /// Solve pressure and energy together, of the material beside the crack if the failure criterion opens one.
+    /// Solve pressure and energy together, of the material beside the crack if the failure criterion opens one. Also returns the
+    /// terms of the pressure.
     #[inline(always)]
     fn balanced<T, L>(
         &self,
@@ -150,23 +151,23 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
         worked: L,
         volume_change: L,
         failure: &mut F::History<L>,
-    ) -> Balance<L>
+    ) -> (Balance<L>, Terms<L>)
     where
         T: Real,
         L: Lane<Real = T>,
         E: Eos<T>,
         F: Failure<T>,
     {
-        if !self.failure.opens_cracks() {
-            return balance(self.eos.terms(volume_ratio), worked, volume_change);
-        }
-        let old = *failure;
-        let mut beside = volume_ratio - self.failure.crack_volume(failure);
-        let mut terms = self.eos.terms(beside);
-        let mut balanced = balance(terms, worked, volume_change);
-        for _ in 0..CRACK_STEPS {
-            if !self.failure.opens(failure, balanced.pressure).any() {
-                break;
+        let (cracks, old) = (self.failure.opens_cracks(), *failure);
+        let mut step = 0;
+        // One loop, so that the equation of state is compiled once.
+        loop {
+            let beside =
+                if cracks { volume_ratio - self.failure.crack_volume(failure) } else { volume_ratio };
+            let terms = self.eos.terms(beside);
+            let balanced = balance(terms, worked, volume_change);
+            if !cracks || step == CRACK_STEPS || !self.failure.opens(failure, balanced.pressure).any() {
+                return (balanced, terms);
             }
             // rho0 c^2 = J^2 (p b - (dp/dJ)_e): the crack opens at constant energy, that of the end of the step.
             let squared = self.eos.speed_squared(beside, balanced.energy) * L::splat(self.eos.density());
@@ -174,11 +175,8 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
             let stiffness = (squared * (beside * beside).recip() - pressure * terms.thermal).max(L::zero());
             let strain = Strain { pressure, stiffness, length };
             *failure = self.failure.opened(&strain, failure, &old);
-            beside = volume_ratio - self.failure.crack_volume(failure);
-            terms = self.eos.terms(beside);
-            balanced = balance(terms, worked, volume_change);
+            step += 1;
         }
-        balanced
     }
     /// Check a step for breakdowns. One test covers the usual case of none.
     #[inline(always)]
@@ -290,7 +288,8 @@ where
         let push = (viscous - old_mean) * half;
         let worked = middle_volume.mul_add(deviatoric_power, (-push).mul_add(volume_change, old.energy));
         let mut failure = old.failure;
-        let balanced = self.balanced(kinematics.length, volume_ratio, worked, volume_change, &mut failure);
+        let (balanced, terms) =
+            self.balanced(kinematics.length, volume_ratio, worked, volume_change, &mut failure);
 
         // Failure: stress lost in this step does no work at its end.
         let mut deviator = returned.deviator;
@@ -318,7 +317,10 @@ where
                     deviator = deviator * intact;
                 }
                 if self.failure.remains().compression() {
-                    let again = balance(self.eos.terms(volume_ratio), left, volume_change);
+                    // A crack is closed where its point has failed, but may be open where another criterion failed.
+                    let terms =
+                        if self.failure.opens_cracks() { self.eos.terms(volume_ratio) } else { terms };
+                    let again = balance(terms, left, volume_change);
                     let mut carried = again.pressure;
                     let mut kept = again.energy;
                     if !self.failure.remains().tension() {
