@@ -1,10 +1,12 @@
 //! Any set of failure criteria, chosen at run time.
 
+use std::fmt::{self, Debug, Formatter};
+
 use super::strength::AnyLocalisation;
 use crate::failure::{
     CohesiveSpall, Crack, DamageLimit, Damaged, Failure, Flag, JohnsonCookDamage, Localisation, LosesShear,
-    LosesTension, NoFailure, Observed, OpeningCrack, Overstressed, PlasticStrainLimit, PrincipalStress,
-    Remains, Removed, Strain, TensilePressure, TulerButcher,
+    LosesTension, NoCrack, NoFailure, Observed, OpeningCrack, Overstressed, PlasticStrainLimit,
+    PrincipalStress, Remains, Removed, Strain, TensilePressure, TulerButcher,
 };
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
@@ -321,9 +323,9 @@ impl<T: Real> Failure<T> for AnyFailure<T> {
     }
 }
 
-impl<T: std::fmt::Debug> std::fmt::Debug for AnyCriterion<T> {
+impl<T: Debug> Debug for AnyCriterion<T> {
     /// Debug of the part.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             AnyCriterion::JohnsonCook(c) => c.fmt(f),
             AnyCriterion::TensilePressure(c) => c.fmt(f),
@@ -336,11 +338,11 @@ impl<T: std::fmt::Debug> std::fmt::Debug for AnyCriterion<T> {
     }
 }
 
-impl<T: std::fmt::Debug> std::fmt::Debug for AnyFailure<T> {
+impl<T: Debug> Debug for AnyFailure<T> {
     /// Debug of the criteria, as those of composed types print it where one of them is alone.
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        fn part<C: std::fmt::Debug>(criterion: &Option<C>) -> Option<&dyn std::fmt::Debug> {
-            criterion.as_ref().map(|c| c as &dyn std::fmt::Debug)
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        fn part<C: Debug>(criterion: &Option<C>) -> Option<&dyn Debug> {
+            criterion.as_ref().map(|c| c as &dyn Debug)
         }
         let list = [
             part(&self.johnson_cook),
@@ -351,13 +353,103 @@ impl<T: std::fmt::Debug> std::fmt::Debug for AnyFailure<T> {
             part(&self.damage_limit),
             part(&self.cohesive),
         ];
-        let criteria: Vec<&dyn std::fmt::Debug> = list.into_iter().flatten().collect();
-        match (&criteria[..], self.remains) {
-            ([], _) => NoFailure.fmt(f),
-            ([one], Remains::Compression) => one.fmt(f),
-            (all, remains) => {
-                f.debug_struct("Failure").field("criteria", &all).field("remains", &remains).finish()
-            }
+        let criteria: Vec<&dyn Debug> = list.into_iter().flatten().collect();
+        debug(f, &criteria, self.remains)
+    }
+}
+
+/// Print criteria, as those of composed types print where one of them is alone.
+fn debug(f: &mut Formatter<'_>, criteria: &[&dyn Debug], remains: Remains) -> fmt::Result {
+    match (criteria, remains) {
+        ([], _) => NoFailure.fmt(f),
+        ([one], Remains::Compression) => one.fmt(f),
+        (all, remains) => {
+            f.debug_struct("Failure").field("criteria", &all).field("remains", &remains).finish()
         }
+    }
+}
+
+/// Set of criteria none of which opens a crack.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Uncracked<T>(AnyFailure<T>);
+
+impl<T: Real> Uncracked<T> {
+    /// Wrap a set; `None` if a criterion opens a crack.
+    pub fn of(failure: AnyFailure<T>) -> Option<Self> {
+        (!failure.opens_cracks()).then_some(Uncracked(failure))
+    }
+}
+
+impl<T: Debug> Debug for Uncracked<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl<T: Real> Failure<T> for Uncracked<T> {
+    type Cracks = NoCrack;
+    type History<L: Lane<Real = T>> = FailureNumbers<L>;
+
+    #[inline(always)]
+    fn remains(&self) -> Remains {
+        self.0.remains()
+    }
+    #[inline(always)]
+    fn stored(&self) -> u64 {
+        self.0.stored()
+    }
+    fn intact(&self) -> FailureNumbers<T::Single> {
+        self.0.intact()
+    }
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>, plastic_strain: L) -> L::Mask {
+        self.0.failed(history, plastic_strain)
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &FailureNumbers<L>) -> FailureNumbers<L> {
+        self.0.judge(observed, old)
+    }
+}
+
+/// Limit of the plastic strain alone.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Limited<T> {
+    limit: PlasticStrainLimit<T>,
+    remains: Remains,
+}
+
+impl<T: Real> Limited<T> {
+    /// Create from a set; `None` if it has other criteria.
+    pub fn of(failure: AnyFailure<T>) -> Option<Self> {
+        let limit = failure.plastic_strain?;
+        (failure.criteria().count() == 1).then_some(Limited { limit, remains: failure.remains })
+    }
+}
+
+impl<T: Debug> Debug for Limited<T> {
+    /// Debug of the set.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        debug(f, &[&self.limit], self.remains)
+    }
+}
+
+impl<T: Real> Failure<T> for Limited<T> {
+    type Cracks = NoCrack;
+    type History<L: Lane<Real = T>> = Nothing;
+
+    #[inline(always)]
+    fn remains(&self) -> Remains {
+        self.remains
+    }
+    fn intact(&self) -> Nothing {
+        Nothing
+    }
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, history: &Nothing, plastic_strain: L) -> L::Mask {
+        self.limit.failed(history, plastic_strain)
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &Nothing) -> Nothing {
+        Nothing
     }
 }

@@ -30,6 +30,7 @@ use crate::porous::Porous;
 use crate::solid::Solid;
 use crate::strength::{Isothermal, JohnsonCook, RateIndependent, Strength};
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
+use failure::{Limited, Uncracked};
 
 /// Bulk viscosity, or none, chosen at run time, for a law that stores its stress.
 #[derive(Clone, Copy, PartialEq)]
@@ -184,13 +185,18 @@ fn frequent(solid: &Parts<f64>) -> Option<Arc<dyn Material<f64>>> {
             if Strength::<f64>::name(&strength) != *name {
                 return None;
             }
-            if failure.is_possible() {
-                let solid: Shocked<_, AnyFailure<f64>> = Solid::of_parts(strength, eos, failure, viscosity);
-                Arc::new(Compiled::new(solid)) as Arc<dyn Material<f64>>
-            } else {
+            let failing: Arc<dyn Material<f64>> = if !failure.is_possible() {
                 let solid: Shocked<_, NoFailure> = Solid::of_parts(strength, eos, NoFailure, viscosity);
                 Arc::new(Compiled::new(solid))
-            }
+            } else if let Some(limit) = Limited::of(failure) {
+                let solid: Shocked<_, Limited<f64>> = Solid::of_parts(strength, eos, limit, viscosity);
+                Arc::new(Compiled::new(solid))
+            } else {
+                let failure = Uncracked::of(failure)?;
+                let solid: Shocked<_, Uncracked<f64>> = Solid::of_parts(strength, eos, failure, viscosity);
+                Arc::new(Compiled::new(solid))
+            };
+            failing
         }};
     }
     Some(match (rate, thermal) {
