@@ -82,6 +82,14 @@ pub enum Stopped {
         /// Error of the solve, with the remedy.
         why: String,
     },
+    /// Error of a hook of the scene.
+    #[error("hook `{hook}`: {why}")]
+    Hook {
+        /// Name of the hook.
+        hook: String,
+        /// Error.
+        why: String,
+    },
     /// Finding of a check after a completed step: results are not to be trusted ([`crate::watch`]).
     #[error("{0}")]
     Watch(Box<Finding>),

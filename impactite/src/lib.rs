@@ -34,6 +34,7 @@
 //! | [`scene`] | infrastructure of all methods: bodies, `Solver`, run loop, balances, checkpoints | `impactite-scene` |
 //! | [`observe`], [`watch`] | observers; checks of unexplained energy and momentum | `impactite-scene` |
 //! | [`output`] | ParaView files, pictures, charts, histories | `impactite-output` |
+//! | [`solve`] | linear solves with equal bits for any number of threads | `impactite-solve` |
 //! | [`parallel`] | vector instructions and threads | `impactite-simd` |
 //!
 //! Start with the [book](https://github.com/impactite/impactite/blob/main/docs/book/src/SUMMARY.md). Units are SI; stress is
@@ -55,6 +56,7 @@ pub use impactite_output as output;
 pub use impactite_scene as scene;
 pub use impactite_scene::{observe, watch};
 pub use impactite_simd as parallel;
+pub use impactite_solve as solve;
 pub use mpm_contact as contact;
 pub use mpm_core as mpm;
 pub use mpm_materials as materials;

@@ -89,9 +89,9 @@ pub use shape::{
 };
 pub use step::Scalar;
 pub use step::{
-    Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Kernels,
-    Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle, NewParticles, NodeWeight,
-    Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, SurfaceClient, Surroundings, Taken,
-    Traction, Twist,
+    Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Hook,
+    HookError, Kernels, Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle,
+    NewParticles, NodeWeight, Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepView,
+    SurfaceClient, Surroundings, Taken, Traction, TrialNode, TrialNodes, Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -59,8 +59,8 @@ impl Catalogue {
         let add = |made: &mut Map<String, Value>, key: &Key| merge(made, Self::of(key));
         match random.below(12) {
             0..=5 => {
-                add(&mut made, random.one(&self.below("strength")));
-                add(&mut made, random.one(&self.below("eos")));
+                add(&mut made, *random.one(&self.below("strength")));
+                add(&mut made, *random.one(&self.below("eos")));
                 for _ in 0..random.below(4) {
                     let criterion = *random.one(&self.below("failure"));
                     if !criterion.path.ends_with(".library") {
@@ -78,17 +78,17 @@ impl Catalogue {
                     made.insert("failure".into(), json!("library"));
                 }
             }
-            8 => add(&mut made, random.one(&self.below("ground"))),
+            8 => add(&mut made, *random.one(&self.below("ground"))),
             9 => {
-                add(&mut made, random.one(&self.below("fluid")));
+                add(&mut made, *random.one(&self.below("fluid")));
                 if random.chance(3) {
                     add(&mut made, self.key("materials.NAME.bingham"));
                 }
             }
-            10 => add(&mut made, random.one(&self.below("explosive"))),
+            10 => add(&mut made, *random.one(&self.below("explosive"))),
             _ => add(
                 &mut made,
-                self.key(random.one(&["materials.NAME.elastic", "materials.NAME.neo_hookean"])),
+                self.key(*random.one(&["materials.NAME.elastic", "materials.NAME.neo_hookean"])),
             ),
         }
         if random.chance(3) {

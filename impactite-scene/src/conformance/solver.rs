@@ -475,6 +475,7 @@ pub fn errors(_: Scene<'_>, tests: &SolverTests) -> Check {
         | Stopped::Scene(_)
         | Stopped::NoTimeStep(_)
         | Stopped::Solve { .. }
+        | Stopped::Hook { .. }
         | Stopped::Watch(_) => {}
         _ => return broken(&*solver, "a scene that breaks is not refused by its clock", text),
     }

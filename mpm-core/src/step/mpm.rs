@@ -17,6 +17,7 @@ use super::bodies::body::GridBody;
 use super::bodies::deformable::Prepared;
 use super::clients::client::GridClient;
 use super::contact::ContactAlgorithm;
+use super::hooks::Hooks;
 use super::nodes::background::Background;
 use super::nodes::footprint::Footprint;
 use super::passes::kernels::{Facts, MethodKernels};
@@ -41,6 +42,7 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) grid: Background<T, D>,
     pub(super) stepper: Stepper<T, D>,
     pub(super) between_steps: BetweenSteps,
+    pub(super) hooks: Hooks<T, D>,
     /// Names of all bodies so far, while several are added with a single arrangement of node blocks.
     pub(super) together: Option<HashSet<String>>,
     pub(super) team: Team,
@@ -69,6 +71,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             grid: Background::new(grid),
             stepper,
             between_steps: BetweenSteps::default(),
+            hooks: Hooks::default(),
             together: None,
             team: Team::one(),
             clock: Clock::default(),

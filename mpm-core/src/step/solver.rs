@@ -82,6 +82,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
         self.open_books();
+        self.hooks_before_step()?;
         if !self.stepper.mapped {
             self.convert_clients()?;
         }
@@ -125,6 +126,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.renew_densities(dt);
         self.apply_between_steps();
         self.convert_clients()?;
+        self.hooks_after_step()?;
         self.look_if_due()?;
         Ok(dt)
     }
@@ -132,6 +134,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Complete the trial velocities: rigid bodies, walls, surfaces of other discretisations, damping, the full mass matrix.
     fn complete_trial(&mut self, dt: T) -> Result<(), StepError> {
         self.move_rigid(dt)?;
+        self.hooks_at_trial(dt)?;
         self.meet_walls(dt);
         self.meet_surfaces(dt)?;
         self.damp(dt);

@@ -2,6 +2,7 @@
 //! across periodic ones, custom conditions.
 
 mod absorbing;
+mod hooks;
 mod incline;
 mod own;
 mod periodic;

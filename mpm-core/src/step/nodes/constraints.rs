@@ -102,7 +102,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
             if U::HOLDS {
                 *held = NodeSets::default();
             }
-            update.update_free(nodes.items, ledger);
+            update.update_free_from(self.layout.start(block), nodes.items, ledger);
             return;
         }
         let held_before = *held;
@@ -123,7 +123,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
                 continue;
             }
             if free < i {
-                update.update_free(&mut nodes.items[free..i], ledger);
+                update.update_free_from(start + free, &mut nodes.items[free..i], ledger);
             }
             free = i + 1;
             let node = &mut nodes.items[i];
@@ -151,7 +151,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
             }
         }
         if free < items {
-            update.update_free(&mut nodes.items[free..], ledger);
+            update.update_free_from(start + free, &mut nodes.items[free..], ledger);
         }
     }
 }
@@ -344,6 +344,10 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
 
     fn weighed(&self) -> [bool; 3] {
         self.weighed
+    }
+
+    fn place(&self) -> usize {
+        self.at
     }
 }
 

@@ -29,6 +29,8 @@ pub(in crate::step) trait Around {
     fn held(&self) -> [bool; 3];
     /// Directions in which the forces of the node include its weight already.
     fn weighed(&self) -> [bool; 3];
+    /// Place of the node in the grid.
+    fn place(&self) -> usize;
 }
 
 /// No boundary conditions.
@@ -50,6 +52,9 @@ impl Around for Nothing {
     fn weighed(&self) -> [bool; 3] {
         [false; 3]
     }
+    fn place(&self) -> usize {
+        0
+    }
 }
 
 /// Nodal update of a grid stage.
@@ -68,6 +73,12 @@ pub(in crate::step) trait NodeUpdate<T>: Sync {
     /// Update nodes without boundary conditions; bitwise equal to `update`.
     fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut Exchange) {
         one_by_one(self, nodes, ledger);
+    }
+
+    /// [`NodeUpdate::update_free`] of nodes from place `first` of the grid on.
+    fn update_free_from(&self, first: usize, nodes: &mut [Node<T>], ledger: &mut Exchange) {
+        let _ = first;
+        self.update_free(nodes, ledger);
     }
 }
 

@@ -322,7 +322,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
     }
 
     /// Apply `update` to nodes of bodies for which `counts` is true, and to those of the common field.
-    fn each_node_of(
+    pub(in crate::step) fn each_node_of(
         &mut self,
         update: &impl NodeUpdate<T>,
         counts: &(dyn Fn(&dyn GridBody<T, D>) -> bool + Sync),

@@ -97,7 +97,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.have_walls();
         self.grid.walls.iter_mut().try_for_each(|wall| wall.archive(file))?;
-        self.grid.contact.exchange(file, &self.grid.fields, self.scene.contact.remembers())
+        self.grid.contact.exchange(file, &self.grid.fields, self.scene.contact.remembers())?;
+        self.hooks.archive(file)
     }
 
     /// Check that the file is of a scene like this one.

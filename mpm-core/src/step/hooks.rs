@@ -1,0 +1,133 @@
+//! Hooks: operations of a user in a time step, at named places.
+
+use impactite_scene::{Archive, Body, CheckpointError};
+use impactite_simd::Float;
+
+/// Error of a hook, which stops the run.
+pub type HookError = Box<dyn std::error::Error + Send + Sync>;
+
+/// Operation of a user in the time steps of a scene: [`Mpm::add_hook`](crate::Mpm::add_hook). Hooks of a scene are called in the order of their
+/// addition, on the thread that makes the step. Scenes without hooks have no cost.
+///
+/// A hook that changes velocities of nodes acts like a load: impulse and work of its changes are booked as those of loads, so
+/// that the balances of the scene close. Its results must not depend on clocks or threads.
+pub trait Hook<T: Float, const D: usize>: Send + Sync {
+    /// Name, unique in the scene: in errors and checkpoints.
+    fn name(&self) -> &str;
+
+    /// Called before the particles of a step are mapped.
+    ///
+    /// # Errors
+    /// An error stops the run.
+    fn before_step(&mut self, step: &StepView<'_, D>) -> Result<(), HookError> {
+        let _ = step;
+        Ok(())
+    }
+
+    /// Called with the trial velocities of the nodes at the end of the step: after forces, boundary conditions and contact, before
+    /// walls on particles, damping and the return to the particles. A solve for velocities stands here.
+    ///
+    /// # Errors
+    /// An error stops the run.
+    fn trial(&mut self, nodes: &mut TrialNodes<D>, dt: f64) -> Result<(), HookError> {
+        let _ = (nodes, dt);
+        Ok(())
+    }
+
+    /// True if [`Hook::trial`] does something; with `false` no list of nodes is made.
+    fn acts_on_nodes(&self) -> bool {
+        false
+    }
+
+    /// Called at the end of a step, with new positions and states.
+    ///
+    /// # Errors
+    /// An error stops the run.
+    fn after_step(&mut self, step: &StepView<'_, D>) -> Result<(), HookError> {
+        let _ = step;
+        Ok(())
+    }
+
+    /// Write or read what changes in a run. Default: nothing.
+    ///
+    /// # Errors
+    /// I/O error; damaged file.
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let _ = file;
+        Ok(())
+    }
+}
+
+/// Scene between two steps.
+pub struct StepView<'a, const D: usize> {
+    /// Time, s.
+    pub time: f64,
+    /// Number of completed steps.
+    pub steps: u64,
+    /// Bodies of the scene.
+    pub bodies: Vec<&'a dyn Body>,
+}
+
+/// Node with its trial velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrialNode<const D: usize> {
+    /// Body whose velocity field the node belongs to; `None` for the field of all bodies.
+    pub body: Option<usize>,
+    /// Coordinates of the node in the lattice, cells.
+    pub index: [i32; D],
+    /// Position, m; that of the reference configuration in total Lagrangian form.
+    pub position: [f64; D],
+    /// Mass, kg (per metre of depth or radian); with that of mirror images on planes of symmetry.
+    pub mass: f64,
+    /// Velocity at the end of the step, m/s.
+    pub velocity: [f64; D],
+    /// Directions in which a boundary condition prescribes the velocity, where changes have no effect.
+    pub held: [bool; D],
+    /// Place of the node in the grid.
+    pub(in crate::step) place: usize,
+}
+
+/// Nodes of a scene with their trial velocities, ordered by block: nodes with mass, of deformable bodies of particles, without
+/// mirror images.
+pub struct TrialNodes<const D: usize> {
+    pub(in crate::step) nodes: Vec<TrialNode<D>>,
+    pub(in crate::step) spacing: f64,
+    pub(in crate::step) changed: bool,
+}
+
+impl<const D: usize> TrialNodes<D> {
+    /// Nodes.
+    pub fn nodes(&self) -> &[TrialNode<D>] {
+        &self.nodes
+    }
+    /// Cell size, m.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+    /// Set the velocity of node `n` of the list at the end of the step, m/s.
+    ///
+    /// # Panics
+    /// An `n` outside of the list.
+    pub fn set_velocity(&mut self, n: usize, velocity: [f64; D]) {
+        self.nodes[n].velocity = velocity;
+        self.changed = true;
+    }
+}
+
+/// Hooks of a scene.
+pub(in crate::step) struct Hooks<T: Float, const D: usize>(pub(in crate::step) Vec<Box<dyn Hook<T, D>>>);
+
+impl<T: Float, const D: usize> Default for Hooks<T, D> {
+    fn default() -> Self {
+        Hooks(Vec::new())
+    }
+}
+
+impl<T: Float, const D: usize> Hooks<T, D> {
+    /// Write or read the states of all hooks; the file must be of the same ones.
+    pub(in crate::step) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let names: Vec<&str> = self.0.iter().map(|hook| hook.name()).collect();
+        file.same("hooks", &names.join(", "))?;
+        self.0.iter_mut().try_for_each(|hook| hook.archive(file))
+    }
+}
