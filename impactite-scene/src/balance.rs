@@ -1,4 +1,4 @@
-//! Balances of mass, momentum and energy: unexplained energy and momentum.
+//! Energy balance, and balances of mass and momentum: what loads and conditions do not explain.
 
 use crate::archive::{Archive, CheckpointError};
 use crate::body::Totals;

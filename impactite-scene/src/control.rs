@@ -1,4 +1,4 @@
-//! Time step control.
+//! Time step limit and time step control: Courant number, growth, fixed steps.
 
 /// Time step control.
 #[derive(Clone, Copy, Debug, PartialEq)]

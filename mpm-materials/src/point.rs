@@ -1,4 +1,4 @@
-//! Material point: kinematics of a step, state variables, result of a law and breakdown.
+//! Material point: strain increment and strain rate of a step, state variables, result of a law, breakdown.
 
 use std::fmt;
 

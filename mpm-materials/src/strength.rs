@@ -1,4 +1,4 @@
-//! Strength: flow stress, return mapping and plastic history of the stress deviator of a solid.
+//! Strength: yield surface, flow stress, return mapping and plastic history of the stress deviator of a solid.
 
 pub mod borvik;
 pub mod drucker_prager;

@@ -1,4 +1,4 @@
-//! Artificial bulk viscosity: smears a shock over a few cells.
+//! Artificial viscosity: bulk viscosity, which smears a shock over a few cells.
 
 use crate::eos::EnergyColumn;
 use crate::lane::{Lane, Real};

@@ -1,4 +1,4 @@
-//! Import graph of the library files: it must be free of cycles.
+//! Import graph of the library files, which must be free of cycles, and search for the field's terms in their headings.
 //!
 //! A file imports the files that define the items it names after `crate::`, `super::` or `self::`; re-exports are followed.
 //! Tests within files and links in the documentation do not count.
@@ -307,4 +307,44 @@ fn circles_are_seen() {
     let found = circles(&Library { modules, names }.imports());
     let _ = std::fs::remove_dir_all(&folder);
     assert_eq!(found, [["a".to_string(), "b::inner".to_string()]]);
+}
+
+/// Field's terms, and the library file that a search of the headings for them must find.
+const TERMS: [(&str, &str); 10] = [
+    ("velocity update", "mpm-core/src/step/nodes/node_update.rs"),
+    ("strain rate", "mpm-materials/src/point.rs"),
+    ("artificial viscosity", "mpm-materials/src/viscosity.rs"),
+    ("contact normal", "mpm-contact/src/normal.rs"),
+    ("hourglass control", "fem/src/technology.rs"),
+    ("time step limit", "impactite-scene/src/control.rs"),
+    ("checkpoint archive", "impactite-scene/src/archive.rs"),
+    ("energy balance", "impactite-scene/src/balance.rs"),
+    ("courant number", "impactite-scene/src/control.rs"),
+    ("yield surface", "mpm-materials/src/strength.rs"),
+];
+
+/// Largest number of headings with a term: one of each method may have its own.
+const HITS: usize = 4;
+
+#[test]
+fn terms_of_the_field_find_their_file_by_its_heading() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
+    let mut headings = Vec::new();
+    for entry in std::fs::read_dir(&root).expect("the repository").flatten() {
+        let source = entry.path().join("src");
+        if source.is_dir()
+            && !["examples", "benchmarks", "tests"].contains(&&*entry.file_name().to_string_lossy())
+        {
+            for path in modules(&source).into_values() {
+                let text = std::fs::read_to_string(&path).expect("a file");
+                headings.push((path, text.lines().next().unwrap_or_default().to_lowercase()));
+            }
+        }
+    }
+    for (term, file) in TERMS {
+        let found: Vec<&Path> =
+            headings.iter().filter(|(_, heading)| heading.contains(term)).map(|(path, _)| &**path).collect();
+        assert!(found.iter().any(|path| path.ends_with(file)), "{term}: {found:?}");
+        assert!(found.len() <= HITS, "{term}: {found:?}");
+    }
 }

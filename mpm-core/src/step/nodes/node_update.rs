@@ -1,4 +1,4 @@
-//! Nodal updates of the grid stages: velocity, momentum update, re-mapped velocity.
+//! Velocity update of the nodes in the stages of the grid: momentum update, re-mapped velocity.
 
 use mpm_materials::Lane;
 
