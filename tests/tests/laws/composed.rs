@@ -42,7 +42,7 @@ fn driven(law: &Law, seed: u64) -> Vec<f64> {
     // Drift of each point, so that strains grow.
     let drift: Vec<[f64; 9]> = (0..GROUPS * lanes).map(|_| std::array::from_fn(|_| random.next())).collect();
     for step in 0..STEPS {
-        let mut deformation = vec![Deformation::default(); GROUPS.div_ceil(2)];
+        let mut deformation: Vec<Deformation<Row>> = vec![Deformation::default(); GROUPS.div_ceil(2)];
         let phase = (step as f64 * 0.08).sin();
         for group in 0..GROUPS {
             let entry = &mut deformation[group / 2];
