@@ -30,6 +30,7 @@ mod aligned;
 mod avx2;
 mod avx512;
 mod crew;
+mod dual;
 mod functions;
 pub mod lane;
 pub mod memory;
@@ -38,6 +39,7 @@ mod team;
 mod tests;
 
 pub use aligned::AlignedRecords;
+pub use dual::Dual;
 pub use lane::{Lane, Mask, Real, Wide, WideMask};
 pub use team::{Team, TeamError};
 

@@ -17,6 +17,7 @@ pub struct AnyDetector {
 enum Test {
     Approach,
     Compression(Compression<Gradients>),
+    Regression,
     Distance,
 }
 
@@ -32,6 +33,13 @@ impl AnyDetector {
             distance: SurfaceDistance::touching_along(AnyNormals::Gradients(gradients)),
         }
     }
+    /// Create the detector by the margin of the plane of logistic regression, [`Regression`].
+    pub fn by_regression() -> Self {
+        AnyDetector {
+            test: Test::Regression,
+            distance: SurfaceDistance::touching_along(AnyNormals::Regression),
+        }
+    }
     /// Create a detector by approach at shared nodes whose traction is compressive.
     pub fn by_compression(gradients: Gradients) -> Self {
         let distance = SurfaceDistance::touching_along(AnyNormals::Gradients(gradients));
@@ -45,6 +53,7 @@ impl<const D: usize> ContactDetector<f64, D> for AnyDetector {
         match self.test {
             Test::Approach => Criterion::Always,
             Test::Compression(_) => Criterion::State,
+            Test::Regression => ContactDetector::<f64, D>::criterion(&Regression, spacing),
             Test::Distance => ContactDetector::<f64, D>::criterion(&self.distance, spacing),
         }
     }
@@ -62,6 +71,7 @@ impl<const D: usize> ContactDetector<f64, D> for AnyDetector {
         match &self.test {
             Test::Approach => nodes,
             Test::Compression(traction) => traction.touching(at, pair, nodes, normals, gaps),
+            Test::Regression => Regression.touching(at, pair, nodes, normals, gaps),
             Test::Distance => self.distance.touching(at, pair, nodes, normals, gaps),
         }
     }

@@ -29,6 +29,7 @@ pub mod softening;
 pub mod solid;
 pub mod strength;
 pub mod stretching;
+pub mod tangent;
 pub mod tensor;
 pub mod viscosity;
 
@@ -51,6 +52,7 @@ pub use failure::{
 };
 pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};
+pub use impactite_simd::Dual;
 pub use impactite_simd::lane::{self, Lane, Mask, Real, Wide};
 pub use mass_scaled::MassScaled;
 pub use material::{AnyLaw, Compiled, IntoMaterial, Material, MaySplit};
@@ -69,5 +71,6 @@ pub use strength::{
     SimplifiedJohnsonCook, SmoothLogarithmic, SteinbergGuinan, Strength,
 };
 pub use stretching::{Stretching, StretchingState};
+pub use tangent::{Differential, NoDifferential, Tangent};
 pub use tensor::{Mat3, Sym3};
 pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

@@ -142,8 +142,9 @@ fn detector(word: Detector) -> Result<AnyDetector, ParameterError> {
         Detector::GradientDistance => SurfaceDistance::new(gradients(), 0.0)?,
         Detector::GradientDistanceLocally => SurfaceDistance::new(gradients(), 0.0)?.locally(),
         Detector::CentreDistance => SurfaceDistance::between_centres(gradients(), 0.5)?,
-        Detector::Regression => SurfaceDistance::new(AnyNormals::Regression, 0.0)?,
-        Detector::RegressionLocally => SurfaceDistance::new(AnyNormals::Regression, 0.0)?.locally(),
+        Detector::Regression => return Ok(AnyDetector::by_regression()),
+        Detector::RegressionDistance => SurfaceDistance::new(AnyNormals::Regression, 0.0)?,
+        Detector::RegressionDistanceLocally => SurfaceDistance::new(AnyNormals::Regression, 0.0)?.locally(),
     }))
 }
 

@@ -98,10 +98,12 @@ pub enum Detector {
     GradientDistanceLocally,
     /// Distance of particle centres, closer than half a cell, with normals by gradients of mass (Zhang).
     CentreDistance,
-    /// Distance of all particles around a node, with normals by logistic regression: slowest, best at edges.
+    /// Separating plane by logistic regression, and the margin between the bodies: slowest, best at edges.
     Regression,
+    /// Distance of all particles around a node, with normals by logistic regression.
+    RegressionDistance,
     /// Distance along the line through the node, with normals by logistic regression.
-    RegressionLocally,
+    RegressionDistanceLocally,
 }
 
 /// A contact law.

@@ -814,7 +814,8 @@ parts! {
         /// Plastic viscosity.
         #[schemars(example = "10 Pa s")]
         viscosity: Quantity<Viscosity>,
-        /// Shear rate below which the fluid creeps instead of yielding.
+        /// Shear rate below which the fluid creeps instead of yielding: the smaller, the shorter the time step, below 3 h^2 rho / (8 (viscosity +
+        /// yield / creep)).
         #[schemars(example = "0.01 /s")]
         creep: Quantity<Rate>,
     }

@@ -12,4 +12,5 @@ mod ground;
 mod library;
 mod numbers;
 mod plane_stress;
+mod tangent;
 mod weldox;
