@@ -24,6 +24,9 @@ impl<const D: usize> Hook<f64, D> for Deepest {
     fn name(&self) -> &str {
         "deepest penetration"
     }
+    fn needs_nodes(&self) -> bool {
+        false
+    }
     fn after_step(&mut self, step: &StepView<'_, D>) -> Result<(), HookError> {
         let mut found = self.found.lock().map_err(|_| "the result is lost")?;
         step.bodies[self.of.0].for_each(&mut |point| {

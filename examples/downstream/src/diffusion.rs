@@ -58,9 +58,6 @@ impl<const D: usize> Hook<f64, D> for Diffusion {
     fn name(&self) -> &str {
         "diffusion of velocity"
     }
-    fn acts_on_nodes(&self) -> bool {
-        true
-    }
     fn trial(&mut self, nodes: &mut TrialNodes<D>, dt: f64) -> Result<(), HookError> {
         let (list, h, team) = (nodes.nodes(), nodes.spacing(), Team::one());
         let at: HashMap<_, usize> = list.iter().enumerate().map(|(n, x)| ((x.body, x.index), n)).collect();
@@ -90,8 +87,7 @@ impl<const D: usize> Hook<f64, D> for Diffusion {
                 }
             }
             let stop = Stop { relative: 1e-10, ..Stop::default() };
-            let solved =
-                conjugate_gradients(&team, &system, &mut Jacobi::new(&diagonal), &b, &mut x, &stop)?;
+            let solved = conjugate_gradients(&team, &system, &mut Jacobi::new(&diagonal), &b, &mut x, &stop)?;
             self.iterations = self.iterations.max(solved.iterations);
             velocities.iter_mut().zip(&x).for_each(|(velocity, x)| velocity[d] = *x);
         }

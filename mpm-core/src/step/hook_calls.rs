@@ -51,7 +51,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Call the hooks with the trial velocities, and apply their changes.
     pub(in crate::step) fn hooks_at_trial(&mut self, dt: T) -> Result<(), StepError> {
         self.call_hooks(|mpm, hook| {
-            if !hook.acts_on_nodes() {
+            if !hook.needs_nodes() {
                 return Ok(());
             }
             let mut nodes = mpm.stage(dt).trial_nodes();

@@ -34,9 +34,9 @@ pub trait Hook<T: Float, const D: usize>: Send + Sync {
         Ok(())
     }
 
-    /// True if [`Hook::trial`] does something; with `false` no list of nodes is made.
-    fn acts_on_nodes(&self) -> bool {
-        false
+    /// False for a hook without [`Hook::trial`]: then it is not called, and no list of nodes is made.
+    fn needs_nodes(&self) -> bool {
+        true
     }
 
     /// Called at the end of a step, with new positions and states.

@@ -37,9 +37,6 @@ impl Hook<f64, 2> for Push {
     fn name(&self) -> &str {
         "push"
     }
-    fn acts_on_nodes(&self) -> bool {
-        true
-    }
     fn trial(&mut self, nodes: &mut TrialNodes<2>, dt: f64) -> Result<(), HookError> {
         for n in 0..nodes.nodes().len() {
             let v = nodes.nodes()[n].velocity;
@@ -114,6 +111,9 @@ impl Hook<f64, 2> for Fails {
     fn name(&self) -> &str {
         "deepest point"
     }
+    fn needs_nodes(&self) -> bool {
+        false
+    }
     fn after_step(&mut self, step: &StepView<'_, 2>) -> Result<(), HookError> {
         if step.steps == self.0 { Err("it is too deep".into()) } else { Ok(()) }
     }
@@ -140,6 +140,9 @@ struct Counts(&'static str, Arc<Mutex<u64>>);
 impl Hook<f64, 2> for Counts {
     fn name(&self) -> &str {
         self.0
+    }
+    fn needs_nodes(&self) -> bool {
+        false
     }
     fn before_step(&mut self, step: &StepView<'_, 2>) -> Result<(), HookError> {
         let mut count = self.1.lock().map_err(|_| "poisoned")?;
