@@ -17,6 +17,7 @@ mod elements;
 mod fragile;
 mod kernels;
 mod page;
+mod parts;
 mod peers;
 mod runs;
 mod sample;
@@ -94,6 +95,8 @@ enum Section {
     Compositions,
     /// Memory and speed of laws
     Laws,
+    /// Laws whose parts are chosen at run time
+    Parts,
     /// Single against double precision: gain and error
     Single,
     /// What contact and its absence cost
@@ -146,6 +149,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Sizes => kernels::sizes(options.quick)?,
             Section::Compositions => kernels::compositions(options.quick)?,
             Section::Laws => kernels::laws(options.quick)?,
+            Section::Parts => parts::cost(options.quick)?,
             Section::Single => kernels::single(options.quick)?,
             Section::Contact => contact::cost(options.quick, options.yardstick.as_deref())?,
             Section::Sparse => contact::sparse(options.quick)?,

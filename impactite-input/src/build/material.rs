@@ -338,7 +338,14 @@ fn failure_of_set(key: &str, name: Library) -> Made<AnyFailure<f64>> {
         let sets =
             Library::ALL.iter().filter(|(set, _)| own_failure(*set).is_some() || fails_by_itself(*set));
         let sets: Vec<&str> = sets.map(|(_, word)| *word).collect();
-        return wrong(key, format!("this named set has none of its own; sets with one: {}", sets.join(", ")));
+        let others = "or give constants: `failure.plastic_strain = { limit = 1 }`, `failure.johnson_cook`";
+        return wrong(
+            key,
+            format!(
+                "no failure constants belong to this named set; take one of {}, {others}",
+                sets.join(", ")
+            ),
+        );
     };
     AnyFailure::default().or(own).at(key)
 }
@@ -359,13 +366,15 @@ fn of_library(key: &str, name: Library, spec: &Spec, plate: bool) -> Made<Law> {
                 parts.failure = solid::failing(&at, criteria, &parts, own)?;
             }
         }
-        return parts.law(key, viscosity, spec.porous.as_ref(), plate);
+        return parts.law(key, viscosity, spec.porous.as_ref(), plate).map(Law::from);
     }
     if plate {
         return wrong(key, NO_PLATE);
     }
     if spec.failure.is_some() {
-        return wrong(format!("{key}.failure"), "is of metals; this named set is none");
+        let metals = "no failure constants belong to this named set, which is no metal; metals with them: steel_4340, copper_ofhc, lead and others \
+                      (`impactite list materials`)";
+        return wrong(format!("{key}.failure"), metals);
     }
     if spec.porous.is_some() {
         return wrong(format!("{key}.porous"), "is of metals; this named set is none");
@@ -421,7 +430,7 @@ fn metal(key: &str, strength: &Strength, eos: &Eos, spec: &Spec, plate: bool) ->
         }
     }
     let viscosity = spec.bulk_viscosity.map(|list| list.map(|q| q.value));
-    parts.law(key, viscosity, spec.porous.as_ref(), plate)
+    parts.law(key, viscosity, spec.porous.as_ref(), plate).map(Law::from)
 }
 
 fn without_library<T>(key: &str) -> Made<T> {

@@ -1,5 +1,7 @@
 //! Solids from scene files: strength, equation of state, failure, pores.
 
+use std::sync::Arc;
+
 use impactite::materials::strength::{
     BorvikConstants, LinearHardening, PowerHardening, SaturatingPower, SteinbergConstants, VoceHardening,
 };
@@ -7,11 +9,10 @@ use impactite::materials::{
     Adiabatic, AnyEos, AnyFailure, AnyHardening, AnyHeat, AnyLocalisation, AnyRate, AnySolid, AnyStrength,
     Borvik, CohesiveSpall, CowperSymonds, CrackBand, CubicShock, DamageLimit, Elastic, Expanding, Gruneisen,
     Heat, IntoMaterial, JohnsonCook, JohnsonCookDamage, LinearDensity, Logarithmic, LogarithmicBulk,
-    MieGruneisen, PlasticStrainLimit, Polynomial, PolynomialHugoniot, PowerRate, PrincipalStress, Remains,
-    SmoothLogarithmic, SteinbergGuinan, Tait, TensilePressure, TulerButcher,
+    Material, MieGruneisen, PlasticStrainLimit, Polynomial, PolynomialHugoniot, PowerRate, PrincipalStress,
+    Remains, SmoothLogarithmic, SteinbergGuinan, Tait, TensilePressure, TulerButcher,
 };
 
-use super::material::Law;
 use super::wrong::{At, Made, wrong};
 use crate::model::material::{
     CubicConstants, Eos, Failure, HeatConstants, HugoniotConstants, Leaves, PolynomialConstants,
@@ -36,7 +37,7 @@ impl Parts {
         viscosity: Option<[f64; 2]>,
         porous: Option<&PorousConstants>,
         plate: bool,
-    ) -> Made<Law> {
+    ) -> Made<Arc<dyn Material<f64>>> {
         let mut solid = AnySolid::new(self.strength, self.eos).with_failure(self.failure);
         if let Some([linear, quadratic]) = viscosity {
             solid = solid.with_bulk_viscosity(linear, quadratic).at(format!("{key}.bulk_viscosity"))?;
@@ -44,7 +45,7 @@ impl Parts {
         let Some(pores) = porous else {
             let material =
                 if plate { solid.in_plane_stress().into_material() } else { solid.into_material() };
-            return Ok(material.into());
+            return Ok(material);
         };
         let key = format!("{key}.porous");
         if plate {
@@ -55,7 +56,7 @@ impl Parts {
         }
         let [distension, elastic, full] =
             [pores.distension.value, pores.elastic_limit.value, pores.full_compaction.value];
-        Ok(solid.with_pores(distension, elastic, full).at(key)?.into_material().into())
+        Ok(solid.with_pores(distension, elastic, full).at(key)?.into_material())
     }
 }
 

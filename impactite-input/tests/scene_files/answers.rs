@@ -291,7 +291,7 @@ fn failure_by_a_named_set_is_refused_where_there_is_none() {
     for (material, words) in [
         ("library = \"tungsten_alloy\", failure = \"library\"", ["steel_4340", "failure.plastic_strain"]),
         ("library = \"water\", failure = \"library\"", ["no failure constants", "lead"]),
-        ("library = \"weldox_460_e\", failure.plastic_strain.limit = 1", ["its own damage", "library"]),
+        ("library = \"weldox_460_e\", failure.damage.limit = 1.5", ["critical damage", "at most 1"]),
         (
             "strength.elastic.shear_modulus = 1e9, eos.logarithmic_bulk = { density = 1000, bulk_modulus = 1e9 }, failure = \"library\"",
             ["named set", "failure.johnson_cook"],

@@ -16,7 +16,6 @@ where
     type Extent = Extent<D, 3>;
     const POLYNOMIAL: bool = true;
     const USL_LIMIT: f64 = 0.59;
-    const AFLIP_SHARE: f64 = 0.85;
     const NAME: &'static str = "quadratic B-spline";
 
     #[inline(always)]

@@ -25,7 +25,6 @@ impl<T: Real, const D: usize, S: ShapeFunction<T, D>> ShapeFunction<T, D> for Bo
     const POLYNOMIAL: bool = S::POLYNOMIAL;
     const BOUNDARY_MODIFIED: bool = true;
     const USL_LIMIT: f64 = S::USL_LIMIT;
-    const AFLIP_SHARE: f64 = S::AFLIP_SHARE;
     const NAME: &'static str = S::NAME;
 
     #[inline(always)]

@@ -74,8 +74,6 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     /// Smallest stable Courant number dt c / h measured with USL in three dimensions, with 2 particles per axis and cell
     /// (book, "The stable time step"); 0.7 of it is the default.
     const USL_LIMIT: f64;
-    /// Default step of AFLIP with USL over [`ShapeFunction::USL_LIMIT`].
-    const AFLIP_SHARE: f64 = 0.7;
     /// Name in tables and messages.
     const NAME: &'static str;
 

@@ -48,8 +48,6 @@ pub struct Facts {
     pub boundary_modified: bool,
     /// Largest stable Courant number dt c / h measured with USL.
     pub usl_limit: f64,
-    /// Default step of AFLIP with USL over this limit.
-    pub aflip_share: f64,
     /// True if stress is updated before the forces (USF).
     pub before_forces: bool,
     /// True if the momentum is mapped a second time (MUSL).
@@ -74,13 +72,12 @@ pub struct Facts {
 
 impl Facts {
     /// Return the default time control. MUSL and USF, with a limit of 1.4 and more, use half of h / (c + |v|); USL uses 0.7
-    /// of the smallest limit measured in three dimensions for the shape function, AFLIP on quadratic splines 0.85 (book, "The
-    /// stable time step"). Chart C10 (docs/report/index.html) has the limits of 704 particle arrangements, which did not
-    /// change these factors. A third or half of the step changes the errors of charts C1 and C2 by less than a quarter, up
-    /// or down, except for the cubic spline with FMPM(4), whose error from the grid is almost zero.
+    /// of the smallest limit measured in three dimensions for the shape function (book, "The stable time step"). Chart C10
+    /// (docs/report/index.html) has the limits of 704 particle arrangements, which did not change these factors. A third or
+    /// half of the step changes the errors of charts C1 and C2 by less than a quarter, up or down, except for the cubic
+    /// spline with FMPM(4), whose error from the grid is almost zero.
     pub fn time_control(&self) -> TimeControl {
-        let share = if self.affine && !self.maps_together { self.aflip_share } else { 0.7 };
-        let factor = if self.symplectic() { 0.5 } else { share * self.usl_limit };
+        let factor = if self.symplectic() { 0.5 } else { 0.7 * self.usl_limit };
         TimeControl::Courant { factor, growth: 1.1 }
     }
 
@@ -93,7 +90,6 @@ impl Facts {
             domain: M::Shape::DOMAIN,
             boundary_modified: M::Shape::BOUNDARY_MODIFIED,
             usl_limit: M::Shape::USL_LIMIT,
-            aflip_share: M::Shape::AFLIP_SHARE,
             before_forces: M::Update::BEFORE_FORCES,
             remap: M::Update::REMAP,
             maps_together: M::MAPS_TOGETHER,
