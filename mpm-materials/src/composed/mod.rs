@@ -231,7 +231,7 @@ where
 {
     type Law = Self;
     fn law(&self) -> Self {
-        self.clone()
+        *self
     }
     fn into_material(self) -> Arc<dyn Material<f64>> {
         let (strength, eos, failure) = (*self.strength(), *self.eos(), *self.failure());
