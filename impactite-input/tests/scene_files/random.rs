@@ -47,6 +47,11 @@ impl Catalogue {
             .filter(|k| k.path.strip_prefix(&above).is_some_and(|name| !name.contains('.')))
             .collect()
     }
+    /// Random one of the names directly below a key of a material.
+    fn any(&self, random: &mut Random, above: &str) -> &Key {
+        let list = self.below(above);
+        list[random.below(list.len())]
+    }
     fn key(&self, path: &str) -> &Key {
         self.0.iter().find(|key| key.path == path).unwrap_or_else(|| panic!("no key {path}"))
     }
@@ -59,10 +64,10 @@ impl Catalogue {
         let add = |made: &mut Map<String, Value>, key: &Key| merge(made, Self::of(key));
         match random.below(12) {
             0..=5 => {
-                add(&mut made, *random.one(&self.below("strength")));
-                add(&mut made, *random.one(&self.below("eos")));
+                add(&mut made, self.any(random, "strength"));
+                add(&mut made, self.any(random, "eos"));
                 for _ in 0..random.below(4) {
-                    let criterion = *random.one(&self.below("failure"));
+                    let criterion = self.any(random, "failure");
                     if !criterion.path.ends_with(".library") {
                         add(&mut made, criterion);
                     }
@@ -78,17 +83,21 @@ impl Catalogue {
                     made.insert("failure".into(), json!("library"));
                 }
             }
-            8 => add(&mut made, *random.one(&self.below("ground"))),
+            8 => add(&mut made, self.any(random, "ground")),
             9 => {
-                add(&mut made, *random.one(&self.below("fluid")));
+                add(&mut made, self.any(random, "fluid"));
                 if random.chance(3) {
                     add(&mut made, self.key("materials.NAME.bingham"));
                 }
             }
-            10 => add(&mut made, *random.one(&self.below("explosive"))),
+            10 => add(&mut made, self.any(random, "explosive")),
             _ => add(
                 &mut made,
-                self.key(*random.one(&["materials.NAME.elastic", "materials.NAME.neo_hookean"])),
+                self.key(if random.chance(2) {
+                    "materials.NAME.elastic"
+                } else {
+                    "materials.NAME.neo_hookean"
+                }),
             ),
         }
         if random.chance(3) {

@@ -151,7 +151,8 @@ impl Hook<f64, 2> for Counts {
         Ok(())
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        file.word(&mut *self.1.lock().expect("a count"))
+        let mut count = self.1.lock().expect("a count");
+        file.word(&mut count)
     }
 }
 
