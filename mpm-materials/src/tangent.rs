@@ -34,7 +34,7 @@ pub struct Differential<T> {
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let steel = LinearElastic::new(7850.0, Moduli::young_poisson(206e9, 0.3)?)?;
 /// let rest = Kinematics { increment: Mat3::zero(), dt: 1e-6, length: 1e-3 };
-/// let tangent = steel.tangent(&rest, &steel.virgin())?;
+/// let tangent: [[f64; 9]; 6] = steel.tangent(&rest, &steel.virgin())?;
 /// // Row xx, column du/dx: the P-wave modulus.
 /// assert!((tangent[0][0] / (206e9 * 0.7 / (1.3 * 0.4)) - 1.0).abs() < 1e-12);
 /// # Ok(())

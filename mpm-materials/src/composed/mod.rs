@@ -83,7 +83,7 @@ type Parts<T> = Solid<AnyStrength<T>, AnyEos<T>, AnyFailure<T>, AnyViscosity<T>>
 /// # fn main() -> Result<(), mpm_materials::ParameterError> {
 /// let strength = JohnsonCook::hardening_by(80e9, VoceHardening::new(350e6, 200e6, 15.0)?)?
 ///     .with_rate(CowperSymonds::new(40.0, 5.0)?);
-/// let eos = Polynomial::new(7830.0, [159e9, 0.0, 0.0, 0.0], [0.0; 3], 0.0)?;
+/// let eos = Polynomial::new(7830.0, [0.0, 159e9, 0.0, 0.0], [0.0; 3], 0.0)?;
 /// let failure =
 ///     AnyFailure::default().or(JohnsonCookDamage::steel_4340())?.or(TensilePressure::new(3e9)?)?;
 /// let steel = AnySolid::new(strength, eos).with_failure(failure).with_bulk_viscosity(0.06, 1.5)?.into_material();
