@@ -35,8 +35,8 @@ pub mod viscosity;
 
 pub use capability::{Hyperelastic, Stretches, Yields};
 pub use composed::{
-    AnyCriterion, AnyEos, AnyFailure, AnyFluid, AnyHardening, AnyHeat, AnyLocalisation, AnyPlate, AnyPorous,
-    AnyRate, AnyShear, AnySolid, AnyStrength, Stretched,
+    AnyEos, AnyFailure, AnyFailureCriterion, AnyFluid, AnyHardening, AnyHeat, AnyLocalisation, AnyPlate,
+    AnyPorous, AnyRate, AnyShear, AnySolid, AnyStrength, Stretched,
 };
 pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};

@@ -92,7 +92,7 @@ pub fn cost(quick: bool) -> Result<Option<String>, CaseError> {
     let title = ["solid", "motion", "of types, ns", "of values, ns", "ratio"];
     Ok(Some(format!(
         "## Laws of run-time parts\n\nNanoseconds of an update of a point by the called law, {GROUPS} groups a call, all in the cache of the processor: a `Solid` of types, \
-         compiled for this table, and the same one by the kernels of values (`AnySolid`), which scene files have. The first three have kernels of their own.\n\n{}",
+         compiled for this table, and the same one by the kernels of values (`AnySolid`), which scene files have. The first four have kernels of their own.\n\n{}",
         table(title, &rows)
     )))
 }

@@ -6,7 +6,7 @@ use impactite::geometry::Seeds;
 use impactite::materials::eos::{CrushConstants, CrushCurve};
 use impactite::materials::strength::ConcreteConstants;
 use impactite::materials::{
-    AnyCriterion, AnyEos, AnyFailure, AnyFluid, AnyShear, AnyStrength, Bingham, BulkViscosity, Cone,
+    AnyEos, AnyFailure, AnyFailureCriterion, AnyFluid, AnyShear, AnyStrength, Bingham, BulkViscosity, Cone,
     Constitutive, Detonation, DruckerPrager, Explosive, Fluid, Ground, HolmquistJohnsonCook, IdealGas,
     IntoMaterial, JohnsonCookDamage, Jwl, JwlConstants, LinearElastic, Material, Moduli, MohrCoulomb,
     NeoHookean, Newtonian, NoFailure, PlaneStress, PlasticStrainLimit, Solid, Stretched, Tait, library,
@@ -169,6 +169,12 @@ pub(super) fn kind(key: &str, spec: &Spec) -> Made<&'static str> {
     only(spec.failure.is_some(), "failure", &["strength", "library"])?;
     only(spec.porous.is_some(), "porous", &["strength", "library"])?;
     only(spec.bingham.is_some(), "bingham", &["fluid"])?;
+    if spec.bingham.is_some() && matches!(spec.fluid, Some(FluidLaw::Incompressible(_))) {
+        return wrong(
+            format!("{key}.bingham"),
+            "is not available with `fluid.incompressible`, which has a `viscosity`",
+        );
+    }
     only(
         spec.bulk_viscosity.is_some(),
         "bulk_viscosity",
@@ -310,7 +316,7 @@ fn solid(name: Library) -> Option<Parts> {
 }
 
 /// Failure criterion of a named set, from its source; `None` if it has none, or if its law has it already.
-fn own_failure(name: Library) -> Option<AnyCriterion<f64>> {
+fn own_failure(name: Library) -> Option<AnyFailureCriterion<f64>> {
     Some(match name {
         Library::Aluminium6061T6 => JohnsonCookDamage::aluminium_6061().into(),
         Library::Aluminium2024T3 => JohnsonCookDamage::aluminium_2024_t3().into(),
@@ -363,7 +369,7 @@ fn of_library(key: &str, name: Library, spec: &Spec, plate: bool) -> Made<Law> {
                 }
             }
             Some(FailureChoice::By(criteria)) => {
-                parts.failure = solid::failing(&at, criteria, &parts, own)?;
+                parts.failure = solid::with_criteria(&at, criteria, &parts, own)?;
             }
         }
         return parts.law(key, viscosity, spec.porous.as_ref(), plate).map(Law::from);
@@ -420,13 +426,13 @@ pub(crate) fn described(name: Library) -> Option<Described> {
 
 /// Build a metal of strength, equation of state and failure.
 fn metal(key: &str, strength: &Strength, eos: &Eos, spec: &Spec, plate: bool) -> Made<Law> {
-    let mut parts = solid::parts(key, strength, eos)?;
+    let mut parts = solid::parts(key, strength, eos, spec.porous.as_ref())?;
     let at = format!("{key}.failure");
     match &spec.failure {
         None => {}
         Some(FailureChoice::Library) => return without_library(&at),
         Some(FailureChoice::By(criteria)) => {
-            parts.failure = solid::failing(&at, criteria, &parts, || without_library(&at))?;
+            parts.failure = solid::with_criteria(&at, criteria, &parts, || without_library(&at))?;
         }
     }
     let viscosity = spec.bulk_viscosity.map(|list| list.map(|q| q.value));

@@ -140,11 +140,11 @@ fn detector(word: Detector) -> Result<AnyDetector, ParameterError> {
         Detector::Compression => return Ok(AnyDetector::by_compression(Gradients::default())),
         Detector::SurfaceDistance => SurfaceDistance::new(AnyNormals::Plane, 0.0)?.locally(),
         Detector::GradientDistance => SurfaceDistance::new(gradients(), 0.0)?,
-        Detector::GradientDistanceLocally => SurfaceDistance::new(gradients(), 0.0)?.locally(),
+        Detector::LocalGradientDistance => SurfaceDistance::new(gradients(), 0.0)?.locally(),
         Detector::CentreDistance => SurfaceDistance::between_centres(gradients(), 0.5)?,
         Detector::Regression => return Ok(AnyDetector::by_regression()),
         Detector::RegressionDistance => SurfaceDistance::new(AnyNormals::Regression, 0.0)?,
-        Detector::RegressionDistanceLocally => SurfaceDistance::new(AnyNormals::Regression, 0.0)?.locally(),
+        Detector::LocalRegressionDistance => SurfaceDistance::new(AnyNormals::Regression, 0.0)?.locally(),
     }))
 }
 
@@ -333,6 +333,12 @@ fn add_particles<const D: usize>(
                 }
                 if body.initial_stress.is_some() && !lit.is_empty() {
                     return wrong(format!("{key}.initial_stress"), "is not of an explosive that is `lit`");
+                }
+                if splitting.is_some() && !lit.is_empty() {
+                    return wrong(
+                        format!("{key}.split_at"),
+                        "is not available for an explosive that is `lit`",
+                    );
                 }
                 let material = law.material.clone();
                 let stressed = body.initial_stress.as_ref().map(|spec| {

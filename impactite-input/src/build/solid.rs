@@ -7,16 +7,16 @@ use impactite::materials::strength::{
 };
 use impactite::materials::{
     Adiabatic, AnyEos, AnyFailure, AnyHardening, AnyHeat, AnyLocalisation, AnyRate, AnySolid, AnyStrength,
-    Borvik, CohesiveSpall, CowperSymonds, CrackBand, CubicShock, DamageLimit, Elastic, Expanding, Gruneisen,
-    Heat, IntoMaterial, JohnsonCook, JohnsonCookDamage, LinearDensity, Logarithmic, LogarithmicBulk,
-    Material, MieGruneisen, PlasticStrainLimit, Polynomial, PolynomialHugoniot, PowerRate, PrincipalStress,
-    Remains, SmoothLogarithmic, SteinbergGuinan, Tait, TensilePressure, TulerButcher,
+    Borvik, CohesiveSpall, CowperSymonds, CrackBand, CubicShock, DamageLimit, Elastic, Eos as _, Expanding,
+    Gruneisen, Heat, IntoMaterial, JohnsonCook, JohnsonCookDamage, LinearDensity, Logarithmic,
+    LogarithmicBulk, Material, MieGruneisen, PlasticStrainLimit, Polynomial, PolynomialHugoniot, PowerRate,
+    PrincipalStress, Remains, SmoothLogarithmic, SteinbergGuinan, Tait, TensilePressure, TulerButcher,
 };
 
 use super::wrong::{At, Made, wrong};
 use crate::model::material::{
-    CubicConstants, Eos, Failure, HeatConstants, HugoniotConstants, Leaves, PolynomialConstants,
-    PorousConstants, RateConstants, RateWord, ShockConstants, Strength, TAYLOR_QUINNEY,
+    CubicConstants, Eos, Failure, HeatConstants, HugoniotConstants, PolynomialConstants, PorousConstants,
+    PostFailure, RateConstants, RateWord, ShockConstants, Strength, TAYLOR_QUINNEY,
 };
 use crate::quantity::{Length, Quantity};
 
@@ -60,10 +60,17 @@ impl Parts {
     }
 }
 
-/// Return the parts of a strength and an equation of state.
-pub(super) fn parts(key: &str, strength: &Strength, eos: &Eos) -> Made<Parts> {
-    let (strength, failure) = of_strength(&format!("{key}.strength"), strength)?;
-    Ok(Parts { strength, eos: of_eos(&format!("{key}.eos"), eos)?, failure })
+/// Return the parts of a strength and an equation of state, for a solid with pores of a distension.
+pub(super) fn parts(
+    key: &str,
+    strength: &Strength,
+    eos: &Eos,
+    pores: Option<&PorousConstants>,
+) -> Made<Parts> {
+    let eos = of_eos(&format!("{key}.eos"), eos)?;
+    let density = eos.density() / pores.map_or(1.0, |k| k.distension.value);
+    let (strength, failure) = of_strength(&format!("{key}.strength"), strength, density)?;
+    Ok(Parts { strength, eos, failure })
 }
 
 fn rate(key: &str, rate: Option<&RateConstants>) -> Made<AnyRate<f64>> {
@@ -118,12 +125,12 @@ fn product(
         Some(k) => AnyHeat::Adiabatic(Adiabatic::new(heat(k)).at(format!("{key}.heat"))?),
         None => AnyHeat::Isothermal,
     };
-    let law = JohnsonCook::hardening_by(shear, hardening.into()).at(format!("{key}.shear_modulus"))?;
+    let law = JohnsonCook::from_hardening(shear, hardening.into()).at(format!("{key}.shear_modulus"))?;
     Ok(AnyStrength::Product(name, law.with_rate(rate(key, rates)?).with_heat(thermal)))
 }
 
-/// Return the strength, with the failure that belongs to it.
-fn of_strength(key: &str, strength: &Strength) -> Made<(AnyStrength<f64>, AnyFailure<f64>)> {
+/// Return the strength, with the failure that belongs to it, for a material of this reference density, kg/m^3.
+fn of_strength(key: &str, strength: &Strength, density: f64) -> Made<(AnyStrength<f64>, AnyFailure<f64>)> {
     let none = AnyFailure::default();
     Ok(match strength {
         Strength::Elastic(s) => {
@@ -165,7 +172,7 @@ fn of_strength(key: &str, strength: &Strength) -> Made<(AnyStrength<f64>, AnyFai
             let hardening =
                 SaturatingPower::new(s.yield_stress.value, s.largest.value, s.beta.value, s.n.value, 0.0);
             let constants = SteinbergConstants {
-                density: s.density.value,
+                density,
                 shear: s.shear_modulus.value,
                 pressure: s.pressure.value,
                 temperature: s.temperature.value,
@@ -244,7 +251,7 @@ fn of_eos(key: &str, eos: &Eos) -> Made<AnyEos<f64>> {
 }
 
 /// Add the criteria of a table to those of the parts; `own` returns those of the named set.
-pub(super) fn failing(
+pub(super) fn with_criteria(
     key: &str,
     spec: &Failure,
     parts: &Parts,
@@ -290,19 +297,29 @@ pub(super) fn failing(
         let key = format!("{key}.cohesive_spall");
         all = all.or(CohesiveSpall::of_work(k.strength.value, k.work.value).at(&key)?).at(key)?;
     }
+    let of_plastic_flow =
+        [("plastic_strain", spec.plastic_strain.is_some()), ("johnson_cook", spec.johnson_cook.is_some())];
+    if let (AnyStrength::Elastic(_), Some((word, _))) = (parts.strength, of_plastic_flow.iter().find(|c| c.1))
+    {
+        let message = "is never reached: `strength.elastic` has no plastic flow; take `strength.j2`, or `tensile_pressure`";
+        return wrong(format!("{key}.{word}"), message);
+    }
     if all.criteria().next().is_none() {
-        return wrong(key, "has no criterion");
+        return wrong(
+            key,
+            "specifies no criterion; take `plastic_strain`, `johnson_cook`, `tensile_pressure` or others (`impactite list laws`)",
+        );
     }
     let removed = spec.plastic_strain.as_ref().is_some_and(|k| k.removed);
-    let remains = match spec.leaves {
+    let remains = match spec.post_failure {
         None if removed => Remains::Nothing,
-        None | Some(Leaves::Compression) => Remains::Compression,
-        Some(Leaves::CompressionAndShear) => Remains::CompressionAndShear,
-        Some(Leaves::Pressure) => Remains::Pressure,
-        Some(Leaves::Nothing) => Remains::Nothing,
+        None | Some(PostFailure::Compression) => Remains::Compression,
+        Some(PostFailure::CompressionAndShear) => Remains::CompressionAndShear,
+        Some(PostFailure::Pressure) => Remains::Pressure,
+        Some(PostFailure::Nothing) => Remains::Nothing,
     };
     if removed && remains != Remains::Nothing {
-        return wrong(format!("{key}.leaves"), "is `\"nothing\"` with `plastic_strain.removed`");
+        return wrong(format!("{key}.post_failure"), "is `\"nothing\"` with `plastic_strain.removed`");
     }
-    all.leaving(remains).at(format!("{key}.leaves"))
+    all.with_post_failure(remains).at(format!("{key}.post_failure"))
 }

@@ -306,3 +306,56 @@ fn failure_by_a_named_set_is_refused_where_there_is_none() {
         assert!(words.iter().all(|w| said.contains(w)), "{material}: {said}");
     }
 }
+
+#[test]
+fn keys_without_effect_on_a_material_are_refused() {
+    let steel = "eos.logarithmic_bulk = { density = 7850, bulk_modulus = 172e9 }";
+    let elastic = format!("strength.elastic.shear_modulus = 79e9, {steel}");
+    let damage = "failure.johnson_cook = { d = [0.05, 3.44, -2.12, 0.002, 0.61], reference = 1 }";
+    let j2 = format!("strength.j2 = {{ shear_modulus = 79e9, yield = 350e6 }}, {steel}");
+    for (material, key, words) in [
+        (format!("{elastic}, failure.plastic_strain.limit = 1"), "failure.plastic_strain", "plastic flow"),
+        (format!("{elastic}, {damage}"), "failure.johnson_cook", "plastic flow"),
+        (format!("{j2}, failure.damage.limit = 0.3"), "failure.damage", "strength.borvik"),
+        (format!("{j2}, failure.post_failure = \"pressure\""), "failure", "criterion"),
+        (
+            "fluid.incompressible.density = 1000, bingham = { yield = 1, viscosity = 1, creep = 1 }".into(),
+            "bingham",
+            "fluid.incompressible",
+        ),
+    ] {
+        let text = block("method.mpm = { cell = \"0.1 m\" }", "")
+            .replace("materials.soft", &format!("materials.other = {{ {material} }}\nmaterials.soft"));
+        let said = set_up(&text).err().unwrap_or_else(|| panic!("{material}: not refused"));
+        assert!(
+            said.contains(&format!("materials.other.{key}")) && said.contains(words),
+            "{material}: {said}"
+        );
+    }
+    let lit = block("method.mpm = { cell = \"0.1 m\" }", "lit = [{ at = [0, 0] }]\nsplit_at = 1.5")
+        .replace("materials.soft", "materials.charge.library = \"tnt\"\nmaterials.soft")
+        .replace("material = \"soft\"", "material = \"charge\"");
+    let said = set_up(&lit).err().expect("a lit explosive that is split");
+    assert!(said.contains("split_at") && said.contains("lit"), "{said}");
+}
+
+/// The density of Steinberg and Guinan's law is that of the material: a virgin point has its shear modulus, porous or not.
+#[test]
+fn steinberg_and_guinan_have_the_density_of_the_material() {
+    let law = "strength.steinberg_guinan = { shear_modulus = 50e9, pressure = 2e-11, temperature = 4e-4, yield = 1e8, largest = 6e8, beta = 36, n = 0.45, \
+               room = 300, melt = 1790, gruneisen = 2, correction = 1.5, capacity = 383 }, eos.logarithmic_bulk = { density = 8930, bulk_modulus = 140e9 }";
+    for (pores, density) in [
+        ("", 8930.0),
+        (", porous = { distension = 1.25, elastic_limit = 1e7, full_compaction = 1e8 }", 7144.0),
+    ] {
+        let text = block("method.mpm = { cell = \"0.1 m\" }", "")
+            .replace("materials.soft", &format!("materials.metal = {{ {law}{pores} }}\nmaterials.soft"))
+            .replace("material = \"soft\"", "material = \"metal\"");
+        let ready = set_up(&text).unwrap_or_else(|e| panic!("{e}"));
+        let bodies = ready.solver.bodies();
+        let (mut mass, mut volume) = (0.0, 0.0);
+        bodies[0].for_each(&mut |point| (mass, volume) = (mass + point.mass, volume + point.volume));
+        assert!((mass / volume / density - 1.0).abs() < 1e-12, "{mass} kg in {volume} m^3");
+        assert!(bodies[0].law().contains(&format!("density: {density:.1}")), "{}", bodies[0].law());
+    }
+}

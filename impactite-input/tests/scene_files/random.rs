@@ -176,6 +176,7 @@ fn random_scenes_of_all_names_run_or_are_refused_with_the_key() {
             Err(InputError::At(fault)) => {
                 let roots = ["materials.", "bodies", "contact", "method.", "space"];
                 assert!(roots.iter().any(|root| fault.key.starts_with(root)), "{seed}: {fault}\n{scene}");
+                println!("{seed}: {}: {}", fault.key, fault.message);
                 refused += 1;
             }
             Err(other) => panic!("{seed}: {other}\n{scene}"),

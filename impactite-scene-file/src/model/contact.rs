@@ -95,7 +95,7 @@ pub enum Detector {
     /// Distance of all particles around a node, with normals by gradients of mass (Ma).
     GradientDistance,
     /// Distance along the line through the node, with normals by gradients of mass.
-    GradientDistanceLocally,
+    LocalGradientDistance,
     /// Distance of particle centres, closer than half a cell, with normals by gradients of mass (Zhang).
     CentreDistance,
     /// Separating plane by logistic regression, and the margin between the bodies: slowest, best at edges.
@@ -103,7 +103,7 @@ pub enum Detector {
     /// Distance of all particles around a node, with normals by logistic regression.
     RegressionDistance,
     /// Distance along the line through the node, with normals by logistic regression.
-    RegressionDistanceLocally,
+    LocalRegressionDistance,
 }
 
 /// A contact law.

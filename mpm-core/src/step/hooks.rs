@@ -12,7 +12,7 @@ pub type HookError = Box<dyn std::error::Error + Send + Sync>;
 /// A hook that changes velocities of nodes acts like a load: impulse and work of its changes are booked as those of loads, so
 /// that the balances of the scene close. Its results must not depend on clocks or threads.
 pub trait Hook<T: Float, const D: usize>: Send + Sync {
-    /// Name, unique in the scene: in errors and checkpoints.
+    /// Name in errors and checkpoints.
     fn name(&self) -> &str;
 
     /// Called before the particles of a step are mapped.

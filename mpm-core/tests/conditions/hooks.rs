@@ -2,10 +2,11 @@
 
 use std::sync::{Arc, Mutex};
 
+use mpm_contact::{Frictionless, Pairs, SurfaceDistance};
 use mpm_core::scene::{Archive, CheckpointError, Solver};
 use mpm_core::{
-    Axisymmetric, Boundary, CpGimp, Deformable, Flip, Hook, HookError, Linear, Method, Musl, PlaneStrain,
-    Side, StepView, Team, TrialNodes,
+    Axisymmetric, Boundary, CpGimp, Deformable, Flip, GridContact, Hook, HookError, Linear, Method, Musl,
+    PlaneStrain, Side, StepView, Team, TrialNodes,
 };
 
 use super::{BlockGrid, Made, Mpm, bits, block, law};
@@ -181,4 +182,16 @@ fn hooks_go_on_in_a_resumed_run() {
     let refused = made("others").0.resume(&path).expect_err("other hooks").to_string();
     assert!(refused.contains("hooks"), "{refused}");
     let _ = std::fs::remove_dir_all(&folder);
+}
+
+#[test]
+fn a_body_in_its_reference_configuration_has_no_hooks_of_its_own() {
+    let (lattice, seeds) = block([0.2, 0.2], [0.8, 0.6], 0.1);
+    let mut own = Mpm::new(Method::large_elastic(PlaneStrain), BlockGrid::new(lattice));
+    own.add_body(Deformable::new("block", law(), &seeds)).expect("a body");
+    own.add_hook(Push([0.0; 2]));
+    let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Frictionless));
+    let mut mpm = Mpm::with_contact(Method::impact(PlaneStrain), BlockGrid::new(lattice), contact);
+    let refused = mpm.add_total_lagrangian(own).expect_err("hooks that nothing would call").to_string();
+    assert!(refused.contains("hooks"), "{refused}");
 }

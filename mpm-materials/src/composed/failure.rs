@@ -15,7 +15,7 @@ use crate::state;
 
 /// Failure criterion chosen at run time.
 #[derive(Clone, Copy, PartialEq)]
-pub enum AnyCriterion<T> {
+pub enum AnyFailureCriterion<T> {
     /// Johnson-Cook damage.
     JohnsonCook(JohnsonCookDamage<T, AnyLocalisation<T>>),
     /// Spall at a tensile pressure.
@@ -40,7 +40,7 @@ pub enum AnyCriterion<T> {
 /// let failure = AnyFailure::<f64>::default()
 ///     .or(JohnsonCookDamage::steel_4340())?
 ///     .or(TensilePressure::new(3e9)?)?
-///     .leaving(Remains::CompressionAndShear)?;
+///     .with_post_failure(Remains::CompressionAndShear)?;
 /// # let _ = failure;
 /// # Ok(())
 /// # }
@@ -77,39 +77,44 @@ impl<T: Real> AnyFailure<T> {
     ///
     /// # Errors
     /// A second criterion of the same kind.
-    pub fn or(mut self, criterion: impl Into<AnyCriterion<T>>) -> Result<Self, ParameterError> {
+    pub fn or(mut self, criterion: impl Into<AnyFailureCriterion<T>>) -> Result<Self, ParameterError> {
         let twice = self.set(criterion.into());
         Check("failure").that(!twice, "number of criteria of one kind", T::of(2.0), "at most 1")?;
-        self.leaving(self.remains)
+        self.with_post_failure(self.remains)
     }
     /// Add a criterion in place of one of the same kind.
     ///
     /// # Errors
-    /// Those of [`AnyFailure::leaving`].
-    pub fn replacing(mut self, criterion: impl Into<AnyCriterion<T>>) -> Result<Self, ParameterError> {
+    /// Those of [`AnyFailure::with_post_failure`].
+    pub fn replacing(mut self, criterion: impl Into<AnyFailureCriterion<T>>) -> Result<Self, ParameterError> {
         self.set(criterion.into());
-        self.leaving(self.remains)
+        self.with_post_failure(self.remains)
+    }
+    fn only(criterion: impl Into<AnyFailureCriterion<T>>) -> Self {
+        let mut set = AnyFailure::default();
+        set.set(criterion.into());
+        set
     }
     /// Set a criterion. Return true if there was one of the same kind.
-    fn set(&mut self, criterion: AnyCriterion<T>) -> bool {
+    fn set(&mut self, criterion: AnyFailureCriterion<T>) -> bool {
         fn set<C>(place: &mut Option<C>, criterion: C) -> bool {
             place.replace(criterion).is_some()
         }
         match criterion {
-            AnyCriterion::JohnsonCook(c) => set(&mut self.johnson_cook, c),
-            AnyCriterion::TensilePressure(c) => set(&mut self.tensile, c),
-            AnyCriterion::PrincipalStress(c) => set(&mut self.principal, c),
-            AnyCriterion::TulerButcher(c) => set(&mut self.tuler_butcher, c),
-            AnyCriterion::PlasticStrainLimit(c) => set(&mut self.plastic_strain, c),
-            AnyCriterion::DamageLimit(c) => set(&mut self.damage_limit, c),
-            AnyCriterion::CohesiveSpall(c) => set(&mut self.cohesive, c),
+            AnyFailureCriterion::JohnsonCook(c) => set(&mut self.johnson_cook, c),
+            AnyFailureCriterion::TensilePressure(c) => set(&mut self.tensile, c),
+            AnyFailureCriterion::PrincipalStress(c) => set(&mut self.principal, c),
+            AnyFailureCriterion::TulerButcher(c) => set(&mut self.tuler_butcher, c),
+            AnyFailureCriterion::PlasticStrainLimit(c) => set(&mut self.plastic_strain, c),
+            AnyFailureCriterion::DamageLimit(c) => set(&mut self.damage_limit, c),
+            AnyFailureCriterion::CohesiveSpall(c) => set(&mut self.cohesive, c),
         }
     }
     /// Set the post-failure response, [`Remains::Compression`] by default.
     ///
     /// # Errors
     /// [`Remains::Pressure`] with a criterion that opens a crack: a cracked point carries no tension.
-    pub fn leaving(self, remains: Remains) -> Result<Self, ParameterError> {
+    pub fn with_post_failure(self, remains: Remains) -> Result<Self, ParameterError> {
         let bears = remains == Remains::Pressure && self.cohesive.is_some();
         Check("cohesive spall").that(!bears, "tension carried after failure", T::of(1.0), "0")?;
         Ok(AnyFailure { remains, ..self })
@@ -122,15 +127,15 @@ impl<T: Real> AnyFailure<T> {
 
 impl<T: Copy> AnyFailure<T> {
     /// Iterate over the criteria.
-    pub fn criteria(&self) -> impl Iterator<Item = AnyCriterion<T>> {
+    pub fn criteria(&self) -> impl Iterator<Item = AnyFailureCriterion<T>> {
         let list = [
-            self.johnson_cook.map(AnyCriterion::JohnsonCook),
-            self.tensile.map(AnyCriterion::TensilePressure),
-            self.principal.map(AnyCriterion::PrincipalStress),
-            self.tuler_butcher.map(AnyCriterion::TulerButcher),
-            self.plastic_strain.map(AnyCriterion::PlasticStrainLimit),
-            self.damage_limit.map(AnyCriterion::DamageLimit),
-            self.cohesive.map(AnyCriterion::CohesiveSpall),
+            self.johnson_cook.map(AnyFailureCriterion::JohnsonCook),
+            self.tensile.map(AnyFailureCriterion::TensilePressure),
+            self.principal.map(AnyFailureCriterion::PrincipalStress),
+            self.tuler_butcher.map(AnyFailureCriterion::TulerButcher),
+            self.plastic_strain.map(AnyFailureCriterion::PlasticStrainLimit),
+            self.damage_limit.map(AnyFailureCriterion::DamageLimit),
+            self.cohesive.map(AnyFailureCriterion::CohesiveSpall),
         ];
         list.into_iter().flatten()
     }
@@ -141,40 +146,32 @@ impl<T> From<NoFailure> for AnyFailure<T> {
         AnyFailure::default()
     }
 }
-macro_rules! single {
-    ($($part:ident => $field:ident),+ $(,)?) => {$(
-        impl<T> From<$part<T>> for AnyCriterion<T> {
+macro_rules! criteria {
+    ($($part:ident),+ $(,)?) => {$(
+        impl<T> From<$part<T>> for AnyFailureCriterion<T> {
             fn from(part: $part<T>) -> Self {
-                AnyCriterion::$part(part)
+                AnyFailureCriterion::$part(part)
             }
         }
-        impl<T> From<$part<T>> for AnyFailure<T> {
+        impl<T: Real> From<$part<T>> for AnyFailure<T> {
             fn from(part: $part<T>) -> Self {
-                AnyFailure { $field: Some(part), ..AnyFailure::default() }
+                AnyFailure::only(part)
             }
         }
     )+};
 }
-single! {
-    TensilePressure => tensile,
-    PrincipalStress => principal,
-    TulerButcher => tuler_butcher,
-    PlasticStrainLimit => plastic_strain,
-    DamageLimit => damage_limit,
-    CohesiveSpall => cohesive,
-}
+criteria!(TensilePressure, PrincipalStress, TulerButcher, PlasticStrainLimit, DamageLimit, CohesiveSpall);
 impl<T: Real, B: Localisation<T> + Into<AnyLocalisation<T>>> From<JohnsonCookDamage<T, B>>
-    for AnyCriterion<T>
+    for AnyFailureCriterion<T>
 {
     fn from(part: JohnsonCookDamage<T, B>) -> Self {
         let localisation = part.localisation().into();
-        AnyCriterion::JohnsonCook(part.with_localisation(localisation))
+        AnyFailureCriterion::JohnsonCook(part.with_localisation(localisation))
     }
 }
 impl<T: Real, B: Localisation<T> + Into<AnyLocalisation<T>>> From<JohnsonCookDamage<T, B>> for AnyFailure<T> {
     fn from(part: JohnsonCookDamage<T, B>) -> Self {
-        let localisation = part.localisation().into();
-        AnyFailure { johnson_cook: Some(part.with_localisation(localisation)), ..AnyFailure::default() }
+        AnyFailure::only(part)
     }
 }
 macro_rules! responses {
@@ -190,7 +187,7 @@ responses! { Removed => Nothing, LosesTension => CompressionAndShear, LosesShear
 
 state! {
     /// State variables of a set of failure criteria; those that it does not have are zero and not stored.
-    pub struct FailureNumbers<L> {
+    pub struct FailureState<L> {
         /// Johnson-Cook damage, sum of plastic strain over failure strain.
         pub failure_damage: L,
         /// Tuler and Butcher's integral, s.
@@ -204,7 +201,7 @@ state! {
     }
 }
 
-impl<L: Lane> FailureNumbers<L> {
+impl<L: Lane> FailureState<L> {
     #[inline(always)]
     fn crack(&self) -> Crack<L> {
         Crack { crack_volume: self.crack_volume, crack_damage: self.crack_damage }
@@ -213,7 +210,7 @@ impl<L: Lane> FailureNumbers<L> {
 
 impl<T: Real> Failure<T> for AnyFailure<T> {
     type Cracks = OpeningCrack;
-    type History<L: Lane<Real = T>> = FailureNumbers<L>;
+    type History<L: Lane<Real = T>> = FailureState<L>;
 
     #[inline(always)]
     fn is_possible(&self) -> bool {
@@ -240,9 +237,9 @@ impl<T: Real> Failure<T> for AnyFailure<T> {
             | bit(self.cohesive.is_some(), 3)
             | bit(self.cohesive.is_some(), 4)
     }
-    fn intact(&self) -> FailureNumbers<T::Single> {
+    fn intact(&self) -> FailureState<T::Single> {
         let zero = T::Single::zero();
-        FailureNumbers {
+        FailureState {
             failure_damage: zero,
             overstress_time: zero,
             failed: zero,
@@ -251,7 +248,7 @@ impl<T: Real> Failure<T> for AnyFailure<T> {
         }
     }
     #[inline(always)]
-    fn failed<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>, plastic_strain: L) -> L::Mask {
+    fn failed<L: Lane<Real = T>>(&self, history: &FailureState<L>, plastic_strain: L) -> L::Mask {
         let mut failed = L::Mask::splat(false);
         if let Some(c) = &self.johnson_cook {
             failed = failed | c.failed(&Damaged { failure_damage: history.failure_damage }, plastic_strain);
@@ -272,7 +269,7 @@ impl<T: Real> Failure<T> for AnyFailure<T> {
         failed
     }
     #[inline(always)]
-    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &FailureNumbers<L>) -> FailureNumbers<L> {
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &FailureState<L>) -> FailureState<L> {
         let mut new = *old;
         if let Some(c) = &self.johnson_cook {
             new.failure_damage =
@@ -296,11 +293,11 @@ impl<T: Real> Failure<T> for AnyFailure<T> {
         new
     }
     #[inline(always)]
-    fn crack_volume<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>) -> L {
+    fn crack_volume<L: Lane<Real = T>>(&self, history: &FailureState<L>) -> L {
         history.crack_volume
     }
     #[inline(always)]
-    fn opens<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>, pressure: L) -> L::Mask {
+    fn opens<L: Lane<Real = T>>(&self, history: &FailureState<L>, pressure: L) -> L::Mask {
         match &self.cohesive {
             Some(c) => c.opens(&history.crack(), pressure),
             None => L::Mask::splat(false),
@@ -310,30 +307,30 @@ impl<T: Real> Failure<T> for AnyFailure<T> {
     fn opened<L: Lane<Real = T>>(
         &self,
         strain: &Strain<L>,
-        now: &FailureNumbers<L>,
-        old: &FailureNumbers<L>,
-    ) -> FailureNumbers<L> {
+        now: &FailureState<L>,
+        old: &FailureState<L>,
+    ) -> FailureState<L> {
         match &self.cohesive {
             Some(c) => {
                 let Crack { crack_volume, crack_damage } = c.opened(strain, &now.crack(), &old.crack());
-                FailureNumbers { crack_volume, crack_damage, ..*now }
+                FailureState { crack_volume, crack_damage, ..*now }
             }
             None => *now,
         }
     }
 }
 
-impl<T: Debug> Debug for AnyCriterion<T> {
+impl<T: Debug> Debug for AnyFailureCriterion<T> {
     /// Debug of the part.
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            AnyCriterion::JohnsonCook(c) => c.fmt(f),
-            AnyCriterion::TensilePressure(c) => c.fmt(f),
-            AnyCriterion::PrincipalStress(c) => c.fmt(f),
-            AnyCriterion::TulerButcher(c) => c.fmt(f),
-            AnyCriterion::PlasticStrainLimit(c) => c.fmt(f),
-            AnyCriterion::DamageLimit(c) => c.fmt(f),
-            AnyCriterion::CohesiveSpall(c) => c.fmt(f),
+            AnyFailureCriterion::JohnsonCook(c) => c.fmt(f),
+            AnyFailureCriterion::TensilePressure(c) => c.fmt(f),
+            AnyFailureCriterion::PrincipalStress(c) => c.fmt(f),
+            AnyFailureCriterion::TulerButcher(c) => c.fmt(f),
+            AnyFailureCriterion::PlasticStrainLimit(c) => c.fmt(f),
+            AnyFailureCriterion::DamageLimit(c) => c.fmt(f),
+            AnyFailureCriterion::CohesiveSpall(c) => c.fmt(f),
         }
     }
 }
@@ -388,7 +385,7 @@ impl<T: Debug> Debug for Uncracked<T> {
 
 impl<T: Real> Failure<T> for Uncracked<T> {
     type Cracks = NoCrack;
-    type History<L: Lane<Real = T>> = FailureNumbers<L>;
+    type History<L: Lane<Real = T>> = FailureState<L>;
 
     #[inline(always)]
     fn remains(&self) -> Remains {
@@ -398,15 +395,15 @@ impl<T: Real> Failure<T> for Uncracked<T> {
     fn stored(&self) -> u64 {
         self.0.stored()
     }
-    fn intact(&self) -> FailureNumbers<T::Single> {
+    fn intact(&self) -> FailureState<T::Single> {
         self.0.intact()
     }
     #[inline(always)]
-    fn failed<L: Lane<Real = T>>(&self, history: &FailureNumbers<L>, plastic_strain: L) -> L::Mask {
+    fn failed<L: Lane<Real = T>>(&self, history: &FailureState<L>, plastic_strain: L) -> L::Mask {
         self.0.failed(history, plastic_strain)
     }
     #[inline(always)]
-    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &FailureNumbers<L>) -> FailureNumbers<L> {
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &FailureState<L>) -> FailureState<L> {
         self.0.judge(observed, old)
     }
 }

@@ -243,7 +243,7 @@ where
 
 state! {
     /// State variables of a strength chosen at run time; those that it does not have are zero and not stored.
-    pub struct StrengthNumbers<L> {
+    pub struct StrengthState<L> {
         /// Accumulated equivalent plastic strain.
         pub plastic_strain: L,
         /// Strain of the hardening, reduced by damage.
@@ -255,22 +255,22 @@ state! {
     }
 }
 
-impl<L: Lane> StrengthNumbers<L> {
+impl<L: Lane> StrengthState<L> {
     #[inline(always)]
     fn hardened(self) -> Hardened<L, L> {
         Hardened { plastic_strain: self.plastic_strain, temperature: self.temperature }
     }
     #[inline(always)]
     fn softened(self) -> Softened<L> {
-        let StrengthNumbers { plastic_strain, hardening_strain, damage, temperature } = self;
+        let StrengthState { plastic_strain, hardening_strain, damage, temperature } = self;
         Softened { plastic_strain, hardening_strain, damage, temperature }
     }
 }
-impl<L: Lane> From<Hardened<L, L>> for StrengthNumbers<L> {
+impl<L: Lane> From<Hardened<L, L>> for StrengthState<L> {
     #[inline(always)]
     fn from(h: Hardened<L, L>) -> Self {
         let zero = L::zero();
-        StrengthNumbers {
+        StrengthState {
             plastic_strain: h.plastic_strain,
             hardening_strain: zero,
             damage: zero,
@@ -278,22 +278,22 @@ impl<L: Lane> From<Hardened<L, L>> for StrengthNumbers<L> {
         }
     }
 }
-impl<L: Lane> From<Softened<L>> for StrengthNumbers<L> {
+impl<L: Lane> From<Softened<L>> for StrengthState<L> {
     #[inline(always)]
     fn from(s: Softened<L>) -> Self {
         let Softened { plastic_strain, hardening_strain, damage, temperature } = s;
-        StrengthNumbers { plastic_strain, hardening_strain, damage, temperature }
+        StrengthState { plastic_strain, hardening_strain, damage, temperature }
     }
 }
 
 #[inline(always)]
-fn widened<L, H: Into<StrengthNumbers<L>>>(r: Return<L, H>) -> Return<L, StrengthNumbers<L>> {
+fn widened<L, H: Into<StrengthState<L>>>(r: Return<L, H>) -> Return<L, StrengthState<L>> {
     let Return { deviator, history, plastic_work, fault } = r;
     Return { deviator, history: history.into(), plastic_work, fault }
 }
 
 impl<T: Real> Strength<T> for AnyStrength<T> {
-    type History<L: Lane<Real = T>> = StrengthNumbers<L>;
+    type History<L: Lane<Real = T>> = StrengthState<L>;
 
     fn name(&self) -> &'static str {
         match self {
@@ -321,7 +321,7 @@ impl<T: Real> Strength<T> for AnyStrength<T> {
             AnyStrength::Borvik(_) => 0b1111,
         }
     }
-    fn virgin(&self) -> StrengthNumbers<T::Single> {
+    fn virgin(&self) -> StrengthState<T::Single> {
         let zero = T::Single::zero();
         match self {
             AnyStrength::Elastic(_) => Hardened { plastic_strain: zero, temperature: zero }.into(),
@@ -335,8 +335,8 @@ impl<T: Real> Strength<T> for AnyStrength<T> {
         &self,
         trial: &Sym3<L>,
         loading: &Loading<L>,
-        old: &StrengthNumbers<L>,
-    ) -> Return<L, StrengthNumbers<L>> {
+        old: &StrengthState<L>,
+    ) -> Return<L, StrengthState<L>> {
         match self {
             AnyStrength::Elastic(_) => {
                 Return { deviator: *trial, history: *old, plastic_work: L::zero(), fault: Fault::none() }
@@ -347,11 +347,11 @@ impl<T: Real> Strength<T> for AnyStrength<T> {
         }
     }
     #[inline(always)]
-    fn plastic_strain<L: Lane<Real = T>>(&self, history: &StrengthNumbers<L>) -> L {
+    fn plastic_strain<L: Lane<Real = T>>(&self, history: &StrengthState<L>) -> L {
         history.plastic_strain
     }
     #[inline(always)]
-    fn homologous_temperature<L: Lane<Real = T>>(&self, history: &StrengthNumbers<L>) -> L {
+    fn homologous_temperature<L: Lane<Real = T>>(&self, history: &StrengthState<L>) -> L {
         match self {
             AnyStrength::Elastic(_) => L::zero(),
             AnyStrength::Product(_, law) => law.homologous_temperature(&history.hardened()),
@@ -360,11 +360,11 @@ impl<T: Real> Strength<T> for AnyStrength<T> {
         }
     }
     #[inline(always)]
-    fn damage<L: Lane<Real = T>>(&self, history: &StrengthNumbers<L>) -> L {
+    fn damage<L: Lane<Real = T>>(&self, history: &StrengthState<L>) -> L {
         history.damage
     }
     #[inline(always)]
-    fn stiffening<L: Lane<Real = T>>(&self, pressure: L, volume_ratio: L, history: &StrengthNumbers<L>) -> L {
+    fn stiffening<L: Lane<Real = T>>(&self, pressure: L, volume_ratio: L, history: &StrengthState<L>) -> L {
         match self {
             AnyStrength::Steinberg(law) => law.stiffening(pressure, volume_ratio, &history.hardened()),
             _ => L::one(),

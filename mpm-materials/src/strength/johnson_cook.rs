@@ -143,7 +143,7 @@ impl<T: Real, K: Hardening<T>> JohnsonCook<T, RateIndependent, Isothermal, K> {
     ///
     /// # Errors
     /// A shear modulus that is not positive.
-    pub fn hardening_by(shear: T, hardening: K) -> Result<Self, ParameterError> {
+    pub fn from_hardening(shear: T, hardening: K) -> Result<Self, ParameterError> {
         let shear = Check("J2 plasticity").positive("shear modulus G", shear)?;
         Ok(JohnsonCook { shear, hardening, rate: RateIndependent, thermal: Isothermal })
     }

@@ -199,7 +199,7 @@ fn criteria_together_fail_as_a_pair_does() {
     );
     assert!(both.or(damage).is_err(), "two criteria of a kind");
     let crack = AnyFailure::from(CohesiveSpall::of_work(6e8, 5e3).unwrap());
-    assert!(crack.leaving(Remains::Pressure).is_err(), "a crack that carries tension");
+    assert!(crack.with_post_failure(Remains::Pressure).is_err(), "a crack that carries tension");
     assert_eq!(AnyFailure::from(NoFailure), AnyFailure::<f64>::default());
 }
 

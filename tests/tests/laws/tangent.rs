@@ -61,7 +61,7 @@ fn differentials_are_those_of_trials() -> Result<(), ParameterError> {
     check(&library::copper_steinberg::<f64>(), 1e-3);
     check(&library::weldox_460_e::<f64>(), 1e-3);
     check(&library::slope_soil::<f64>(), 1e-4);
-    let voce = JohnsonCook::hardening_by(26e9, VoceHardening::new(270e6, 100e6, 12.0)?)?;
+    let voce = JohnsonCook::from_hardening(26e9, VoceHardening::new(270e6, 100e6, 12.0)?)?;
     check(&Solid::new(voce.with_rate(CowperSymonds::new(40.0, 5.0)?), MieGruneisen::aluminium_6061()), 1e-3);
     let viscous = Fluid::new(Tait::new(1000.0, 1500.0)?).with_shear_viscosity(Newtonian::new(1e-3)?);
     check(&viscous.with_bulk_viscosity(0.06, 1.5)?, 1e-4);

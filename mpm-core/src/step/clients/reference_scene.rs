@@ -350,6 +350,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if !scene.wrap()?.is_none() {
             return refuse("periodic planes");
         }
+        if !scene.hooks.0.is_empty() {
+            return refuse("hooks of its own");
+        }
         let body = ReferenceScene { scene, accelerations: Vec::new(), numbers: Vec::new() };
         self.add_client_here(what, Box::new(body))
     }
