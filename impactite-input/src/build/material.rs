@@ -534,7 +534,7 @@ fn of_fluid(
     let yields = match bingham {
         Some(k) => {
             let at = format!("{key}.bingham");
-            Some(Bingham::new(k.yield_stress.value, k.viscosity.value, k.creep.value).at(at)?)
+            Some(Bingham::new(k.yield_stress.value, k.viscosity.value, k.creep_rate.value).at(at)?)
         }
         None => None,
     };

@@ -291,9 +291,9 @@ parts! {
         #[schemars(example = "10 Pa s")]
         viscosity: Quantity<Viscosity>,
         /// Shear rate below which the fluid creeps instead of yielding: the smaller, the shorter the time step, below 3 h^2 rho / (8 (viscosity +
-        /// yield / creep)).
+        /// yield / creep_rate)).
         #[schemars(example = "0.01 /s")]
-        creep: Quantity<Rate>,
+        creep_rate: Quantity<Rate>,
     }
     /// An ideal gas.
     GasConstants {
