@@ -319,7 +319,8 @@ fn keys_without_effect_on_a_material_are_refused() {
         (format!("{j2}, failure.damage.limit = 0.3"), "failure.damage", "strength.borvik"),
         (format!("{j2}, failure.post_failure = \"pressure\""), "failure", "criterion"),
         (
-            "fluid.incompressible.density = 1000, bingham = { yield = 1, viscosity = 1, creep_rate = 1 }".into(),
+            "fluid.incompressible.density = 1000, bingham = { yield = 1, viscosity = 1, creep_rate = 1 }"
+                .into(),
             "bingham",
             "fluid.incompressible",
         ),
