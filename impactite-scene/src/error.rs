@@ -267,6 +267,16 @@ pub enum SceneError {
         /// Reason and alternative.
         why: &'static str,
     },
+    /// Invalid region of smaller cells.
+    #[error("refinement: {field} = {value} is not allowed; it must be {allowed}")]
+    Refinement {
+        /// Name of the field.
+        field: &'static str,
+        /// Value.
+        value: f64,
+        /// Allowed values, in words.
+        allowed: &'static str,
+    },
     /// Feature that needs a contact algorithm.
     #[error("{0} needs a contact algorithm, and the scene has none: make it by `Mpm::with_contact`")]
     NoContact(&'static str),

@@ -1,6 +1,7 @@
 //! Background grid: node records in blocks of 4^D.
 
 mod dense;
+pub(crate) mod levels;
 mod sparse;
 
 use mpm_materials::Real;
@@ -9,6 +10,7 @@ use impactite_geometry::Lattice;
 use impactite_simd::Float;
 
 pub use dense::{DenseGrid, DenseGridError};
+pub use levels::{Halving, Lattices, Levels};
 pub use sparse::BlockGrid;
 
 /// Grid node: two records of four numbers, `[scalar, x, y, z]` (z unused in two dimensions).
@@ -57,6 +59,10 @@ pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     fn nodes(&self) -> &[Node<T>];
     /// All nodes, mutable.
     fn nodes_mut(&mut self) -> &mut [Node<T>];
+    /// True if blocks may have any coordinates, as cells of several sizes require.
+    fn is_unbounded(&self) -> bool {
+        false
+    }
     /// Free memory beyond the needs of the current blocks; a grid may keep it.
     fn give_back(&mut self) {}
     /// Allocated memory, bytes.
@@ -87,6 +93,9 @@ impl<T: Float, const D: usize> GridStorage<T, D> for Box<dyn GridStorage<T, D>> 
     }
     fn nodes_mut(&mut self) -> &mut [Node<T>] {
         (**self).nodes_mut()
+    }
+    fn is_unbounded(&self) -> bool {
+        (**self).is_unbounded()
     }
     fn give_back(&mut self) {
         (**self).give_back();

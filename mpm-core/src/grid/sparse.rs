@@ -25,6 +25,9 @@ impl<T: Float, const D: usize> GridStorage<T, D> for BlockGrid<T, D> {
     fn lattice(&self) -> &Lattice<D> {
         &self.lattice
     }
+    fn is_unbounded(&self) -> bool {
+        true
+    }
     fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid> {
         if wanted != self.blocks {
             self.blocks.clear();

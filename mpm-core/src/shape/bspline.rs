@@ -4,6 +4,7 @@ use mpm_materials::{Lane, Real};
 
 use super::{AffineShape, Basis, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
+use crate::grid::Halving;
 
 /// Quadratic B-spline: three nodes per axis, continuous gradient.
 #[derive(Clone, Copy, Debug, Default)]
@@ -15,6 +16,7 @@ where
 {
     type Extent = Extent<D, 3>;
     const POLYNOMIAL: bool = true;
+    const HALVING: Option<Halving> = Some(Halving::Quadratic);
     const USL_LIMIT: f64 = 0.59;
     const NAME: &'static str = "quadratic B-spline";
 
@@ -74,6 +76,7 @@ where
 {
     type Extent = Extent<D, 4>;
     const POLYNOMIAL: bool = true;
+    const HALVING: Option<Halving> = Some(Halving::Cubic);
     const USL_LIMIT: f64 = 0.9;
     const NAME: &'static str = "cubic B-spline";
 

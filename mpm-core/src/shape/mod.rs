@@ -15,6 +15,7 @@ mod linear;
 use mpm_materials::{Lane, Real};
 
 use crate::dim::{Array, Stencil, centre, offset_of};
+use crate::grid::Halving;
 
 pub use bspline::{CubicBSpline, QuadraticBSpline};
 pub use cpdi::{Cpdi, Cpdi2};
@@ -71,6 +72,8 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     const DOMAIN: Domain = Domain::Fixed;
     /// True if the basis ends at walls and fixed planes ([`BoundaryModified`]).
     const BOUNDARY_MODIFIED: bool = false;
+    /// Refinement relation to the functions of a lattice of half the spacing, if cells of several sizes are available.
+    const HALVING: Option<Halving> = None;
     /// Smallest stable Courant number dt c / h measured with USL in three dimensions, with 2 particles per axis and cell
     /// (book, "The stable time step"); 0.7 of it is the default.
     const USL_LIMIT: f64;

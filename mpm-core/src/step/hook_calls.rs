@@ -54,6 +54,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             if !hook.needs_nodes() {
                 return Ok(());
             }
+            if mpm.grid.fields.levels().is_some() {
+                return Err("a hook of nodes is not available with cells of several sizes: return false from \
+                            `Hook::needs_nodes`, or remove the refined regions"
+                    .into());
+            }
             let mut nodes = mpm.stage(dt).trial_nodes();
             hook.trial(&mut nodes, dt.to_double())?;
             if !nodes.changed {
@@ -84,7 +89,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             if owner.is_some_and(|body| body.rigid().is_some() || body.client().is_some()) {
                 continue;
             }
-            let (place, start) = (BlockPlace::new(&lattice, coordinates), layout.start(block));
+            let (place, start) = (BlockPlace::new(&self.fields.lattices(), coordinates), layout.start(block));
             for (i, n) in numbers(layout.kept(block)).enumerate() {
                 let node = &all[start + i];
                 if node.first[0] <= self.cutoff || place.is_copy(n, mirrors) {

@@ -41,6 +41,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let boundary = entry.boundary();
         boundary.check(self.grid.lattice())?;
         self.check_periodic(boundary)?;
+        if self.grid.fields.levels().is_some() {
+            self.check_boundaries_of_levels([boundary])?;
+        }
         if self.facts().total && boundary.is_wall() {
             return Err(BoundaryError::WallInReference.into());
         }

@@ -22,9 +22,6 @@ use crate::grid::OutsideGrid;
 use impactite_scene::boundary::Boundary;
 use impactite_simd::{Float, Team};
 
-/// Iterations for the affine velocity field of particles at the start of a run. Each gathers the field from the nodes
-/// and reduces the remaining error by more than half.
-const REFITS: usize = 8;
 /// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii), and the same for blocks
 /// arranged with a look-ahead.
 const PRUNE_EVERY: u64 = 10;
@@ -348,7 +345,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let rates = self.scene.bodies.iter().map(|b| b.rate(spacing));
             self.stepper.rate = rates.fold(T::default(), |a, b| if b > a { b } else { a });
             let planned = self.plan(left)?;
-            let refits = if self.facts().affine { REFITS } else { 0 };
+            let refits = if self.facts().affine { self.stepper.refits } else { 0 };
             // Particles have no affine field at the start of a run. Without it a rotating body would lose the angular
             // momentum of its particles about their own centres, 1 % at a radius of ten cells. The impulse of the
             // next step, which may be mapped with the momentum, is not part of the field.

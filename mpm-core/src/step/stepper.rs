@@ -8,6 +8,10 @@ use super::rigid::planes::PlanePush;
 use impactite_scene::TimeControl;
 use impactite_simd::Float;
 
+/// Iterations for the affine velocity field of particles at the start of a run. Each gathers the field from the nodes
+/// and reduces the remaining error by more than half.
+const REFITS: usize = 8;
+
 /// Time step, and results of the passes over particles.
 pub(super) struct Stepper<T, const D: usize> {
     pub(super) control: TimeControl,
@@ -21,6 +25,8 @@ pub(super) struct Stepper<T, const D: usize> {
     pub(super) fastest: usize,
     /// True if the tiles contain the map of the particles in their present state.
     pub(super) mapped: bool,
+    /// Iterations for the affine velocity field at the start of a run.
+    pub(super) refits: usize,
     /// Surface loads on the grid.
     pub(super) acting: Loading,
     /// Rates or failures of the bodies in the last pass, and flags of changed blocks after it.
@@ -42,6 +48,7 @@ impl<T: Float, const D: usize> Stepper<T, D> {
             rate: T::default(),
             fastest: 0,
             mapped: false,
+            refits: REFITS,
             acting: Loading::default(),
             passed: Vec::new(),
             changed: Vec::new(),

@@ -98,7 +98,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Nodes in contact in the last step, with gap, normal and impulse.
     pub fn contact_points(&self) -> Vec<ContactPoint> {
-        self.grid.contact.nodes(self.grid.lattice())
+        self.grid.contact.nodes(&self.grid.fields.lattices())
     }
 
     /// Memory of particles, grid and scratch, bytes.

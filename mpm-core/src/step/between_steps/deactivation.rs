@@ -215,6 +215,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(in crate::step) fn deactivate_here(&mut self, bodies: &[&str]) -> Result<(), SceneError> {
         self.check_frame("bodies at rest", "bodies mapped in the reference configuration never meet others")?;
+        self.check_levels("a deactivated body")?;
         let outside = |outside| SceneError::Outside(bodies.join(", "), outside);
         let mut told = Vec::new();
         for name in bodies {
@@ -297,7 +298,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             Boundary::Wall { velocity, .. } => *velocity != 0.0,
             Boundary::FrictionWall { velocity, .. } => *velocity != [0.0; D],
             Boundary::Prescribed { .. } | Boundary::Own(_) => blocks.iter().any(|block| {
-                let place = BlockPlace::new(lattice, block);
+                let place = BlockPlace::new(&self.grid.fields.lattices(), block);
                 boundary.reaches(&place.low, &place.high, self.clock.time, reach)
             }),
         };

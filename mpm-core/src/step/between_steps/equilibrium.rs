@@ -135,11 +135,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 }
             }
         });
-        let lattice = *self.grid.lattice();
+        let (lattice, lattices) = (*self.grid.lattice(), self.grid.fields.lattices());
         let tolerance = 1e-6 * lattice.spacing();
         let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
         for (index, node) in &mut nodes.sums {
-            let x = lattice.node(index.map(i64::from));
+            let x = lattices.position(index);
             for d in 0..D {
                 node.outer[d] += node.heavy[d] * gravity[d];
                 node.left[d] += node.outer[d];

@@ -98,6 +98,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(SceneError::NothingToFilter(self.facts().description.clone()));
         }
         self.check_clients("a null-space filter")?;
+        self.check_levels("a null-space filter")?;
         self.between_steps.filter = Some(NullSpaceFilter { every });
         Ok(())
     }

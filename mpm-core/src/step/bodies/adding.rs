@@ -127,6 +127,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if !self.scene.contact.separates() {
             return Err(SceneError::NoContact("a rigid body"));
         }
+        self.check_levels("a rigid body")?;
         self.check_seeds(name, seeds)?;
         self.check_numbers(name, seeds, &|_| [0.0; D])?;
         if self.between_steps.kinetic_damping.is_some() && !rigid.is_prescribed() {
@@ -251,6 +252,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if renewed {
             self.check_renewed(&name, volume_place(&*material))?;
         }
+        if splitting.is_some() {
+            self.check_levels("splitting of stretched particles")?;
+        }
+        if renewed {
+            self.check_levels("a renewed density")?;
+        }
         let (lattice, more) = (*self.grid.lattice(), (loads, splitting));
         let mut body = ParticleBody::<T, D>::empty(&name, material, kernels, lattice, &seeds.half_size, more);
         if renewed {
@@ -258,6 +265,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             body.renewed = body.material.describe_point(&virgin).map(|said| said.wave_speed.to_double());
         }
         body.wrap = self.wrap()?;
+        body.lattices = self.grid.fields.lattices();
+        body.levels = self.grid.fields.levels().cloned();
         if let Some(splitter) = splitter {
             let (domain, mass) = (body.columns.domains(), body.columns.mass());
             let areas = body.loads.rows(body.columns.load()).areas;
@@ -447,6 +456,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     ) -> Result<(), SceneError> {
         self.check_method()?;
         self.check_frame("taking a body over", "its reference configuration would be another one")?;
+        self.check_levels("a body of another scene")?;
         let name = body.name();
         let here = self.facts().embedding;
         if body.embedding() != here {

@@ -75,6 +75,11 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
     fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>);
     /// Add the contributions of the particles to the nodes of a block, given by its index in the body's own list.
     fn add_tiles(&self, block: usize, sums: NodeSums, nodes: &mut [Node<T>]);
+    /// Add the affine part of the momentum that the particles map to a node of a block of the body's own list, by axis of the
+    /// distance, kg m/s a cell: for nodes that depend on those of larger cells.
+    fn add_affine(&self, block: usize, node: usize, sums: &mut [[T; 4]; 3]) {
+        let _ = (block, node, sums);
+    }
     /// Add a contact quantity of the particles near some nodes of a block of the body's own list to `out`, one entry
     /// per node ([`SurfaceQuantity::Reach`]: the maximum). `nodes` has a bit per node; `normals` are unit vectors,
     /// one per node, where the quantity needs them.

@@ -1,5 +1,6 @@
 //! Bodies of a scene: description, particles, loads, capabilities.
 
+pub(crate) mod across_levels;
 pub(crate) mod adding;
 pub(crate) mod body;
 pub(crate) mod capability;

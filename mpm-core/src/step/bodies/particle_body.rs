@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mpm_materials::{Breakdown, Material};
 
 use super::body::{BodyTrouble, GridBody, Presence, Receives, Steps, Which};
+use super::across_levels::{Crossers, crosses};
 use super::capability::{Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::load::{Loading, Loads};
 use crate::step::between_steps::deactivated::Deactivated;
@@ -18,6 +19,7 @@ use crate::step::passes::migrate::MigrationPayload;
 
 use crate::dilatation::MeanDilatation;
 use crate::dim::{block_nodes, centre, neighbours, offset, shifted};
+use crate::grid::{Lattices, Levels};
 use crate::particles::{Block, Columns, Masses, Outbox, Sent};
 use crate::step::between_steps::rest::TakenMotion;
 use crate::step::between_steps::splitting::{SplitBook, Splitter, Splitting};
@@ -38,6 +40,13 @@ pub struct ParticleBody<T: Float, const D: usize> {
     pub(in crate::step) material: Arc<dyn Material<T>>,
     pub(in crate::step) kernels: Arc<dyn MethodKernels<T, D>>,
     pub(in crate::step) lattice: Lattice<D>,
+    /// Lattices of the levels of cells, and the refined blocks, if there are several.
+    pub(in crate::step) lattices: Lattices<D>,
+    pub(in crate::step) levels: Option<Arc<Levels<D>>>,
+    /// Particles that entered blocks of another level in the last pass.
+    pub(in crate::step) crossers: Crossers<T, D>,
+    /// Number of seeds, and of particles added by splitting at the border of a level.
+    pub(in crate::step) numbered: [u64; 2],
     pub(in crate::step) columns: Columns,
     pub(in crate::step) slots: Vec<Slot<T, D>>,
     /// Slots without particles, kept for reuse: a body that moves needs no new memory.
@@ -114,7 +123,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     /// Link each slot to its neighbours.
     pub(in crate::step) fn link_slots(&mut self) {
-        let index = &mut self.index;
+        let (index, levels) = (&mut self.index, self.levels.as_deref());
         index.clear();
         index.extend(self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)));
         index.sort_unstable();
@@ -125,6 +134,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 let beside = self.wrap.block(shifted(&c, &offset(n)));
                 let place = index.binary_search_by_key(&beside, |entry| entry.0);
                 *around = place.map_or(NONE, |place| index[place].1);
+                if *around != NONE && crosses(levels, &c, n).is_some() {
+                    *around = NONE;
+                }
             }
         }
     }
@@ -135,13 +147,20 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.index.iter().map(|&(_, slot)| &self.slots[slot as usize])
     }
 
-    pub(super) fn common(&self, steps: Steps<T>) -> Common<T> {
+    /// Parameters of a pass for the blocks of each level of cells.
+    pub(super) fn common(&self, steps: Steps<T>) -> Vec<Common<T>> {
+        let count = self.levels.as_ref().map_or(1, |levels| levels.count());
+        (0..count).map(|level| self.common_on(steps, level)).collect()
+    }
+
+    fn common_on(&self, steps: Steps<T>, level: usize) -> Common<T> {
+        let lattice = if level == 0 { self.lattice } else { self.lattices.of(level) };
         Common {
             dt: steps.this,
             next_dt: steps.next,
             speeds: steps.adapt,
-            spacing: T::of(self.lattice.spacing()),
-            origin: T::of(self.lattice.origin()[0]),
+            spacing: T::of(lattice.spacing()),
+            origin: T::of(lattice.origin()[0]),
             density: self.material.density(),
             mean: self.facts().mean || self.renewed.is_some(),
             mean_return: T::of(if self.renewed.is_some() { 0.0 } else { MeanDilatation::RETURN }),
@@ -190,6 +209,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.hand_outboxes();
         let common = &self.common(dt);
         let (material, kernels, dummy) = (&*self.material, &*self.kernels, &self.dummy[..]);
+        let lattices = self.lattices;
         self.outlines.clear();
         self.outlines.extend(self.slots.iter().map(Outline::of));
         let (nodes_around, scratch, outlines) = (&self.nodes_around, &self.scratch, &self.outlines);
@@ -199,6 +219,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
             let next = outlines.get(s + 1);
+            let common = &common[lattices.level(&slot.block.coordinates)];
             kernels.sweep(which, Task { material, nodes, around, slot, next, sent, dummy, scratch, common });
         });
         self.hand_outboxes();
@@ -249,10 +270,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let position = staying.filter(|p| p.position.iter().all(|x| x.is_finite())).map_or_else(
             || {
                 let mut x = [0.0; 3];
-                let coordinates = slot.block.bin_coordinates(bin);
+                let (lattice, coordinates) = self.lattices.of_node(&slot.block.bin_coordinates(bin));
                 for d in 0..D {
                     let cells = f64::from(coordinates[d]) + self.bin_centre();
-                    x[d] = self.lattice.origin()[d] + cells * self.lattice.spacing();
+                    x[d] = lattice.origin()[d] + cells * lattice.spacing();
                 }
                 x
             },
@@ -272,11 +293,12 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             force_time: 0.0,
             force: [0.0; 3],
         });
-        let (kernels, sent, outboxes) = (&*self.kernels, &self.sent, &self.outboxes);
+        let (kernels, sent, outboxes, lattices) = (&*self.kernels, &self.sent, &self.outboxes, self.lattices);
         let maps = kernels.maps(which);
         let payload = &MigrationPayload::of::<D>(maps, self.splitter.is_on());
         team.each(&mut self.slots, |_, slot| {
-            let Slot { block, tile, rows, slots_around, .. } = slot;
+            let Slot { block, tile, rows, slots_around, affine, .. } = slot;
+            let common = &common[lattices.level(&block.coordinates)];
             for (from, &s) in slots_around.iter().enumerate() {
                 // The slot in direction `from` sent particles in the opposite direction. Particles that stayed were
                 // stored by their own pass.
@@ -285,17 +307,19 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                     && let Some(sent) = sent.get(s as usize).filter(|sent| sent.goes(to))
                 {
                     let outbox = &outboxes[sent.outbox as usize];
-                    let sums = (tile.all_mut(), &mut *rows);
+                    let sums = (tile.all_mut(), &mut *rows, &mut affine[..]);
                     kernels.shape().take_in(block, sums, (outbox, *sent, to), common, (maps, payload));
                 }
             }
             block.tidy();
         });
+        self.take_in_crossers(common, payload, maps);
     }
 
     /// Implement [`GridBody::locate`].
     pub(in crate::step) fn locate_after(&mut self, which: Which, prune: bool, team: &Team) -> bool {
-        let mut changed = self.make_blocks();
+        let payload = MigrationPayload::of::<D>(self.kernels.maps(which), self.splitter.is_on());
+        let mut changed = self.make_blocks(&payload);
         if changed {
             self.link_slots();
         }
@@ -313,15 +337,19 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// Create the missing blocks that particles left for.
-    fn make_blocks(&mut self) -> bool {
+    fn make_blocks(&mut self, payload: &MigrationPayload) -> bool {
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.clear();
+        if self.levels.is_some() {
+            self.find_crossers(payload, &mut wanted);
+        }
+        let levels = self.levels.as_deref();
         for (slot, sent) in self.slots.iter().zip(&self.sent) {
             let mut directions = sent.directions;
             while directions != 0 {
                 let to = directions.trailing_zeros() as usize;
                 directions &= directions - 1;
-                if slot.slots_around[to] == NONE {
+                if slot.slots_around[to] == NONE && crosses(levels, &slot.block.coordinates, to).is_none() {
                     wanted.push(self.wrap.block(shifted(&slot.block.coordinates, &offset(to))));
                 }
             }
@@ -339,6 +367,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let slot = match self.spare.pop() {
                 Some(mut slot) => {
                     slot.block.place_at(c);
+                    slot.affine = self.border_of(&c);
                     slot.rows = 0;
                     slot.report = Report::default();
                     slot
@@ -358,6 +387,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             slots_around: vec![NONE; neighbours(D)],
             linked: 0,
             report: Report::default(),
+            affine: self.border_of(&coordinates),
         }
     }
 
@@ -427,20 +457,22 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     fn rate(&self, spacing: f64) -> T {
         let mut fastest = T::default();
         for slot in &self.slots {
+            let halvings = self.lattices.level(&slot.block.coordinates) as i32;
+            let (h, per_cell) = (spacing * 0.5f64.powi(halvings), T::of(2f64.powi(halvings)));
             for (_, at) in slot.block.places() {
                 let numbers = self.numbers(&slot.block, at);
                 let mut square = T::default();
                 for d in 0..D {
                     square += numbers[Columns::velocity(D) + d] * numbers[Columns::velocity(D) + d];
                 }
-                let speed = self.material.step_speed(self.state_of(&numbers), T::of(spacing));
+                let speed = self.material.step_speed(self.state_of(&numbers), T::of(h));
                 let Some(speed) = speed else { continue };
                 if self.facts().total {
                     let f = total::gradient::<T, D>(&numbers[self.columns.frame()..], self.facts().hoop);
                     let stretch: T = total::stretch(&total::inverse::<T::Single, D>(&f)).into();
                     fastest = fastest.max(speed * stretch);
                 } else {
-                    fastest = fastest.max(speed + square.sqrt());
+                    fastest = fastest.max((speed + square.sqrt()) * per_cell);
                 }
             }
         }

@@ -31,7 +31,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         p.number = numbers[self.columns.number()].to_double() as usize;
         p.mass = self.masses.of(numbers).to_double();
         if parts.size {
-            p.half_edges = self.half_edges(numbers);
+            p.half_edges = self.half_edges(numbers, self.lattices.level(&block.coordinates));
         }
         (p.position, p.velocity) = (self.position_of(block, bin, at, way), [0.0; 3]);
         for d in 0..D {
@@ -58,8 +58,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Position of a particle, m; `way` is that of the lead.
     #[inline]
     fn position_of(&self, block: &Block<T, D>, bin: usize, at: Place, way: &[f64; 3]) -> [f64; 3] {
-        let (coordinates, centre, total) =
-            (block.bin_coordinates(bin), self.bin_centre(), self.facts().total);
+        let (lattice, coordinates) = self.lattices.of_node(&block.bin_coordinates(bin));
+        let (centre, total) = (self.bin_centre(), self.facts().total);
         let mut position = [0.0; 3];
         for d in 0..D {
             let mut cells =
@@ -67,7 +67,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             if total {
                 cells += block.get(at, self.columns.frame() + d).to_double();
             }
-            position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - way[d];
+            position[d] = lattice.origin()[d] + lattice.spacing() * cells - way[d];
         }
         position
     }
@@ -184,6 +184,7 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
             s.block.bytes()
                 + s.tile.bytes()
                 + s.slots_around.len() * size_of::<u32>()
+                + s.affine.capacity() * size_of::<[T; 4]>()
                 + size_of::<Slot<T, D>>()
         };
         let own = |s: &Mutex<Scratch<T>>| s.lock().unwrap_or_else(PoisonError::into_inner).bytes();

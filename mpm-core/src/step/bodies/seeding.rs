@@ -6,11 +6,14 @@ use std::sync::Arc;
 use mpm_materials::Material;
 use mpm_materials::material::{Deformation, Length, Motion, Response, StatesMut};
 
+use super::across_levels::Crossers;
 use super::body::GridBody;
 use super::deformable::{InitialState, Velocity};
 use super::load::{Loading, Loads};
 use super::particle_body::ParticleBody;
 use crate::dim::BLOCK;
+use crate::grid::Lattices;
+use crate::grid::levels::pack;
 use crate::particles::{Columns, Masses, split};
 use crate::shape::Domain;
 use crate::shape::domain::MOST_NUMBERS;
@@ -56,6 +59,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             material,
             kernels,
             lattice,
+            lattices: Lattices::one(lattice),
+            levels: None,
+            crossers: Crossers::default(),
+            numbered: [0; 2],
             columns,
             slots: Vec::new(),
             spare: Vec::new(),
@@ -99,7 +106,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         state: Option<&InitialState<'_, T, D>>,
     ) {
         let density = self.material.density();
-        if state.is_none() && self.splitting.is_none() {
+        self.numbered = [seeds.positions.len() as u64, 0];
+        // Particles of several levels, and those that are divided, have different masses.
+        if state.is_none() && self.splitting.is_none() && self.levels.is_none() {
             self.share_mass(seeds.volumes.iter().map(|&volume| density * T::of(volume)));
         }
         self.shorten_numbers(seeds.positions.len());
@@ -120,7 +129,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 numbers[Columns::state(D)..self.columns.domain()].copy_from_slice(&state);
                 mass /= said.map_or(T::of(1.0), |said| said.volume_ratio);
             }
-            let parts = self.splitting.map_or(1.0, Splitting::lightest);
+            let finest = self.levels.as_ref().map_or(1, |levels| levels.count()) as i32 - 1;
+            let parts = self.splitting.map_or(1.0, Splitting::lightest) * 0.5f64.powi(D as i32 * finest);
             self.lightest = self.lightest.min(mass * T::of(parts));
             if let Masses::Each(row) = self.masses {
                 numbers[row] = mass;
@@ -152,7 +162,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Store the numbers of particles to be created, none above `bound`, in 32 bits if that is enough: splitting
     /// creates larger ones.
     fn shorten_numbers(&mut self, bound: usize) {
-        if self.splitting.is_none() && u32::try_from(bound).is_ok() {
+        if self.splitting.is_none() && self.levels.is_none() && u32::try_from(bound).is_ok() {
             self.columns = self.columns.clone().with_short_number();
         }
     }
@@ -166,8 +176,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     ) {
         let centre = self.bin_centre();
         let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
+        let level = self.levels.as_ref().map_or(0, |levels| levels.level_at(x, centre));
+        let lattice = if level == 0 { self.lattice } else { self.lattices.of(level) };
         for d in 0..D {
-            let u = (x[d] - self.lattice.origin()[d]) / self.lattice.spacing() - centre;
+            let u = (x[d] - lattice.origin()[d]) / lattice.spacing() - centre;
             let nearest = (u + 0.5).floor();
             let (b, place) = split(nearest as i32);
             block[d] = b;
@@ -175,7 +187,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             stride *= BLOCK;
             numbers[Columns::position() + d] = T::of(u - nearest);
         }
-        let block = self.wrap.block(block);
+        let block = if level == 0 { self.wrap.block(block) } else { pack(level, block) };
         let slot = *index.entry(block).or_insert_with(|| {
             self.slots.push(self.empty_slot(block));
             self.slots.len() - 1
@@ -192,9 +204,13 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.link_slots();
     }
 
-    /// Half edges of the domain of a particle with these values, m.
-    pub(in crate::step) fn half_edges(&self, numbers: &[T]) -> [[f64; 3]; 3] {
-        let h = self.lattice.spacing();
+    /// Half edges of the domain of a particle with these values in the cells of a level, m.
+    pub(in crate::step) fn half_edges(&self, numbers: &[T], level: usize) -> [[f64; 3]; 3] {
+        let mut h = self.lattice.spacing();
+        if self.levels.is_some() {
+            // Particles keep their size where the cells are larger.
+            h *= 0.5f64.powi(level as i32) * self.relative_size(self.masses.of(numbers), level);
+        }
         let mut edges = [[0.0; 3]; 3];
         for d in 0..D {
             edges[d][d] = self.half[d].to_double() * h;

@@ -20,6 +20,7 @@
 //! ([`Penalty`](mpm_contact::Penalty)) pushes until they stop, and returns its energy.
 
 use super::client::{ClientPoint, GridClient};
+use crate::grid::Lattices;
 use crate::dim::block_nodes;
 use crate::grid::Node;
 use crate::particles::{Columns, Place};
@@ -175,7 +176,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                         }
                         position[d] = origin[d] + h * x;
                     }
-                    *point = ClientPoint { position, half_edges: self.half_edges(numbers) };
+                    *point = ClientPoint { position, half_edges: self.half_edges(numbers, 0) };
                 }
             }
         }
@@ -192,7 +193,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let (blocks, planes, layout) = (self.fields.coordinates(), &*self.planes, self.fields.layout());
         let mirrors = planes.copied();
         layout.each(self.team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
-            let place = BlockPlace::new(&lattice, &blocks[block]);
+            let place = BlockPlace::new(&Lattices::one(lattice), &blocks[block]);
             let own = planes.own_masses(layout.start(block), nodes.items.len());
             for (i, (n, node)) in nodes.numbered().enumerate() {
                 let mass = node.first[0];

@@ -118,7 +118,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn meet_surface(&mut self, number: usize, dt: T) -> Result<(), Stopped> {
         let cutoff = self.scene.lightest() * mass_cutoff::<T>();
         let modified = self.kernels.facts().boundary_modified;
-        let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
+        let folds = Folds::of(&self.scene.conditions.boundaries, &self.grid.fields, modified);
         let known = !self.kernels.facts().maps_together;
         let mut near = std::mem::take(&mut self.grid.near);
         near.clear();
@@ -211,6 +211,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         what: &'static str,
         body: Box<dyn GridClient<T, D>>,
     ) -> Result<(), SceneError> {
+        self.check_levels(what)?;
         let mut body = body;
         let on_grid = !body.mass_points().is_empty();
         let matter = body.matter();

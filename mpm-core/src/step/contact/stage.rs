@@ -113,10 +113,10 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 fields,
                 mirrors,
                 wide,
-                place: BlockPlace::new(&lattice, &coordinates),
+                place: BlockPlace::new(&fields.lattices(), &coordinates),
                 coordinates,
                 phase,
-                spacing: lattice.spacing(),
+                spacing: fields.lattices().of_block(&coordinates).0.spacing(),
                 rigid,
                 cutoff,
                 dt,
@@ -153,7 +153,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             if found.touches.is_empty() {
                 return;
             }
-            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let place = fields.place(block);
             if fields.members(shared)[field].prescribed {
                 let body = bodies[fields.owner(block) as usize].rigid();
                 let real = found.impulses(field);
@@ -212,7 +212,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
     /// Undo the contact correction of the mapped momentum for the stress update (USF): trial velocities start from the
     /// uncorrected ones, so that the friction limit of the step applies to the whole impulse.
     pub(in crate::step) fn undo_contact_correction(&mut self, contact_state: &ContactState<T>) {
-        let (fields, mirrors, lattice) = (self.fields, self.planes.copied(), *self.grid.lattice());
+        let (fields, mirrors) = (self.fields, self.planes.copied());
         if fields.shared().is_empty() {
             return;
         }
@@ -222,7 +222,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             if fields.members(shared)[field].prescribed {
                 return;
             }
-            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let place = fields.place(block);
             let front = |i: &(usize, [T; 3])| !place.is_copy(i.0, mirrors);
             for (n, impulse) in contact_state.found[shared].impulses(field).filter(front) {
                 let Some(node) = nodes.get(n) else { continue };

@@ -6,9 +6,9 @@ use impactite_scene::{ContactPoint, PairContact};
 
 use super::found::{BlockContacts, Scratch, Touch};
 use super::memory::ContactMemory;
+use crate::grid::Lattices;
 use crate::step::nodes::block_place::BlockPlace;
 use crate::step::nodes::fields::Fields;
-use impactite_geometry::Lattice;
 use impactite_simd::Float;
 
 fn extended<const D: usize>(block: &[i32; D]) -> [i32; 3] {
@@ -59,11 +59,11 @@ impl<T: Float> ContactState<T> {
     }
 
     /// Return the nodes in contact in the last step.
-    pub(crate) fn nodes<const D: usize>(&self, lattice: &Lattice<D>) -> Vec<ContactPoint> {
+    pub(crate) fn nodes<const D: usize>(&self, lattices: &Lattices<D>) -> Vec<ContactPoint> {
         let mut nodes = Vec::new();
         for found in &self.found {
             let block: [i32; D] = std::array::from_fn(|d| found.block[d]);
-            let place = BlockPlace::new(lattice, &block);
+            let place = BlockPlace::new(lattices, &block);
             for touch in found.touches.iter().filter(|t| counts(t)) {
                 let mut position = [0.0; 3];
                 position[..D].copy_from_slice(&place.node(touch.node as usize));

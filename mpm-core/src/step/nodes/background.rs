@@ -57,8 +57,8 @@ impl<T: Float, const D: usize> Background<T, D> {
     /// Create a grid without bodies.
     pub(in crate::step) fn new(storage: Box<dyn GridStorage<T, D>>) -> Self {
         Background {
+            fields: Fields::new(*storage.lattice()),
             storage,
-            fields: Fields::default(),
             contact: ContactState::default(),
             books: Vec::new(),
             scene_wide: Exchange::default(),
@@ -182,6 +182,7 @@ impl<T: Float, const D: usize> Background<T, D> {
         let last = Cell::new(None);
         move |at: &[i32; D]| {
             let block = at.map(|c| c.div_euclid(BLOCK as i32));
+            let lattices = self.fields.lattices();
             let within = (0..D).rev().fold(0, |n, d| n * BLOCK + at[d].rem_euclid(BLOCK as i32) as usize);
             let found = match last.get() {
                 Some((known, found)) if known == block => found,
@@ -193,7 +194,7 @@ impl<T: Float, const D: usize> Background<T, D> {
             let node = self.nodes().get(place).filter(|node| node.first[0] > cutoff)?;
             Some(NearNode {
                 place: place as u32,
-                position: self.lattice().node(at.map(i64::from)),
+                position: lattices.position(at),
                 mass: node.first[0].to_double(),
                 start: known.then(|| {
                     std::array::from_fn(|d| (node.first[d + 1] - dt * node.second[d + 1]).to_double())

@@ -2,7 +2,7 @@
 
 use super::layout::{LAYERS, whole_block};
 use crate::dim::BLOCK;
-use impactite_geometry::Lattice;
+use crate::grid::Lattices;
 use impactite_scene::boundary::{Boundary, Plane};
 
 /// Positions of the nodes of a block.
@@ -12,10 +12,14 @@ pub(in crate::step) struct BlockPlace<const D: usize> {
     first: [i32; D],
     origin: [f64; D],
     spacing: f64,
+    level: usize,
+    lattices: Lattices<D>,
 }
 
 impl<const D: usize> BlockPlace<D> {
-    pub(in crate::step) fn new(lattice: &Lattice<D>, block: &[i32; D]) -> Self {
+    pub(in crate::step) fn new(lattices: &Lattices<D>, block: &[i32; D]) -> Self {
+        let level = lattices.level(block);
+        let (lattice, block) = lattices.of_block(block);
         let (origin, spacing) = (lattice.origin(), lattice.spacing());
         let first = block.map(|b| b * BLOCK as i32);
         let mut low = origin;
@@ -24,7 +28,7 @@ impl<const D: usize> BlockPlace<D> {
             low[d] += f64::from(first[d]) * spacing;
             high[d] += f64::from(first[d] + BLOCK as i32 - 1) * spacing;
         }
-        BlockPlace { low, high, first, origin, spacing }
+        BlockPlace { low, high, first, origin, spacing, level, lattices: *lattices }
     }
     /// Return the nodes of the layers across an axis for which `holds` is true of the layer's index, one bit each.
     fn layers(&self, axis: usize, holds: impl Fn(i32) -> bool) -> u64 {
@@ -45,13 +49,16 @@ impl<const D: usize> BlockPlace<D> {
     }
     /// Return the nodes behind planes, one bit each.
     pub(in crate::step) fn copies(&self, mirrors: &[Plane]) -> u64 {
-        let behind = |m: &Plane| self.layers(m.axis, |index| (index - m.node) * m.sign < 0);
+        let behind = |m: &Plane| {
+            let (node, _) = self.lattices.node_at_plane(self.level, m.node, m.sign);
+            self.layers(m.axis, |index| (index - node) * m.sign < 0)
+        };
         mirrors.iter().fold(0, |nodes, m| nodes | behind(m))
     }
     pub(in crate::step) fn is_copy(&self, n: usize, mirrors: &[Plane]) -> bool {
         mirrors.iter().any(|m| {
             let index = self.first[m.axis] + (n / BLOCK.pow(m.axis as u32) % BLOCK) as i32;
-            (index - m.node) * m.sign < 0
+            (index - self.lattices.node_at_plane(self.level, m.node, m.sign).0) * m.sign < 0
         })
     }
     /// Return the axes along which a node is behind a plane.
@@ -77,6 +84,7 @@ impl<const D: usize> BlockPlace<D> {
 mod tests {
     use super::*;
     use crate::dim::block_nodes;
+    use impactite_geometry::Lattice;
     use impactite_scene::boundary::Side;
 
     /// Check that a boundary changes no velocity of a node that is not within reach of it.
@@ -88,7 +96,7 @@ mod tests {
         for (axis, side) in (0..D).flat_map(|axis| [(axis, Side::Above), (axis, Side::Below)]) {
             for place in -6..18 {
                 for boundary in boundaries(axis, 0.1 + 0.5 * spacing * f64::from(place), side) {
-                    let block = BlockPlace::new(&lattice, &[0; D]);
+                    let block = BlockPlace::new(&Lattices::one(lattice), &[0; D]);
                     let nodes = block.within_reach(&boundary, time, 2.0 * spacing);
                     for n in 0..block_nodes(D) {
                         let changes = [1e3, -1e3].iter().any(|speed| {
@@ -131,7 +139,7 @@ mod tests {
     #[test]
     fn nodes_behind_a_plane_are_its_copies() {
         let lattice = Lattice::new([0.0; 3], 1.0).expect("a lattice");
-        let block = BlockPlace::new(&lattice, &[0, -1, 2]);
+        let block = BlockPlace::new(&Lattices::one(lattice), &[0, -1, 2]);
         for (axis, node, sign) in [(0, 2, 1), (1, -2, -1), (2, 8, 1), (2, 11, -1)] {
             let mirror = Plane { axis, node, sign };
             let copies = block.copies(&[mirror]);

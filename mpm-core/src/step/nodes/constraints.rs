@@ -61,7 +61,7 @@ pub(super) fn carry<T: Float, const D: usize>(
     nodes: &mut Piece<'_, Node<T>>,
 ) -> bool {
     let Some(body) = rigid_of(bodies, fields, block) else { return false };
-    let place = BlockPlace::new(&constraints.lattice, &constraints.blocks[block]);
+    let place = constraints.fields.place(block);
     nodes::carry(body, sums, &place, nodes)
 }
 
@@ -74,7 +74,6 @@ pub(super) struct Constraints<'a, T: Float, const D: usize> {
     pub(super) bodies: &'a [Box<dyn GridBody<T, D>>],
     pub(super) fields: &'a Fields<D>,
     pub(super) lattice: Lattice<D>,
-    pub(super) blocks: &'a [[i32; D]],
     /// Time at the start of the step, s.
     pub(super) time: f64,
     /// Largest distance of copies behind a symmetry plane, m.
@@ -91,7 +90,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         books: &mut BlockBooks,
     ) {
         let BlockBooks { ledger, held } = books;
-        let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
+        let place = self.fields.place(block);
         let body = self.bodies.get(self.fields.owner(block) as usize);
         let rigid = body.is_some_and(|b| b.rigid().is_some());
         // Wall contact acts on single particles; material without stress on these nodes is stopped by the wall's impulse on

@@ -6,9 +6,15 @@
 //! there were no other; only contact stages use several. A field block stores only the nodes that the body's particles
 //! reach, if they are few ([`Layout`]). Bodies that move as one share the fields of one of them (`Fields::join`).
 
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::block_place::BlockPlace;
 use super::layout::{Claim, Layout, whole_block};
-use crate::dim::block_nodes;
-use crate::grid::{GridStorage, OutsideGrid};
+use crate::dim::{BLOCK, block_nodes};
+use crate::grid::levels::{pack, unpack_block};
+use crate::grid::{GridStorage, Lattices, Levels, OutsideGrid};
+use impactite_geometry::Lattice;
 use crate::step::bodies::body::GridBody;
 use crate::step::rigid::motion::RigidState;
 use impactite_simd::{Float, Team};
@@ -45,6 +51,10 @@ pub(in crate::step) const NOBODY: u32 = u32::MAX;
 /// Node blocks of a scene, field blocks included.
 #[derive(Clone, Debug)]
 pub struct Fields<const D: usize> {
+    /// Lattices of the nodes.
+    lattices: Lattices<D>,
+    /// Levels of cells, if there are several.
+    levels: Option<Arc<Levels<D>>>,
     /// Coordinates of each block; the grid's own first.
     coordinates: Vec<[i32; D]>,
     /// Body of each block, or [`NOBODY`].
@@ -70,9 +80,12 @@ pub struct Fields<const D: usize> {
     found: Vec<(u32, Giver)>,
 }
 
-impl<const D: usize> Default for Fields<D> {
-    fn default() -> Self {
+impl<const D: usize> Fields<D> {
+    /// Create an empty list of the blocks of a lattice.
+    pub(in crate::step) fn new(lattice: Lattice<D>) -> Self {
         Fields {
+            lattices: Lattices::one(lattice),
+            levels: None,
             coordinates: Vec::new(),
             owners: Vec::new(),
             kept: Vec::new(),
@@ -90,9 +103,50 @@ impl<const D: usize> Default for Fields<D> {
             found: Vec::new(),
         }
     }
-}
 
-impl<const D: usize> Fields<D> {
+    /// Use several levels of cells.
+    pub(in crate::step) fn set_levels(&mut self, levels: Arc<Levels<D>>) {
+        self.lattices = levels.lattices();
+        self.levels = Some(levels);
+    }
+    /// Lattices of the nodes.
+    pub(in crate::step) fn lattices(&self) -> Lattices<D> {
+        self.lattices
+    }
+    /// Levels of cells, if there are several.
+    pub(in crate::step) fn levels(&self) -> Option<&Arc<Levels<D>>> {
+        self.levels.as_ref()
+    }
+    /// Return the positions of the nodes of a block.
+    pub(in crate::step) fn place(&self, block: usize) -> BlockPlace<D> {
+        BlockPlace::new(&self.lattices, &self.coordinates[block])
+    }
+
+    /// Claim the nodes of coarser levels on which those of the claimed blocks depend.
+    fn claim_parents(&self, claims: &mut Vec<Claim<D>>) {
+        let Some(levels) = &self.levels else { return };
+        let (mut from, mut parents) = (0, BTreeMap::new());
+        while from < claims.len() {
+            let end = claims.len();
+            for n in from..end {
+                let Claim { coordinates, body, .. } = claims[n];
+                let (level, block) = unpack_block(&coordinates);
+                for node in (0..block_nodes(D)).filter(|_| level > 0) {
+                    let node = node_of(&block, node);
+                    if !levels.is_dependent(level, &node) {
+                        continue;
+                    }
+                    levels.parents(&node, &mut |parent| {
+                        let (block, within) = block_of(&parent.node);
+                        *parents.entry((pack(level - 1, block), body)).or_insert(0) |= 1 << within;
+                    });
+                }
+            }
+            let more = std::mem::take(&mut parents).into_iter();
+            claims.extend(more.map(|((coordinates, body), reached)| Claim { coordinates, body, reached }));
+            from = end;
+        }
+    }
     /// Assign the fields of the body `with`, which has its own, to another body.
     pub(in crate::step) fn join(&mut self, body: u32, with: u32) {
         self.joined.retain(|known| known.0 != body);
@@ -140,6 +194,7 @@ impl<const D: usize> Fields<D> {
                 }
             }
         }
+        self.claim_parents(&mut claims);
         claims.sort_unstable_by_key(|c| (c.coordinates, c.body));
         claims.dedup_by(|next, kept| {
             let same = (next.coordinates, next.body) == (kept.coordinates, kept.body);
@@ -339,6 +394,22 @@ impl<const D: usize> Fields<D> {
             + (self.places.capacity() + 2 * self.joined.capacity()) * size_of::<u32>()
             + self.found.capacity() * size_of::<(u32, Giver)>()
     }
+}
+
+/// Return the index of node `n` of a block in its lattice.
+pub(in crate::step) fn node_of<const D: usize>(block: &[i32; D], n: usize) -> [i32; D] {
+    let mut rest = n;
+    std::array::from_fn(|d| {
+        let within = rest % BLOCK;
+        rest /= BLOCK;
+        block[d] * BLOCK as i32 + within as i32
+    })
+}
+
+/// Return the block of a node of a lattice, and its number there.
+pub(in crate::step) fn block_of<const D: usize>(node: &[i32; D]) -> ([i32; D], usize) {
+    let within = (0..D).rev().fold(0, |n, d| n * BLOCK + node[d].rem_euclid(BLOCK as i32) as usize);
+    (node.map(|x| x.div_euclid(BLOCK as i32)), within)
 }
 
 /// Number of bodies in a 3D block from which fields store only the nodes that are reached; a 2D block has few nodes. With

@@ -40,11 +40,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 row.sum += p.mass * p.wave_speed * p.wave_speed * w.steepness() * around;
             }
         });
-        let lattice = *self.grid.lattice();
+        let (lattice, lattices) = (*self.grid.lattice(), self.grid.fields.lattices());
         let cutoff = lightest * mass_cutoff::<T>().to_double();
         let mut square = 0.0f64;
         for (node, row) in rows.iter() {
-            let x = lattice.node(node.map(i64::from));
+            let x = lattices.position(node);
             let free = free_directions(&self.scene.conditions, &x, self.clock.time, lattice.spacing(), 0.0);
             if row.mass > cutoff && free[..D].contains(&true) {
                 square = larger(square, row.sum / row.mass);
@@ -58,7 +58,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub(in crate::step) fn gershgorin_rate(&self) -> f64 {
         let Frequency { bound, speed } = self.frequency_bound();
         let rate = bound / if self.facts().symplectic() { 2.0 } else { 2.0f64.sqrt() };
-        let crossing = if self.facts().total { 0.0 } else { 2.0 * speed / self.grid.lattice().spacing() };
+        let crossing = if self.facts().total { 0.0 } else { 2.0 * speed / self.smallest_cell() };
         larger(rate, crossing)
     }
 }

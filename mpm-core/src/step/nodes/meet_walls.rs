@@ -91,7 +91,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             (self.scene.lightest() * T::of(NO_MASS)).to_double(),
         );
         let modified = self.kernels.facts().boundary_modified;
-        let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
+        let folds = Folds::of(&self.scene.conditions.boundaries, &self.grid.fields, modified);
         let known = !mapped && !self.kernels.facts().maps_together;
         let step = dt.to_double();
         let AtWall { pressing, near, surfaces, light, .. } = at;
@@ -100,6 +100,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let rounding = RefCell::new(std::mem::take(light));
         rounding.borrow_mut().clear();
         let spacing = self.grid.lattice().spacing();
+        let lattices = self.grid.fields.lattices();
         let (margin, touches) = (0.1 * spacing, TOUCHES * spacing);
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
@@ -134,7 +135,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     passes: [0.0; 2],
                 });
                 masses.push(particle.mass);
-                full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
+                let cell = weights.first().map_or(spacing, |w| lattices.of_node(&w.node).0.spacing());
+                full = full.max(particle.mass * (0.5 * cell / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();
                 shifted.extend(

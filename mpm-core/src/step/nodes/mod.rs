@@ -16,4 +16,5 @@ pub(crate) mod occupancy;
 pub(crate) mod planes;
 pub(crate) mod presence;
 pub(crate) mod stages;
+mod ties;
 pub(crate) mod wrap;

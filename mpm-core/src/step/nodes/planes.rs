@@ -3,8 +3,11 @@
 
 use super::fields::Fields;
 use super::layout::NodeSums;
+use super::ties::Ties;
 use crate::dim::{BLOCK, block_nodes};
+use crate::grid::levels::pack;
 use crate::grid::{GridStorage, Node};
+use crate::step::bodies::body::GridBody;
 use impactite_scene::boundary::{Boundary, Plane};
 use impactite_simd::Float;
 
@@ -42,6 +45,8 @@ pub struct Planes<T> {
     shares: [f64; 3],
     /// Nodes with a share of a surface: node, condition, and thickness of its mass, m. Sorted.
     depths: Vec<(u32, u32, f64)>,
+    /// Nodes at the borders of levels of cells, which depend on those of larger cells.
+    ties: Ties<T>,
 }
 
 /// Node in front of or behind a symmetry plane.
@@ -69,6 +74,7 @@ impl<T> Default for Planes<T> {
             surfaces: Vec::new(),
             shares: [0.0, 1.0, 0.0],
             depths: Vec::new(),
+            ties: Ties::default(),
         }
     }
 }
@@ -86,6 +92,7 @@ impl<T: Float> Planes<T> {
         shares: [f64; 3],
     ) {
         let lattice = *grid.lattice();
+        self.ties.arrange(grid, fields);
         let with_columns = |plane| {
             let is_rigid = |&(_, owner): &(Column, u32)| rigid.contains(&(owner as usize));
             let (of_rigid, others): (Vec<_>, Vec<_>) =
@@ -128,7 +135,18 @@ impl<T: Float> Planes<T> {
 
     /// Return true if nothing is folded.
     pub fn is_empty(&self) -> bool {
-        self.symmetries.is_empty() && self.edges.is_empty() && self.surfaces.is_empty()
+        self.symmetries.is_empty() && self.edges.is_empty() && self.surfaces.is_empty() && self.ties.is_empty()
+    }
+
+    /// Move the sums of nodes that depend on those of larger cells to these.
+    pub(super) fn fold_ties<const D: usize>(
+        &mut self,
+        nodes: &mut [Node<T>],
+        sums: NodeSums,
+        bodies: &[Box<dyn GridBody<T, D>>],
+        fields: &Fields<D>,
+    ) {
+        self.ties.fold(nodes, sums, bodies, fields);
     }
 
     /// Return the thickness of a node's mass at the surface of a condition, by the indices of both, m; none without a
@@ -338,7 +356,7 @@ impl<T: Float> Planes<T> {
         Some(self.beside[found].mapped.second)
     }
 
-    /// Extrapolate nodal vectors to the nodes behind walls and fixed planes.
+    /// Extrapolate nodal vectors to the nodes behind walls and fixed planes, and to those that depend on larger cells.
     pub fn extrapolate(&self, nodes: &mut [Node<T>]) {
         for column in self.edges.iter().flat_map(|e| &e.columns).filter(|c| !c.contains(&NOWHERE)) {
             let [front, on, back] = column.map(|n| n as usize);
@@ -348,6 +366,7 @@ impl<T: Float> Planes<T> {
                 nodes[back].second[d] = two * nodes[on].second[d] - nodes[front].second[d];
             }
         }
+        self.ties.extend(nodes);
     }
 
     /// Return the masses mapped by the body's own particles to the nodes `start..start + count` that also represent its
@@ -366,6 +385,7 @@ impl<T: Float> Planes<T> {
         let surfaces = self.surfaces.iter().map(|(_, c)| of(c)).sum::<usize>();
         (columns + surfaces) * size_of::<Column>()
             + self.depths.capacity() * size_of::<(u32, u32, f64)>()
+            + self.ties.bytes()
             + self.beside.capacity() * size_of::<Beside<T>>()
     }
 }
@@ -410,15 +430,27 @@ fn columns<T: Float, const D: usize>(
     fields: &Fields<D>,
     plane: Plane,
 ) -> Vec<(Column, u32)> {
-    let Plane { axis, node, sign } = plane;
-    let layers = [node + sign, node, node - sign];
+    let levels = fields.levels().map_or(1, |levels| levels.count());
+    (0..levels).flat_map(|level| columns_on(grid, fields, plane, level)).collect()
+}
+
+/// Return the columns of nodes of a level through a plane.
+fn columns_on<T: Float, const D: usize>(
+    grid: &dyn GridStorage<T, D>,
+    fields: &Fields<D>,
+    Plane { axis, node, sign }: Plane,
+    level: usize,
+) -> Vec<(Column, u32)> {
+    let (node, between) = fields.lattices().node_at_plane(level, node, sign);
+    let layers = if between { [node, node, node - sign] } else { [node + sign, node, node - sign] };
     let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
     let stride = BLOCK.pow(axis as u32);
     // List each column of blocks of a body once, with the coordinate along the axis set to zero.
     let mut places: Vec<([i32; D], u32)> = Vec::new();
     for (block, c) in fields.coordinates().iter().enumerate() {
-        if layers.iter().any(|&l| block_of(l) == c[axis]) {
-            let mut place = *c;
+        let (of, c) = fields.lattices().leveled(c);
+        if of == level && layers.iter().any(|&l| block_of(l) == c[axis]) {
+            let mut place = c;
             place[axis] = 0;
             places.push((place, fields.owner(block)));
         }
@@ -430,10 +462,13 @@ fn columns<T: Float, const D: usize>(
         let blocks = layers.map(|layer| {
             let mut c = place;
             c[axis] = block_of(layer);
-            fields.find(grid, &c, owner)
+            fields.find(grid, &pack(level, c), owner)
         });
         for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
             let column = std::array::from_fn(|i| {
+                if between && i == 1 {
+                    return NOWHERE;
+                }
                 let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
                 let place = blocks[i].and_then(|b| fields.layout().place(b, n + within));
                 place.map_or(NOWHERE, |place| place as u32)

@@ -4,9 +4,10 @@ use mpm_contact::{NearPoint, SurfaceQuantity};
 
 use super::footprint::NodeWeight;
 use super::layout::{Claim, Layout, NodeSums};
-use crate::dim::{BLOCK, block_nodes, neighbours, offset, shifted};
+use crate::dim::{BLOCK, block_nodes, first_node, neighbours, offset, shifted};
 use crate::grid::Node;
 use crate::particles::Columns;
+use crate::step::bodies::across_levels::crosses;
 use crate::step::bodies::body::{GridBody, Presence};
 use crate::step::bodies::capability::MeetsSurfaces;
 use crate::step::bodies::particle_body::{NONE, ParticleBody};
@@ -55,7 +56,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         for slot in &self.slots {
             for (n, &around) in slot.slots_around.iter().enumerate() {
                 let o = offset::<D>(n);
-                if around == NONE && beside::<D>(&o, slot.block.occupied()) != 0 {
+                if around == NONE
+                    && beside::<D>(&o, slot.block.occupied()) != 0
+                    && crosses(self.levels.as_deref(), &slot.block.coordinates, n).is_none()
+                {
                     wanted.push(self.wrap.block(shifted(&slot.block.coordinates, &o)));
                 }
             }
@@ -138,6 +142,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         normals: &[[T; 3]],
         out: &mut [[T; 3]],
     ) {
+        let spacing = T::of(self.spacing_around(block));
         let about = SurfaceTask {
             what,
             material: &*self.material,
@@ -147,10 +152,18 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             normals,
             out,
             domains: self.domains(),
-            spacing: T::of(self.lattice.spacing()),
+            spacing,
             masses: self.masses,
         };
         self.kernels.shape().surface_quantity(about);
+    }
+
+    /// Spacing of the nodes of a block of the body's own list, m.
+    fn spacing_around(&self, block: usize) -> f64 {
+        let around = &self.contributors[block * neighbours(D)..][..neighbours(D)];
+        let slot = around.iter().find_map(|&slot| self.slots.get(slot as usize));
+        let lattice = slot.map(|slot| self.lattices.of_block(&slot.block.coordinates).0);
+        lattice.unwrap_or(self.lattice).spacing()
     }
 
     pub(in crate::step) fn visit_near_points(
@@ -164,7 +177,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
             nodes,
             domains: self.domains(),
-            spacing: T::of(self.lattice.spacing()),
+            spacing: T::of(self.spacing_around(block)),
             masses: self.masses,
         };
         self.kernels.shape().near_points(about, visit);
@@ -172,6 +185,30 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
+    fn add_affine(&self, block: usize, node: usize, sums: &mut [[T; 4]; 3]) {
+        let (size, first) = (BLOCK as i32 + self.facts().nodes as i32 - 1, first_node(self.facts().nodes));
+        let around = &self.contributors[block * neighbours(D)..][..neighbours(D)];
+        for (n, &slot) in around.iter().enumerate() {
+            let Some(slot) = self.slots.get(slot as usize).filter(|slot| !slot.affine.is_empty()) else {
+                continue;
+            };
+            // The node block is in the opposite direction from the slot.
+            let o = offset::<D>(neighbours(D) - 1 - n);
+            let (mut at, mut stride, mut rest, mut inside) = (0, 1, node, true);
+            for x in o {
+                let along = BLOCK as i32 * x + (rest % BLOCK) as i32 - first;
+                inside &= (0..size).contains(&along);
+                at += along * stride;
+                stride *= size;
+                rest /= BLOCK;
+            }
+            if inside {
+                for (sum, add) in sums.iter_mut().zip(&slot.affine[D * at as usize..][..D]) {
+                    (0..4).for_each(|c| sum[c] += add[c]);
+                }
+            }
+        }
+    }
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
         if !self.is_deactivated() {
             self.expect(ahead);
@@ -235,25 +272,28 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
         if self.is_deactivated() {
             return;
         }
-        let (h, origin, centre) = (self.lattice.spacing(), self.lattice.origin(), self.bin_centre());
+        let centre = self.bin_centre();
         // Particles extend beyond their bins by their size, and by their motion in the step, of less than half a cell.
-        let margin = h;
+        let margin = self.lattice.spacing();
         let box_of = |first: &[i32; D], cells: i32| {
+            let (lattice, first) = self.lattices.of_node(first);
+            let (h, origin) = (lattice.spacing(), lattice.origin());
             let low = std::array::from_fn(|d| origin[d] + h * (f64::from(first[d]) + centre - 0.5) - margin);
             let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells) + 2.0 * margin);
             (low, high)
         };
-        let size_of = |numbers: &[T]| {
-            let edges = self.half_edges(numbers);
+        let size_of = |numbers: &[T], level: usize| {
+            let edges = self.half_edges(numbers, level);
             let size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
             let reach: [f64; D] = std::array::from_fn(|d| edges[..D].iter().map(|edge| edge[d].abs()).sum());
             (size, reach)
         };
         // Constant domains are equal for all particles.
-        let carried = self.facts().total || self.facts().domain.carried();
-        let of_all = if carried { None } else { Some(size_of(&[])) };
+        let carried = self.facts().total || self.facts().domain.carried() || self.levels.is_some();
+        let of_all = if carried { None } else { Some(size_of(&[], 0)) };
         let (mut numbers, mut weights) = (Vec::new(), Vec::new());
         for slot in self.in_place().filter(|slot| !slot.block.is_empty()) {
+            let level = self.lattices.level(&slot.block.coordinates);
             let (low, high) = box_of(&slot.block.bin_coordinates(0), BLOCK as i32);
             if !reaches(&low, &high) {
                 continue;
@@ -261,12 +301,14 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             for bin in 0..block_nodes(D) {
                 let coordinates = slot.block.bin_coordinates(bin);
                 let (low, high) = box_of(&coordinates, 1);
+                let (lattice, plain) = self.lattices.of_node(&coordinates);
+                let (h, origin) = (lattice.spacing(), lattice.origin());
                 if slot.block.bin_len(bin) == 0 || !reaches(&low, &high) {
                     continue;
                 }
                 for at in slot.block.bin_places(bin) {
                     let position: [f64; D] = std::array::from_fn(|d| {
-                        let cells = f64::from(coordinates[d]) + centre;
+                        let cells = f64::from(plain[d]) + centre;
                         origin[d] + h * (cells + slot.block.get(at, Columns::position() + d).to_double())
                     });
                     let velocity: [f64; D] =
@@ -274,7 +316,7 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     numbers.clear();
                     let (half_size, reach) = of_all.unwrap_or_else(|| {
                         slot.block.read(at, &mut numbers);
-                        size_of(&numbers)
+                        size_of(&numbers, level)
                     });
                     // The motion due to nodal accelerations is within the margin.
                     let beside = |d: usize| half_size.max(reach[d]) + BESIDE * h;

@@ -6,7 +6,6 @@ use impactite_geometry::Lattice;
 use impactite_scene::Exchange;
 use impactite_simd::{Float, Team};
 
-use super::block_place::BlockPlace;
 use super::constraints::{BlockBooks, Conditions, Constraints, carry, free_directions};
 use super::fields::Fields;
 use super::layout::NodeSums;
@@ -82,7 +81,6 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             bodies,
             fields,
             lattice,
-            blocks: fields.coordinates(),
             time: of.time,
             copies: if of.wide { 1.5 * lattice.spacing() } else { 0.0 },
         }
@@ -127,6 +125,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         if at_once {
             return;
         }
+        self.planes.fold_ties(self.grid.nodes_mut(), sums, bodies, fields);
         let all = self.moves(sums);
         // Particles of other scenes receive no part of their nodes' velocity.
         let elsewhere = |node: u32| {
@@ -228,7 +227,6 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let copies = if self.of.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let accounts_of =
             |x: &[f64; D]| conditions.boundaries.constraining(x, (time, 1e-6 * lattice.spacing(), copies));
-        let blocks = self.fields.coordinates();
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let planes = &*self.planes;
         let mirrors = planes.copied();
@@ -238,7 +236,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             if rigid && rigid_of(bodies, fields, block).is_some() {
                 return;
             }
-            let place = BlockPlace::new(&lattice, &blocks[block]);
+            let place = fields.place(block);
             let nodes = layout.of(nodes, block);
             let own = planes.own_masses(layout.start(block), nodes.len());
             for (i, ((n, term), node)) in terms.numbered().zip(nodes).enumerate() {

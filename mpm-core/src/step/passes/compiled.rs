@@ -8,7 +8,7 @@ use mpm_materials::Constitutive;
 
 use super::kernels::{Facts, MethodKernels, ShapeKernels};
 use super::loads::{BookLoads, CarryVelocity, LoadTask, MapLoads};
-use super::migrate::{Arrivals, MigrationPayload};
+use super::migrate::{Arrivals, MigrationPayload, Sums};
 use super::slot::{Common, Slot, Task};
 use super::spec::{PassOf, Spec, SpecOf};
 use super::spread::Maps;
@@ -38,7 +38,7 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> ShapeKernels<T, D> for Ke
     fn take_in(
         &self,
         block: &mut Block<T, D>,
-        sums: (&mut [[T; 4]], &mut u64),
+        sums: Sums<'_, T>,
         from: (&Outbox<T>, Sent, usize),
         common: &Common<T>,
         mapped: (Maps, &MigrationPayload),

@@ -12,14 +12,14 @@ use mpm_contact::NearPoint;
 use impactite_scene::TimeControl;
 
 use super::loads::LoadTask;
-use super::migrate::MigrationPayload;
+use super::migrate::{MigrationPayload, Sums};
 use super::slot::{Common, Slot, Task};
 use super::spread::Maps;
 use super::surface_quantity::{NearTask, SurfaceTask};
 use crate::dilatation::Dilatation;
 use crate::dim::{BLOCK, Stencil};
 use crate::frame::Frame;
-use crate::grid::Node;
+use crate::grid::{Halving, Node};
 use crate::method::Composition;
 use crate::particles::{Block, Outbox, Sent};
 use crate::scheme::{Pass, StressUpdate};
@@ -44,6 +44,8 @@ pub struct Facts {
     pub nodes: usize,
     /// Particle domain: data that each particle stores.
     pub domain: Domain,
+    /// Refinement relation of the shape function, if cells of several sizes are available.
+    pub halving: Option<Halving>,
     /// True if the basis ends at walls and fixed planes.
     pub boundary_modified: bool,
     /// Largest stable Courant number dt c / h measured with USL.
@@ -88,6 +90,7 @@ impl Facts {
             hoop: M::Embedding::HOOP,
             nodes: <M::Shape as ShapeFunction<T, D>>::Extent::NODES,
             domain: M::Shape::DOMAIN,
+            halving: M::Shape::HALVING,
             boundary_modified: M::Shape::BOUNDARY_MODIFIED,
             usl_limit: M::Shape::USL_LIMIT,
             before_forces: M::Update::BEFORE_FORCES,
@@ -150,7 +153,7 @@ pub(crate) trait ShapeKernels<T: Float, const D: usize>: Send + Sync {
     fn take_in(
         &self,
         block: &mut Block<T, D>,
-        sums: (&mut [[T; 4]], &mut u64),
+        sums: Sums<'_, T>,
         from: (&Outbox<T>, Sent, usize),
         common: &Common<T>,
         mapped: (Maps, &MigrationPayload),

@@ -69,6 +69,40 @@ impl MigrationPayload {
         self.count
     }
 
+    /// Refer the components of a particle to another bin, at `turn` from the old one, and to cells of which `scale` make an old
+    /// one; `turn` is in old cells.
+    pub(in crate::step) fn change_cells<T: Float, const D: usize>(
+        &self,
+        packed: &mut [T],
+        turn: &[T; D],
+        scale: T,
+    ) {
+        let mut records = [[T::default(); 4]; RECORDS];
+        for (&x, &(kind, c)) in packed.iter().zip(&self.numbers[..self.count]) {
+            records[kind as usize][c as usize] = x;
+        }
+        for d in 0..D {
+            for c in 0..4 {
+                let more = records[AFFINE + d][c] * turn[d];
+                records[MOMENTUM][c] += more;
+                records[AFFINE + d][c] *= T::of(1.0) / scale;
+                records[FORCE + d][c] *= scale;
+            }
+        }
+        self.pack(&records, packed);
+    }
+
+    /// Return the affine part of the momentum among the components, `[d][c]`, kg m/s a cell.
+    pub(in crate::step) fn affine_of<T: Float>(&self, packed: &[T]) -> [[T; 3]; 3] {
+        let mut affine = [[T::default(); 3]; 3];
+        for (&x, &(kind, c)) in packed.iter().zip(&self.numbers[..self.count]) {
+            if (AFFINE..FORCE).contains(&(kind as usize)) {
+                affine[kind as usize - AFFINE][c as usize - 1] = x;
+            }
+        }
+        affine
+    }
+
     /// Copy the components from the records.
     #[inline(always)]
     fn pack<T: Copy>(&self, records: &[[T; 4]; RECORDS], to: &mut [T]) {
@@ -262,8 +296,8 @@ pub(in crate::step) fn place_of<T: Float, const D: usize, S: ShapeFunction<T, D>
 pub(in crate::step) struct Arrivals<'a, T: Float, const D: usize, S> {
     pub(in crate::step) shape: &'a S,
     pub(in crate::step) block: &'a mut Block<T, D>,
-    /// Tile of the block, and its rows that contain sums.
-    pub(in crate::step) sums: (&'a mut [[T; 4]], &'a mut u64),
+    /// Tile of the block, its rows that contain sums, and the affine part of the momentum at the border of a level.
+    pub(in crate::step) sums: Sums<'a, T>,
     /// Outbox, selection of its particles, and index of the destination block seen from the sender.
     pub(in crate::step) from: (&'a Outbox<T>, Sent, usize),
     pub(in crate::step) common: &'a Common<T>,
@@ -277,7 +311,8 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Arrivals { shape, block, sums: (tile, rows), from: (outbox, sent, to), common, mapped } = self;
+        let Arrivals { shape, block, sums, from: (outbox, sent, to), common, mapped } = self;
+        let (tile, rows, border) = sums;
         let (maps, payload) = mapped;
         let columns = block.particle_numbers();
         for (bin, numbers) in outbox.going(sent, to) {
@@ -295,6 +330,13 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_
                 moments.add_one(&at, &own);
                 moments.give(if maps.together { &mut *first } else { &mut *second }, corner);
             }
+            if maps.affine && !border.is_empty() {
+                let mut records = Records::zero();
+                (0..RECORDS).for_each(|kind| records[kind][0] = own[kind]);
+                let mut at = [[T::default(); 3]];
+                at[0][..D].copy_from_slice(&numbers[Columns::position()..][..D]);
+                spread_affine::<T, S, D>(shape, &at, corner, &records, border);
+            }
             let (xi, domain) = place_of::<T, D, S>(|row| numbers[row], &common.domains);
             if S::Extent::NODES == 2 && !S::DOMAIN.convects() {
                 let along = along_axes(shape, &xi, &domain);
@@ -303,6 +345,38 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_
                 continue;
             }
             give_one::<T, A, S, D>(shape, (&xi, &domain), ([first, second], corner), &own, maps);
+        }
+    }
+}
+
+/// Tile of a block, its rows that contain sums, and the affine part of the momentum at the border of a level.
+pub(in crate::step) type Sums<'a, T> = (&'a mut [[T; 4]], &'a mut u64, &'a mut [[T; 4]]);
+
+/// Add the affine part of the momentum of particles at these offsets from the centre of their bin to the nodes of their
+/// stencil, whose first node is at `corner` of the tile.
+#[cold]
+#[inline(never)]
+pub(in crate::step) fn spread_affine<T: Float, S: ShapeFunction<T, D>, const D: usize>(
+    shape: &S,
+    xi: &[[T; 3]],
+    corner: usize,
+    records: &Records<T>,
+    affine: &mut [[T; 4]],
+) {
+    let domain = [T::Single::of(0.5); MOST_NUMBERS];
+    let count = S::Extent::NODES;
+    for (lane, xi) in xi.iter().enumerate() {
+        let [x, y, z] = along_axes(shape, &xi.map(T::Single::from), &domain);
+        for n in 0..count * count * S::Extent::LAYERS {
+            let (i, j, k) = (n % count, n / count % count, n / (count * count));
+            let xy = x.value[i] * y.value[j];
+            let weight: T = (if D == 3 { xy * z.value[k] } else { xy }).into();
+            let node = corner + (k * S::Extent::TILE + j) * S::Extent::TILE + i;
+            for d in 0..D {
+                for c in 1..=D {
+                    affine[D * node + d][c] += weight * records[AFFINE + d][lane][c];
+                }
+            }
         }
     }
 }

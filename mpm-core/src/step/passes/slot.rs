@@ -33,6 +33,9 @@ pub struct Slot<T: Float, const D: usize> {
     pub linked: u64,
     /// Results of the last pass.
     pub report: Report<T>,
+    /// Affine part of the momentum that the particles map, D records a node of the tile: for blocks at the border of a level of
+    /// cells, where nodes depend on others. Empty for other blocks.
+    pub affine: Vec<[T; 4]>,
 }
 
 /// Thread memory for a pass over a block.

@@ -15,7 +15,7 @@ use super::cell::Moments;
 use super::kernels::ShapeKernels;
 use super::law_batch::ForLaw;
 use super::mean;
-use super::migrate::{Cut, Leaving, MigrationPayload, send_away};
+use super::migrate::{Cut, Leaving, MigrationPayload, send_away, spread_affine};
 use super::rows::RowsMut;
 use super::slot::{Common, Scratch, Slot, Task};
 use super::spec::{ExtentOf, Spec};
@@ -54,13 +54,14 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
     /// stencil, and so no part of their kernels. Returns true if the block has a particle.
     #[inline(never)]
     fn prepare<E: Stencil>(&mut self, setting: &Setting<'_>, groups_a_vector: usize) -> bool {
-        let Slot { block, tile, rows, report, .. } = &mut *self.slot;
+        let Slot { block, tile, rows, report, affine, .. } = &mut *self.slot;
         let Scratch { movers, tile_in, idle, batch, .. } = &mut *self.scratch;
         for bin in 0..AHEAD {
             block.prefetch(bin, setting.at_work, setting.mass_row);
         }
         *rows = rows_of::<E, D>(block.occupied());
         clear_rows::<T, D, E>(tile.all_mut(), *rows, setting.maps);
+        affine.fill([T::default(); 4]);
         *self.sent = Sent::default();
         movers.within.clear(block.particle_numbers() + setting.payload.count());
         *report = Default::default();
@@ -194,7 +195,7 @@ where
         }
         let Task { material, nodes, around, slot, next: soon, sent, scratch, common, .. } = task;
         let Scratch { number: thread, movers, tile_in, idle, batch } = scratch;
-        let Slot { block, tile, rows, report, .. } = slot;
+        let Slot { block, tile, rows, report, affine, .. } = slot;
         let (tile, tile_in, sent_before) = (tile.all_mut(), tile_in.records(), movers.out.posted());
         let mut stencil = Stencilled::<T, ExtentOf<P, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<P, T, D>>(D));
@@ -313,6 +314,10 @@ where
                             send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &payload));
                             groups = block.groups(least);
                         }
+                        if const { P::MAPS.affine } && !affine.is_empty() {
+                            let lanes = lanes_of_xi::<T, A::Batch, D>(&stage.xi, part.here);
+                            spread_affine::<T, P::Shape, D>(shape, &lanes[..part.here], corner, &records, affine);
+                        }
                         let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
                         Stages::<T, D, P, A>::give(part.here, corner, stage, room, &mut moments, tiles);
                     }
@@ -383,6 +388,10 @@ where
                         send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &payload));
                         groups = block.groups(least);
                     }
+                    if const { P::MAPS.affine } && !affine.is_empty() {
+                        let lanes = lanes_of_xi::<T, A::Batch, D>(&stage.xi, here);
+                        spread_affine::<T, P::Shape, D>(shape, &lanes[..here], corner, &records, affine);
+                    }
                     let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
                     Stages::<T, D, P, A>::give(here, corner, stage, room, &mut moments, tiles);
                 }
@@ -399,7 +408,7 @@ where
             if stayed.goes(here) {
                 shapes.take_in(
                     block,
-                    (&mut tile[..], rows),
+                    (&mut tile[..], rows, affine),
                     (&movers.within, stayed, here),
                     common,
                     (maps, &payload),
@@ -413,6 +422,17 @@ where
         }
         report.rate /= common.spacing;
     }
+}
+
+/// Return the offsets of the particles of a group from the centre of their bin, cells.
+#[cold]
+#[inline(never)]
+fn lanes_of_xi<T: Float, P: Pack<T>, const D: usize>(xi: &[P; 3], here: usize) -> [[T; 3]; MAX_LANES] {
+    let mut lanes = [[T::default(); 3]; MAX_LANES];
+    for (lane, at) in lanes.iter_mut().enumerate().take(here) {
+        (0..D).for_each(|d| at[d] = xi[d].lane(lane));
+    }
+    lanes
 }
 
 /// Number of values of a particle passed on in addition to its increment: the affine part of its velocity.

@@ -2,7 +2,6 @@
 
 use super::motion::RigidState;
 use super::nodes::rigid_of;
-use crate::step::nodes::block_place::BlockPlace;
 use crate::step::nodes::layout::numbers;
 use crate::step::nodes::stages::GridStages;
 use impactite_simd::Float;
@@ -17,13 +16,12 @@ struct Push {
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
     /// Return the impulse on the nodes of the free body `number` in this step, N s, and its moment about the centre, N m s.
     pub fn push_on(&self, number: usize, state: &RigidState<D>) -> ([f64; 3], [f64; 3]) {
-        let lattice = *self.grid.lattice();
         let (fields, takes, dt) = (self.fields, self.of.takes.to_double(), self.of.dt.to_double());
         let mirrors = self.planes.copied();
         let mut sum = Push::default();
         let layout = fields.layout();
         for block in (0..fields.len()).filter(|block| fields.owner(*block) as usize == number) {
-            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let place = fields.place(block);
             let nodes = layout.of(self.grid.nodes(), block);
             // Next to symmetry planes nodes include the body's mirror image: count only the share of its own particles.
             let own = self.planes.own_masses(layout.start(block), nodes.len());
@@ -53,12 +51,11 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
 
     /// Set velocity and acceleration of the nodes of free bodies to those of the bodies in this step.
     pub fn move_rigid(&mut self) {
-        let lattice = *self.grid.lattice();
         let (bodies, fields) = (self.bodies, self.fields);
         let (layout, team) = (fields.layout(), self.team);
         layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, _| {
             let Some(body) = rigid_of(bodies, fields, block).filter(|b| !b.is_prescribed()) else { return };
-            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let place = fields.place(block);
             for (n, node) in nodes.numbered() {
                 let x = place.node(n);
                 let (way, gain) = (body.mean_velocity(&x), body.acceleration(&x));

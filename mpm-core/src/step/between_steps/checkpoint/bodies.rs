@@ -27,13 +27,20 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let rests = self.resting.is_some();
             let slot = &mut self.slots[s];
             slot.block.coordinates.iter_mut().try_for_each(|x| file.integer(x))?;
+            if file.reads() {
+                let affine = self.border_of(&self.slots[s].block.coordinates);
+                self.slots[s].affine = affine;
+            }
+            let slot = &mut self.slots[s];
             file.word(&mut slot.linked)?;
             slot.block.exchange(file)?;
             file.word(&mut slot.rows)?;
             if !rests {
                 file.numbers(slot.tile.all_mut().iter_mut().flatten())?;
+                file.numbers(slot.affine.iter_mut().flatten())?;
             }
         }
+        file.word(&mut self.numbered[1])?;
         file.reals(self.loading.numbers_mut())?;
         self.lead.archive(file)?;
         let SplitBook { cuts, kinetic } = &mut self.splits;

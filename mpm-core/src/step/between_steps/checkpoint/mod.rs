@@ -105,6 +105,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
+        file.same("refined blocks", &format!("{:?}", self.grid.fields.levels().map(|levels| levels.refined())))?;
         file.same(
             "kinetic damping",
             if self.between_steps.kinetic_damping.is_some() { "on" } else { "off" },

@@ -1,12 +1,17 @@
 //! Nodes behind symmetry planes, edges and periodic planes, and the nodes that represent them.
 
+use std::sync::Arc;
+
 use super::NodeWeight;
+use crate::grid::levels::{pack_node, unpack_node};
+use crate::grid::{Lattices, Levels};
+use crate::step::nodes::fields::Fields;
 use crate::step::nodes::wrap::Wrap;
-use impactite_geometry::Lattice;
 use impactite_scene::boundary::{Boundary, Plane};
 
 /// Map of nodes behind planes to the nodes that represent them.
 pub(in crate::step) struct Folds<const D: usize> {
+    levels: Option<Arc<Levels<D>>>,
     wrap: Wrap<D>,
     mirrors: Vec<Plane>,
     edges: Vec<Plane>,
@@ -14,8 +19,15 @@ pub(in crate::step) struct Folds<const D: usize> {
 
 impl<const D: usize> Folds<D> {
     /// Create the map for these boundaries; `modified` is true if the basis ends at walls and fixed planes.
-    pub(in crate::step) fn of(boundaries: &[Boundary<D>], lattice: &Lattice<D>, modified: bool) -> Self {
+    pub(in crate::step) fn of(
+        boundaries: &[Boundary<D>],
+        fields: &Fields<D>,
+        modified: bool,
+    ) -> Self {
+        let lattices = fields.lattices();
+        let lattice = lattices.base();
         Folds {
+            levels: fields.levels().cloned(),
             // The scene has validated its boundaries.
             wrap: Wrap::of(boundaries, lattice).unwrap_or_default(),
             mirrors: boundaries.iter().filter_map(|b| b.mirror(lattice)).collect(),
@@ -29,6 +41,10 @@ impl<const D: usize> Folds<D> {
         list.extend_from_slice(nodes);
         if !self.wrap.is_none() {
             list.iter_mut().for_each(|w| w.node = self.wrap.node(w.node));
+        }
+        if let Some(levels) = &self.levels {
+            fold_levels(levels, list);
+            return self.fold_mirrors(levels.lattices(), list);
         }
         for m in &self.mirrors {
             for w in list.iter_mut().filter(|w| (w.node[m.axis] - m.node) * m.sign < 0) {
@@ -54,5 +70,41 @@ impl<const D: usize> Folds<D> {
                 list.push(front);
             }
         }
+    }
+
+    /// Replace nodes of any level behind symmetry planes by those in front.
+    fn fold_mirrors(&self, lattices: Lattices<D>, list: &mut [NodeWeight<D>]) {
+        for m in &self.mirrors {
+            for w in list.iter_mut() {
+                let (level, mut node) = unpack_node(&w.node);
+                let (front, between) = lattices.node_at_plane(level, m.node, m.sign);
+                if (node[m.axis] - front) * m.sign < 0 {
+                    node[m.axis] = 2 * front - node[m.axis] - if between { m.sign } else { 0 };
+                    w.node = pack_node(level, node);
+                    w.sign[m.axis] = -w.sign[m.axis];
+                }
+            }
+        }
+    }
+}
+
+/// Replace nodes that depend on those of larger cells by these.
+fn fold_levels<const D: usize>(levels: &Levels<D>, list: &mut Vec<NodeWeight<D>>) {
+    let mut n = 0;
+    while n < list.len() {
+        let (level, node) = unpack_node(&list[n].node);
+        if !levels.is_dependent(level, &node) {
+            n += 1;
+            continue;
+        }
+        let own = list.swap_remove(n);
+        levels.parents(&node, &mut |parent| {
+            list.push(NodeWeight {
+                node: pack_node(level - 1, parent.node),
+                value: parent.weight * own.value,
+                gradient: own.gradient.map(|g| parent.weight * g),
+                sign: own.sign,
+            });
+        });
     }
 }

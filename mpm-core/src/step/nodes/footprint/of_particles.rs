@@ -47,7 +47,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     ) {
         let (shape, facts) = (self.kernels.shape(), self.facts());
         let (n, coordinates, centre) = (facts.nodes, block.bin_coordinates(bin), self.bin_centre());
-        let per_spacing = 1.0 / self.lattice.spacing();
+        let per_spacing = 1.0 / self.lattices.of_block(&block.coordinates).0.spacing();
         list.clear();
         let domain = self.domain_of(|row| block.get(at, row));
         if facts.domain.convects() {
@@ -126,7 +126,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         if facts.hoop {
             let xi = numbers[Columns::position()].to_double();
             let cells = f64::from(block.bin_coordinates(bin)[0]) + self.bin_centre() + xi;
-            hoop[0] = -stress[2][2] / (self.lattice.origin()[0] + self.lattice.spacing() * cells);
+            let lattice = self.lattices.of_block(&block.coordinates).0;
+            hoop[0] = -stress[2][2] / (lattice.origin()[0] + lattice.spacing() * cells);
         }
         let (mut velocity, mut load) = ([0.0; 3], [0.0; 3]);
         let areas = self.loads.rows(self.columns.load()).areas[0]..;
@@ -155,7 +156,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(in crate::step) fn for_each_footprint_here(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         let modified = self.facts().boundary_modified;
-        let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
+        let folds = Folds::of(&self.scene.conditions.boundaries, &self.grid.fields, modified);
         let mut folded = Vec::new();
         for body in &self.scene.bodies {
             body.footprints(self.clock.time, &mut |footprint| {

@@ -1,0 +1,373 @@
+//! Levels of cells: blocks of the background grid whose cells are halved, once or several times.
+//!
+//! The bins of a **refined** block belong to the next level, whose cells are half as wide. The particles of a level map to
+//! the nodes of its lattice alone. A node whose support is not within the refined blocks is **dependent**: its value follows
+//! from the nodes of the coarser level by the refinement relation of the shape function,
+//!
+//! u_j = sum_i C_ji u_i,   N_i(x) = sum_j C_ji n_j(x)
+//!
+//! so that the basis is the truncated hierarchical one (Giannelli, Juettler, Speleers 2012): a partition of unity that
+//! reproduces linear fields. Mass, momentum and force of a dependent node belong to its parents, C^T.
+//!
+//! The blocks of all levels are stored in one grid. The level is part of the block's last coordinate ([`pack`]), so that
+//! nothing that identifies a block by its coordinates knows of levels.
+
+use std::collections::HashSet;
+
+use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
+
+use crate::dim::{BLOCK, first_node};
+
+/// Distance of the levels along the last axis, blocks and cells.
+const APART: i32 = 1 << 26;
+const CELLS_APART: i32 = APART * BLOCK as i32;
+/// Largest number of refinements.
+pub(crate) const MOST_LEVELS: usize = 7;
+/// Largest distance of a block from the origin in a grid of several levels, blocks.
+pub(crate) const FURTHEST_BLOCK: i32 = APART / 2 - 8;
+
+/// Return the level of a block or cell, and its coordinates in the lattice of that level.
+#[inline]
+fn unpack<const D: usize>(mut at: [i32; D], apart: i32) -> (usize, [i32; D]) {
+    let level = (at[D - 1] + apart / 2).div_euclid(apart);
+    at[D - 1] -= level * apart;
+    (level as usize, at)
+}
+
+/// Return the stored coordinates of a block of a level.
+#[inline]
+pub(crate) fn pack<const D: usize>(level: usize, mut block: [i32; D]) -> [i32; D] {
+    block[D - 1] += level as i32 * APART;
+    block
+}
+
+/// Return the level of a stored block, and its coordinates in the lattice of that level.
+#[inline]
+pub(crate) fn unpack_block<const D: usize>(block: &[i32; D]) -> (usize, [i32; D]) {
+    unpack(*block, APART)
+}
+
+/// Return the stored index of a node of a level.
+#[inline]
+pub(crate) fn pack_node<const D: usize>(level: usize, mut node: [i32; D]) -> [i32; D] {
+    node[D - 1] += level as i32 * CELLS_APART;
+    node
+}
+
+/// Return the level of a stored node or bin, and its index in the lattice of that level.
+#[inline]
+pub(crate) fn unpack_node<const D: usize>(node: &[i32; D]) -> (usize, [i32; D]) {
+    unpack(*node, CELLS_APART)
+}
+
+/// Lattices of the levels of a grid: that of a level has half the spacing of the one before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattices<const D: usize> {
+    base: Lattice<D>,
+    /// Offset of the origin of a level from that of the coarser one, in cells of the coarser one; none for one level.
+    offset: Option<f64>,
+}
+
+impl<const D: usize> Lattices<D> {
+    /// One level.
+    pub(crate) fn one(base: Lattice<D>) -> Self {
+        Lattices { base, offset: None }
+    }
+    /// Several levels, whose origins are this far from that of the coarser one, in its cells.
+    pub(crate) fn several(base: Lattice<D>, offset: f64) -> Self {
+        Lattices { base, offset: Some(offset) }
+    }
+    /// Lattice of the coarsest level.
+    pub fn base(&self) -> &Lattice<D> {
+        &self.base
+    }
+    /// Return the lattice of a level.
+    pub fn of(&self, level: usize) -> Lattice<D> {
+        let (mut origin, mut spacing) = (self.base.origin(), self.base.spacing());
+        for _ in 0..level {
+            let offset = spacing * self.offset.unwrap_or(0.0);
+            origin = origin.map(|x| x + offset);
+            spacing *= 0.5;
+        }
+        // The spacing of a valid lattice, halved a few times, is positive.
+        Lattice::new(origin, spacing).unwrap_or(self.base)
+    }
+    /// Return the lattice of a stored node or bin, and its index there.
+    #[inline]
+    pub(crate) fn of_node(&self, node: &[i32; D]) -> (Lattice<D>, [i32; D]) {
+        if self.offset.is_none() {
+            return (self.base, *node);
+        }
+        let (level, node) = unpack_node(node);
+        (if level == 0 { self.base } else { self.of(level) }, node)
+    }
+    /// Return the lattice of a stored block, and its coordinates there.
+    #[inline]
+    pub(crate) fn of_block(&self, block: &[i32; D]) -> (Lattice<D>, [i32; D]) {
+        if self.offset.is_none() {
+            return (self.base, *block);
+        }
+        let (level, block) = unpack_block(block);
+        (if level == 0 { self.base } else { self.of(level) }, block)
+    }
+    /// Return the level of a stored block, and its coordinates there.
+    #[inline]
+    pub(crate) fn leveled(&self, block: &[i32; D]) -> (usize, [i32; D]) {
+        if self.offset.is_none() { (0, *block) } else { unpack_block(block) }
+    }
+    /// Return the level of a stored block.
+    #[inline]
+    pub(crate) fn level(&self, block: &[i32; D]) -> usize {
+        if self.offset.is_none() { 0 } else { unpack_block(block).0 }
+    }
+    /// Position of a stored node, m.
+    pub(crate) fn position(&self, node: &[i32; D]) -> [f64; D] {
+        let (lattice, node) = self.of_node(node);
+        lattice.node(node.map(i64::from))
+    }
+    /// Return the node in front of a plane of base nodes in the lattice of a level, and true if the plane is between two
+    /// nodes there.
+    #[inline]
+    pub(crate) fn node_at_plane(&self, level: usize, node: i32, sign: i32) -> (i32, bool) {
+        if level == 0 {
+            return (node, false);
+        }
+        if self.offset == Some(0.0) {
+            return (node << level, false);
+        }
+        let behind = (node << level) + (1 << (level - 1)) - 1;
+        (if sign > 0 { behind + 1 } else { behind }, true)
+    }
+}
+
+/// Refinement relation of a shape function along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halving {
+    /// Quadratic B-spline: 1/4, 3/4, 3/4, 1/4. Nodes are centres of knot spans, and those of the finer level are a quarter of a
+    /// cell beside those of the coarser one.
+    Quadratic,
+    /// Cubic B-spline: 1/8, 4/8, 6/8, 4/8, 1/8. Every second node of the finer level is one of the coarser level.
+    Cubic,
+}
+
+/// Offset of the origin of a level from that of the coarser one, in cells of the coarser one.
+pub(crate) fn offset_of_levels(halving: Halving) -> f64 {
+    match halving {
+        Halving::Quadratic => -0.25,
+        Halving::Cubic => 0.0,
+    }
+}
+
+/// Parent of a dependent node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Parent<const D: usize> {
+    /// Index in the lattice of the coarser level.
+    pub(crate) node: [i32; D],
+    /// Coefficient C_ji.
+    pub(crate) weight: f64,
+    /// Position relative to the dependent node, in its cells.
+    pub(crate) offset: [f64; D],
+}
+
+/// Refined blocks of a grid, and the levels of its particles.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Levels<const D: usize> {
+    lattices: Lattices<D>,
+    halving: Halving,
+    /// Stencil nodes along an axis.
+    nodes: i32,
+    /// Refined blocks of each level but the finest, in its lattice, sorted.
+    refined: Vec<Vec<[i32; D]>>,
+}
+
+/// Particle in a block whose level differs from its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Crossing {
+    /// The block is refined.
+    Finer,
+    /// The block is not within the refined blocks of the coarser level.
+    Coarser,
+}
+
+impl<const D: usize> Levels<D> {
+    /// Create levels with these refined blocks, and extend them so that the blocks around a refined block are of its level.
+    pub(crate) fn new(
+        base: Lattice<D>,
+        (halving, nodes): (Halving, usize),
+        mut refined: Vec<Vec<[i32; D]>>,
+    ) -> Self {
+        for level in (0..refined.len()).rev() {
+            refined[level].sort_unstable();
+            refined[level].dedup();
+            if level > 0 {
+                // Two blocks around every refined one: the stencils of two borders do not meet.
+                let around: Vec<[i32; D]> = refined[level]
+                    .iter()
+                    .flat_map(|block| (0..3usize.pow(D as u32)).map(move |n| (block, n)))
+                    .map(|(block, n)| {
+                        let o = crate::dim::offset::<D>(n);
+                        std::array::from_fn(|d| (block[d] + o[d]).div_euclid(2))
+                    })
+                    .collect();
+                refined[level - 1].extend(around);
+            }
+        }
+        while refined.last().is_some_and(Vec::is_empty) {
+            refined.pop();
+        }
+        let lattices = Lattices::several(base, offset_of_levels(halving));
+        Levels { lattices, halving, nodes: nodes as i32, refined }
+    }
+
+    /// Lattices of the levels.
+    pub fn lattices(&self) -> Lattices<D> {
+        self.lattices
+    }
+    /// Number of levels.
+    pub fn count(&self) -> usize {
+        self.refined.len() + 1
+    }
+    /// Refined blocks of each level but the finest.
+    pub fn refined(&self) -> &[Vec<[i32; D]>] {
+        &self.refined
+    }
+    /// True if a block of a level is refined.
+    fn is_refined(&self, level: usize, block: &[i32; D]) -> bool {
+        self.refined.get(level).is_some_and(|blocks| blocks.binary_search(block).is_ok())
+    }
+    /// Return the change of level of a particle that enters a block of a level, if any.
+    pub(crate) fn crossing(&self, level: usize, block: &[i32; D]) -> Option<Crossing> {
+        if self.is_refined(level, block) {
+            return Some(Crossing::Finer);
+        }
+        let coarser = block.map(|b| b.div_euclid(2));
+        (level > 0 && !self.is_refined(level - 1, &coarser)).then_some(Crossing::Coarser)
+    }
+    /// Return the level of a position (m), which is in the bin centred `centre` cells from a node.
+    pub(crate) fn level_at(&self, x: &[f64; D], centre: f64) -> usize {
+        let mut level = 0;
+        while level < self.refined.len() {
+            let lattice = self.lattices.of(level);
+            let block = std::array::from_fn(|d| {
+                let u = (x[d] - lattice.origin()[d]) / lattice.spacing() - centre;
+                ((u + 0.5).floor() as i32).div_euclid(BLOCK as i32)
+            });
+            if !self.is_refined(level, &block) {
+                break;
+            }
+            level += 1;
+        }
+        level
+    }
+    /// Return true if a node of a level is dependent: its support is not within the refined blocks of the coarser level.
+    pub(crate) fn is_dependent(&self, level: usize, node: &[i32; D]) -> bool {
+        if level == 0 {
+            return false;
+        }
+        // Bins from which particles reach the node.
+        let last = node.map(|j| j - first_node(self.nodes as usize));
+        let blocks = last.map(|b| [b - self.nodes + 1, b].map(|bin| bin.div_euclid(2 * BLOCK as i32)));
+        (0..1 << D).any(|corner: usize| {
+            let block = std::array::from_fn(|d| blocks[d][corner >> d & 1]);
+            !self.is_refined(level - 1, &block)
+        })
+    }
+    /// Return true if particles of a block of a level may reach a dependent node.
+    pub(crate) fn is_at_border(&self, level: usize, block: &[i32; D]) -> bool {
+        // Nodes of the tile: those that the bins of the block reach.
+        let first = block.map(|b| b * BLOCK as i32 + first_node(self.nodes as usize));
+        let tile = BLOCK as i32 + self.nodes - 1;
+        level > 0
+            && (0..tile.pow(D as u32)).any(|n| {
+                let mut rest = n;
+                let node = std::array::from_fn(|d| {
+                    let at = first[d] + rest % tile;
+                    rest /= tile;
+                    at
+                });
+                self.is_dependent(level, &node)
+            })
+    }
+    /// Call `visit` for every parent of a node of a level.
+    pub(crate) fn parents(&self, node: &[i32; D], visit: &mut dyn FnMut(Parent<D>)) {
+        // Node, coefficient and position relative to the dependent node in its cells, along an axis.
+        let along = |j: i32| -> ([(i32, f64, f64); 3], usize) {
+            let (k, odd, none) = (j.div_euclid(2), j.rem_euclid(2) == 1, (0, 0.0, 0.0));
+            match (self.halving, odd) {
+                (Halving::Quadratic, false) => ([(k, 0.75, 0.5), (k - 1, 0.25, -1.5), none], 2),
+                (Halving::Quadratic, true) => ([(k, 0.75, -0.5), (k + 1, 0.25, 1.5), none], 2),
+                (Halving::Cubic, false) => ([(k, 0.75, 0.0), (k - 1, 0.125, -2.0), (k + 1, 0.125, 2.0)], 3),
+                (Halving::Cubic, true) => ([(k, 0.5, -1.0), (k + 1, 0.5, 1.0), none], 2),
+            }
+        };
+        let axes = node.map(along);
+        let count: usize = axes.iter().map(|axis| axis.1).product();
+        for n in 0..count {
+            let mut parent = Parent { node: [0; D], weight: 1.0, offset: [0.0; D] };
+            let mut rest = n;
+            for d in 0..D {
+                let (list, several) = &axes[d];
+                let (node, weight, offset) = list[rest % several];
+                rest /= several;
+                parent.node[d] = node;
+                parent.weight *= weight;
+                parent.offset[d] = offset;
+            }
+            visit(parent);
+        }
+    }
+
+    /// Fill a shape with particles, `per_axis` along an edge of a cell of the level at their place. The volumes add up to that of
+    /// the particles on the coarsest level alone.
+    pub(crate) fn fill(
+        &self,
+        shape: &(impl Shape<D> + ?Sized),
+        per_axis: usize,
+        filling: &Filling,
+    ) -> Result<Seeds<D>, GeometryError> {
+        let centre = crate::dim::centre(self.nodes as usize);
+        let (mut positions, mut volumes) = (Vec::new(), Vec::new());
+        let (mut measure, mut half_size) = (0.0, [0.0; D]);
+        let mut coarser: Option<(Seeds<D>, HashSet<[i64; D]>)> = None;
+        for level in 0..self.count() {
+            // Particles of all levels are placed relative to the origin of the scene.
+            let lattice = Lattice::new(self.lattices.base.origin(), self.lattices.of(level).spacing())?;
+            let seeds = fill(shape, &lattice, per_axis, filling)?;
+            if level == 0 {
+                (measure, half_size) = (seeds.volumes.iter().sum::<f64>(), seeds.half_size);
+            }
+            for (x, volume) in seeds.positions.iter().zip(&seeds.volumes) {
+                // The particles within a coarser one are of one level: no gap opens at a border.
+                let within = coarser.as_ref().and_then(|(seeds, known)| {
+                    let place = place_of(seeds, x);
+                    known.contains(&place).then(|| position_of(seeds, &place))
+                });
+                let own = self.level_at(x, centre);
+                let due = within.map_or(own, |x| self.level_at(&x, centre));
+                if (level == 0 || due >= level) && own <= level {
+                    positions.push(*x);
+                    volumes.push(*volume);
+                }
+            }
+            let places = seeds.positions.iter().map(|x| place_of(&seeds, x)).collect();
+            coarser = Some((seeds, places));
+        }
+        let sum: f64 = volumes.iter().sum();
+        if sum != measure {
+            volumes.iter_mut().for_each(|volume| *volume *= measure / sum);
+        }
+        Ok(Seeds::placed(positions, volumes, half_size))
+    }
+}
+
+/// Return the place of the particle of a lattice of particles whose box contains a position.
+fn place_of<const D: usize>(seeds: &Seeds<D>, x: &[f64; D]) -> [i64; D] {
+    let first = seeds.positions[0];
+    std::array::from_fn(|d| ((x[d] - first[d]) / (2.0 * seeds.half_size[d])).round() as i64)
+}
+
+/// Return the position of a place in a lattice of particles, m.
+fn position_of<const D: usize>(seeds: &Seeds<D>, place: &[i64; D]) -> [f64; D] {
+    let first = seeds.positions[0];
+    std::array::from_fn(|d| first[d] + 2.0 * seeds.half_size[d] * place[d] as f64)
+}

@@ -1,0 +1,229 @@
+//! Particles of a body that enter blocks of another level of cells.
+//!
+//! A particle leaves its block by the outbox of the pass, with the contributions that it maps to its next nodes. If the next
+//! block is of another level, these contributions are expressed in the cells of that level. A particle that enters smaller
+//! cells is first divided along every axis, so that cells of the finer level have particles of their size.
+
+use super::particle_body::ParticleBody;
+use crate::dim::{BLOCK, neighbours, offset, shifted};
+use crate::grid::Levels;
+use crate::grid::levels::{Crossing, pack, unpack_block};
+use crate::particles::{Columns, Masses, Outbox, Sent, split};
+use crate::step::passes::migrate::MigrationPayload;
+use crate::step::passes::slot::{Common, Slot};
+use crate::step::passes::spread::Maps;
+use impactite_simd::Float;
+
+/// Size of a particle, over that of the seeds in the cells of its level, above which it is divided in a finer level.
+const DIVIDED_FROM: f64 = 0.75;
+
+/// Particles that entered blocks of another level.
+#[derive(Debug, Default)]
+pub struct Crossers<T, const D: usize> {
+    /// Block and bin of each particle, and its values and contributions, in the order of their source blocks.
+    list: Vec<([i32; D], usize, Vec<T>)>,
+}
+
+/// Return the change of level of particles that go from a block to neighbour `to`, if any.
+pub(in crate::step) fn crosses<const D: usize>(
+    levels: Option<&Levels<D>>,
+    block: &[i32; D],
+    to: usize,
+) -> Option<Crossing> {
+    let (level, block) = unpack_block(block);
+    levels?.crossing(level, &shifted(&block, &offset(to)))
+}
+
+/// Place of a particle in the cells of a level: bin, and offset from its centre.
+struct At<T, const D: usize> {
+    level: usize,
+    bin: [i32; D],
+    xi: [T; D],
+}
+
+impl<T: Float, const D: usize> ParticleBody<T, D> {
+    /// Return the memory for the affine momentum of a block at the border of a level; none for other blocks.
+    pub(in crate::step) fn border_of(&self, block: &[i32; D]) -> Vec<[T; 4]> {
+        let Some(levels) = &self.levels else { return Vec::new() };
+        let (level, block) = unpack_block(block);
+        let nodes = if levels.is_at_border(level, &block) { self.facts().tile_nodes(D) } else { 0 };
+        vec![[T::default(); 4]; D * nodes]
+    }
+
+    /// Size of a particle of this mass over that of the seeds in the cells of a level.
+    pub(in crate::step) fn relative_size(&self, mass: T, level: usize) -> f64 {
+        let h = self.lattice.spacing() * 0.5f64.powi(level as i32);
+        let seed: f64 = (0..D).map(|d| 2.0 * self.half[d].to_double() * h).product();
+        (mass.to_double() / (self.material.density().to_double() * seed)).powf(1.0 / D as f64)
+    }
+
+    /// Collect the particles that entered blocks of another level in the last pass, and append the missing ones of these
+    /// blocks to `wanted`.
+    pub(super) fn find_crossers(&mut self, payload: &MigrationPayload, wanted: &mut Vec<[i32; D]>) {
+        let Some(levels) = self.levels.clone() else { return };
+        let mut crossers = std::mem::take(&mut self.crossers);
+        crossers.list.clear();
+        let index = std::mem::take(&mut self.index);
+        for &(coordinates, s) in &index {
+            let (sent, (level, block)) = (self.sent[s as usize], unpack_block(&coordinates));
+            for to in (0..neighbours(D)).filter(|to| sent.goes(*to)) {
+                let beside = shifted(&block, &offset(to));
+                if levels.crossing(level, &beside).is_some() {
+                    self.cross(&levels, (level, &beside), (sent, to), payload, &mut crossers);
+                }
+            }
+        }
+        // Stable: particles of a block remain in the order of their sources.
+        crossers.list.sort_by_key(|(block, ..)| *block);
+        let missing = |block: &[i32; D]| index.binary_search_by_key(block, |entry| entry.0).is_err();
+        wanted.extend(crossers.list.iter().map(|(block, ..)| *block).filter(missing));
+        (self.index, self.crossers) = (index, crossers);
+    }
+
+    /// Convert the particles that a block sent to a block of another level.
+    fn cross(
+        &mut self,
+        levels: &Levels<D>,
+        (level, block): (usize, &[i32; D]),
+        (sent, to): (Sent, usize),
+        payload: &MigrationPayload,
+        crossers: &mut Crossers<T, D>,
+    ) {
+        let outboxes = std::mem::take(&mut self.outboxes);
+        for (bin, numbers) in outboxes[sent.outbox as usize].going(sent, to) {
+            let mut rest = bin;
+            let bin = std::array::from_fn(|d| {
+                let within = rest % BLOCK;
+                rest /= BLOCK;
+                block[d] * BLOCK as i32 + within as i32
+            });
+            let xi = std::array::from_fn(|d| numbers[Columns::position() + d]);
+            let at = At { level, bin, xi };
+            let mass = self.masses.of(numbers);
+            let finer = levels.crossing(level, block) == Some(Crossing::Finer);
+            if finer && self.relative_size(mass, level) > DIVIDED_FROM {
+                self.divide(levels, &at, numbers, payload, crossers);
+            } else {
+                crossers.list.push(convert(levels, at, numbers.to_vec(), payload));
+            }
+        }
+        self.outboxes = outboxes;
+    }
+
+    /// Divide a particle along every axis. Its parts move with its affine velocity field, so that momentum and angular
+    /// momentum are those of the particle; the kinetic energy of their motion relative to its centre is booked.
+    fn divide(
+        &mut self,
+        levels: &Levels<D>,
+        at: &At<T, D>,
+        numbers: &[T],
+        payload: &MigrationPayload,
+        crossers: &mut Crossers<T, D>,
+    ) {
+        let (columns, parts) = (self.columns.count(), T::of(0.5f64.powi(D as i32)));
+        let mass = self.masses.of(numbers);
+        let affine = payload.affine_of(&numbers[columns..]);
+        let seeds = self.numbered[0].max(1);
+        let number = numbers[self.columns.number()].to_double() as u64;
+        let mut gained = T::default();
+        for n in 0..1usize << D {
+            let mut part = numbers.to_vec();
+            part[columns..].iter_mut().for_each(|x| *x *= parts);
+            if let Masses::Each(row) = self.masses {
+                part[row] = mass * parts;
+            }
+            let areas = self.loads.rows(self.columns.load()).areas;
+            part[areas[0]..areas[1]].iter_mut().for_each(|x| *x *= parts);
+            let mut xi = at.xi;
+            for d in 0..D {
+                let sign = T::of(if n >> d & 1 == 0 { -0.5 } else { 0.5 });
+                let way = sign * self.half[d];
+                xi[d] += way;
+                for c in 0..D {
+                    let more = affine[d][c] / mass * way;
+                    part[Columns::velocity(D) + c] += more;
+                    gained += T::of(0.5) * mass * parts * more * more;
+                }
+            }
+            if n > 0 {
+                self.numbered[1] += 1;
+                part[self.columns.number()] = T::of((number % seeds + seeds * self.numbered[1]) as f64);
+            }
+            crossers.list.push(convert(levels, At { xi, ..*at }, part, payload));
+        }
+        self.splits.cuts += 1;
+        self.splits.kinetic += gained.to_double();
+    }
+
+    /// Insert the particles that entered blocks of another level, and add their contributions.
+    pub(super) fn take_in_crossers(&mut self, common: &[Common<T>], payload: &MigrationPayload, maps: Maps) {
+        let crossers = std::mem::take(&mut self.crossers);
+        let mut outbox = Outbox::default();
+        for same in crossers.list.chunk_by(|a, b| a.0 == b.0) {
+            let block = same[0].0;
+            let Ok(place) = self.index.binary_search_by_key(&block, |entry| entry.0) else { continue };
+            outbox.clear(self.columns.count() + payload.count());
+            for (_, bin, numbers) in same {
+                outbox.post(0, *bin).copy_from_slice(numbers);
+            }
+            let common = &common[self.lattices.level(&block)];
+            let Slot { block, tile, rows, affine, .. } = &mut self.slots[self.index[place].1 as usize];
+            let sums = (tile.all_mut(), &mut *rows, &mut affine[..]);
+            let from = (&outbox, outbox.since(0, 0), 0);
+            self.kernels.shape().take_in(block, sums, from, common, (maps, payload));
+            block.tidy();
+        }
+        self.crossers = Crossers::default();
+    }
+}
+
+/// Express a particle in the cells of the level of its place: block, bin, values and contributions.
+fn convert<T: Float, const D: usize>(
+    levels: &Levels<D>,
+    mut at: At<T, D>,
+    mut numbers: Vec<T>,
+    payload: &MigrationPayload,
+) -> ([i32; D], usize, Vec<T>) {
+    let first = numbers.len() - payload.count();
+    // The part of a divided particle may be in another bin.
+    let mut turn = [T::default(); D];
+    for d in 0..D {
+        let cells = (at.xi[d] + T::of(0.5)).floor();
+        turn[d] = cells;
+        at.bin[d] += cells.to_double() as i32;
+        at.xi[d] -= cells;
+    }
+    payload.change_cells::<T, D>(&mut numbers[first..], &turn, T::of(1.0));
+    let block_of = |bin: &[i32; D]| bin.map(|b| b.div_euclid(BLOCK as i32));
+    match levels.crossing(at.level, &block_of(&at.bin)) {
+        Some(Crossing::Finer) => {
+            for d in 0..D {
+                let upper = at.xi[d] >= T::default();
+                turn[d] = T::of(if upper { 0.25 } else { -0.25 });
+                at.bin[d] = 2 * at.bin[d] + i32::from(upper);
+                at.xi[d] = T::of(2.0) * (at.xi[d] - turn[d]);
+            }
+            payload.change_cells::<T, D>(&mut numbers[first..], &turn, T::of(2.0));
+            at.level += 1;
+        }
+        Some(Crossing::Coarser) => {
+            for d in 0..D {
+                turn[d] = T::of(if at.bin[d].rem_euclid(2) == 0 { 0.5 } else { -0.5 });
+                at.bin[d] = at.bin[d].div_euclid(2);
+                at.xi[d] = T::of(0.5) * (at.xi[d] - turn[d]);
+            }
+            payload.change_cells::<T, D>(&mut numbers[first..], &turn, T::of(0.5));
+            at.level -= 1;
+        }
+        None => {}
+    }
+    let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
+    for d in 0..D {
+        let (b, place) = split(at.bin[d]);
+        block[d] = b;
+        bin += place * stride;
+        stride *= BLOCK;
+        numbers[Columns::position() + d] = at.xi[d];
+    }
+    (pack(at.level, block), bin, numbers)
+}

@@ -1,0 +1,182 @@
+//! Dependent nodes at the borders of levels of cells: u_j = sum_i C_ji u_i.
+//!
+//! Sums of a dependent node j belong to its parents i, by the same coefficients: mass, momentum and force are conserved. Affine
+//! transfers map the velocity field of each particle at the positions of the nodes, which are the Greville points of their
+//! functions. The momentum of a dependent node is that of the field at x_j; its parents receive that at x_i,
+//!
+//! p_i += C_ji (p_j + sum_p n_j(x_p) m_p B_p (x_i - x_j))
+//!
+//! so that a linear velocity field is reproduced exactly. The correction has no sum: C reproduces linear functions.
+
+use super::fields::{Fields, block_of, node_of};
+use super::layout::NodeSums;
+use crate::grid::levels::{pack, unpack_block};
+use crate::grid::{GridStorage, Node};
+use crate::step::bodies::body::GridBody;
+use impactite_simd::Float;
+
+/// Index of a node that depends on no other.
+const FREE: u32 = u32::MAX;
+
+/// Dependent node.
+#[derive(Clone, Debug)]
+struct Tie<T> {
+    node: u32,
+    /// Block of the node, and its number there.
+    at: (u32, u8),
+    /// End of its parents.
+    end: u32,
+    /// Affine part of the momentum, by axis of the distance, kg m/s a cell.
+    affine: [[T; 4]; 3],
+}
+
+/// Parent of a dependent node.
+#[derive(Clone, Copy, Debug)]
+struct Parent<T> {
+    node: u32,
+    /// Index of the parent among the dependent nodes, or [`FREE`].
+    tie: u32,
+    weight: T,
+    /// Position relative to the dependent node, in its cells.
+    offset: [T; 3],
+}
+
+/// Dependent nodes of a grid, those of the finest level first.
+#[derive(Clone, Debug)]
+pub struct Ties<T> {
+    ties: Vec<Tie<T>>,
+    parents: Vec<Parent<T>>,
+}
+
+impl<T> Default for Ties<T> {
+    fn default() -> Self {
+        Ties { ties: Vec::new(), parents: Vec::new() }
+    }
+}
+
+impl<T: Float> Ties<T> {
+    /// Find the dependent nodes and their parents, of which every body has its own.
+    pub(super) fn arrange<const D: usize>(&mut self, grid: &dyn GridStorage<T, D>, fields: &Fields<D>) {
+        self.ties.clear();
+        self.parents.clear();
+        let Some(levels) = fields.levels() else { return };
+        let layout = fields.layout();
+        for level in (1..levels.count()).rev() {
+            for (block, coordinates) in fields.coordinates().iter().enumerate() {
+                let (at, coordinates) = unpack_block(coordinates);
+                if at != level {
+                    continue;
+                }
+                let owner = fields.owner(block);
+                for n in super::layout::numbers(layout.kept(block)) {
+                    let node = node_of(&coordinates, n);
+                    let Some(place) = layout.place(block, n).filter(|_| levels.is_dependent(level, &node)) else {
+                        continue;
+                    };
+                    levels.parents(&node, &mut |parent| {
+                        let (coordinates, within) = block_of(&parent.node);
+                        let found = fields.find(grid, &pack(level - 1, coordinates), owner);
+                        let Some(place) = found.and_then(|block| layout.place(block, within)) else { return };
+                        let mut offset = [T::default(); 3];
+                        (0..D).for_each(|d| offset[d] = T::of(parent.offset[d]));
+                        let weight = T::of(parent.weight);
+                        self.parents.push(Parent { node: place as u32, tie: FREE, weight, offset });
+                    });
+                    self.ties.push(Tie {
+                        node: place as u32,
+                        at: (block as u32, n as u8),
+                        end: self.parents.len() as u32,
+                        affine: [[T::default(); 4]; 3],
+                    });
+                }
+            }
+        }
+        let mut places: Vec<(u32, u32)> = self.ties.iter().enumerate().map(|(k, t)| (t.node, k as u32)).collect();
+        places.sort_unstable();
+        for parent in &mut self.parents {
+            if let Ok(at) = places.binary_search_by_key(&parent.node, |entry| entry.0) {
+                parent.tie = places[at].1;
+            }
+        }
+    }
+
+    /// True if no node depends on others.
+    pub(super) fn is_empty(&self) -> bool {
+        self.ties.is_empty()
+    }
+
+    /// Move the sums of dependent nodes to their parents.
+    pub(super) fn fold<const D: usize>(
+        &mut self,
+        nodes: &mut [Node<T>],
+        sums: NodeSums,
+        bodies: &[Box<dyn GridBody<T, D>>],
+        fields: &Fields<D>,
+    ) {
+        let affine = matches!(sums, NodeSums::All | NodeSums::Again);
+        for tie in self.ties.iter_mut().filter(|_| affine) {
+            tie.affine = [[T::default(); 4]; 3];
+            for giver in fields.givers(tie.at.0 as usize) {
+                let presence = bodies[giver.body as usize].presence();
+                presence.add_affine(giver.local as usize, usize::from(tie.at.1), &mut tie.affine);
+            }
+        }
+        let mut first = 0;
+        for k in 0..self.ties.len() {
+            let Tie { node, end, affine: own, .. } = self.ties[k];
+            let from = &mut nodes[node as usize];
+            let second = std::mem::take(&mut from.second);
+            let record = match sums {
+                NodeSums::All => std::mem::take(&mut from.first),
+                _ => [T::default(); 4],
+            };
+            for parent in &self.parents[first as usize..end as usize] {
+                let to = &mut nodes[parent.node as usize];
+                for c in 0..4 {
+                    to.first[c] += parent.weight * record[c];
+                    to.second[c] += parent.weight * second[c];
+                }
+                if !affine {
+                    continue;
+                }
+                let momentum = if sums == NodeSums::All { &mut to.first } else { &mut to.second };
+                for d in 0..D {
+                    for c in 1..4 {
+                        momentum[c] += parent.weight * own[d][c] * parent.offset[d];
+                    }
+                }
+                if let Some(tie) = self.ties.get_mut(parent.tie as usize) {
+                    // Cells of the parent are twice as wide.
+                    for d in 0..D {
+                        (1..4).for_each(|c| tie.affine[d][c] += T::of(2.0) * parent.weight * own[d][c]);
+                    }
+                }
+            }
+            first = end;
+        }
+    }
+
+    /// Set the vectors of dependent nodes from those of their parents.
+    pub(super) fn extend(&self, nodes: &mut [Node<T>]) {
+        for k in (0..self.ties.len()).rev() {
+            let first = if k == 0 { 0 } else { self.ties[k - 1].end };
+            let (mut one, mut two) = ([T::default(); 4], [T::default(); 4]);
+            for parent in &self.parents[first as usize..self.ties[k].end as usize] {
+                let from = &nodes[parent.node as usize];
+                for c in 1..4 {
+                    one[c] += parent.weight * from.first[c];
+                    two[c] += parent.weight * from.second[c];
+                }
+            }
+            let node = &mut nodes[self.ties[k].node as usize];
+            // The mass is that of the parents.
+            node.first = one;
+            node.second = two;
+        }
+    }
+
+    /// Allocated memory, bytes.
+    pub(super) fn bytes(&self) -> usize {
+        self.ties.capacity() * size_of::<Tie<T>>() + self.parents.capacity() * size_of::<Parent<T>>()
+    }
+}

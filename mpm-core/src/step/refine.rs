@@ -1,0 +1,311 @@
+//! Set-up of cells of several sizes.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use super::mpm::Mpm;
+use crate::dim::{BLOCK, centre};
+use crate::grid::Levels;
+use crate::grid::levels::{FURTHEST_BLOCK, Lattices, MOST_LEVELS, offset_of_levels};
+use impactite_geometry::{Filling, GeometryError, Seeds, Shape, fill};
+use impactite_scene::boundary::Boundary;
+use impactite_scene::condition::Condition;
+use impactite_scene::error::SceneError;
+use impactite_simd::Float;
+
+/// Points along an edge of a block at which a region is sampled.
+const SAMPLES: usize = 9;
+/// Largest number of blocks that a region is compared with.
+const MOST_BLOCKS: f64 = 1e7;
+
+/// Region with smaller cells: the cells of all blocks that it touches are halved `halvings` times.
+#[derive(Clone)]
+pub struct Refinement<const D: usize> {
+    /// Region, bounded.
+    pub region: Arc<dyn Shape<D>>,
+    /// Number of halvings of the cells, from 1 to 7.
+    pub halvings: usize,
+}
+
+impl<const D: usize> Refinement<D> {
+    /// Halve the cells in a region once or several times.
+    pub fn new(region: impl Shape<D> + 'static, halvings: usize) -> Self {
+        Refinement { region: Arc::new(region), halvings }
+    }
+}
+
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// Use smaller cells in regions: blocks of four cells an axis that a region touches, and around regions of several halvings
+    /// a block of each size between. The regions are at rest. Particles are seeded by [`Mpm::fill`]; a particle that enters
+    /// smaller cells is divided in two along every axis, one that leaves them keeps its size.
+    ///
+    /// Available for B-splines with an affine transfer ([`Apic`](crate::Apic), [`Aflip`](crate::Aflip)), which reproduce a
+    /// linear velocity field across the borders (module documentation of the grid's levels). The time step is that of the
+    /// smallest cells.
+    ///
+    /// ```
+    /// use mpm_core::geometry::{Cuboid, Filling, Lattice};
+    /// use mpm_core::{Apic, BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Refinement, Usl};
+    /// # use mpm_materials::{LinearElastic, Moduli};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+    /// let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 2], 0.1)?));
+    /// mpm.refine(&[Refinement::new(Cuboid::new([1.2, 0.0], [1.6, 0.4])?, 1)])?;
+    /// let seeds = mpm.fill(&Cuboid::new([0.0; 2], [2.4, 0.8])?, 2, &Filling::new())?;
+    /// let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
+    /// mpm.add("bar", law, &seeds, |_| [0.0; 2])?;
+    /// // 6 x 2 blocks of four cells, two of them refined.
+    /// assert_eq!(seeds.len(), 64 * (12 + 3 * 2));
+    /// # mpm.run_until(0.1)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A scene with bodies; another method; a grid of limited size; periodic planes and conditions with a surface; a region
+    /// that is empty, unbounded or too large; a number of halvings outside 1 to 7.
+    pub fn refine(&mut self, regions: &[Refinement<D>]) -> Result<(), SceneError> {
+        let what = "cells of several sizes";
+        if !self.scene.bodies.is_empty() {
+            return Err(self.not_with(what, "regions are set before bodies are added"));
+        }
+        let facts = self.facts();
+        let Some(halving) = facts.halving.filter(|_| !facts.boundary_modified) else {
+            return Err(self.not_with(what, "take `QuadraticBSpline` or `CubicBSpline`"));
+        };
+        if !facts.affine || facts.least_squares {
+            let why = "particles must map an affine velocity field: take `Apic` or `Aflip`; others do not \
+                       reproduce a uniform velocity gradient at the border of a region";
+            return Err(self.not_with(what, why));
+        }
+        if facts.total {
+            return Err(self.not_with(what, "take the updated Lagrangian frame"));
+        }
+        if !self.grid.storage.is_unbounded() {
+            return Err(self.not_with(what, "take `BlockGrid`"));
+        }
+        let mut refined: Vec<BTreeSet<[i32; D]>> = Vec::new();
+        let lattices = Lattices::several(*self.grid.lattice(), offset_of_levels(halving));
+        for Refinement { region, halvings } in regions {
+            if !(1..=MOST_LEVELS).contains(halvings) {
+                return Err(SceneError::Refinement { field: "halvings", value: *halvings as f64, allowed: "from 1 to 7" });
+            }
+            let level = halvings - 1;
+            refined.resize_with(refined.len().max(*halvings), BTreeSet::new);
+            let found = blocks_of(&**region, &lattices, level, centre(facts.nodes))?;
+            refined[level].extend(found);
+        }
+        let refined = refined.into_iter().map(|blocks| blocks.into_iter().collect()).collect();
+        let levels = Levels::new(*self.grid.lattice(), (halving, facts.nodes), refined);
+        self.check_boundaries_of_levels(&self.scene.conditions.boundaries)?;
+        if levels.count() > 1 {
+            self.grid.fields.set_levels(Arc::new(levels));
+        }
+        Ok(())
+    }
+
+    /// Fill a shape with particles, `per_axis` along an edge of a cell, of the cells at their place.
+    ///
+    /// # Errors
+    /// A shape that cannot be filled.
+    pub fn fill(
+        &self,
+        shape: &(impl Shape<D> + ?Sized),
+        per_axis: usize,
+        filling: &Filling,
+    ) -> Result<Seeds<D>, GeometryError> {
+        match self.grid.fields.levels() {
+            Some(levels) => levels.fill(shape, per_axis, filling),
+            None => fill(shape, self.grid.lattice(), per_axis, filling),
+        }
+    }
+
+    /// Sizes of the cells, m, from the largest to the smallest.
+    pub fn cell_sizes(&self) -> Vec<f64> {
+        let count = self.grid.fields.levels().map_or(1, |levels| levels.count());
+        (0..count).map(|level| self.grid.fields.lattices().of(level).spacing()).collect()
+    }
+
+    /// Size of the smallest cells, m.
+    pub(in crate::step) fn smallest_cell(&self) -> f64 {
+        let count = self.grid.fields.levels().map_or(1, |levels| levels.count());
+        self.grid.fields.lattices().of(count - 1).spacing()
+    }
+
+    /// Refuse a feature that is not available with cells of several sizes.
+    pub(in crate::step) fn check_levels(&self, what: &str) -> Result<(), SceneError> {
+        if self.grid.fields.levels().is_none() {
+            return Ok(());
+        }
+        Err(self.not_with(what, "the scene has cells of several sizes: remove the refined regions"))
+    }
+
+    /// Refuse conditions that are not available with cells of several sizes.
+    pub(in crate::step) fn check_boundaries_of_levels<'a>(
+        &self,
+        boundaries: impl IntoIterator<Item = &'a Boundary<D>>,
+    ) -> Result<(), SceneError> {
+        for boundary in boundaries {
+            let what = match boundary {
+                Boundary::Periodic { .. } => "a periodic condition beside cells of several sizes",
+                other if Condition::surface(other).is_some() => {
+                    "a condition on a surface (absorbing planes) beside cells of several sizes"
+                }
+                _ => continue,
+            };
+            return Err(self.not_with(what, "remove the condition, or the refined regions"));
+        }
+        Ok(())
+    }
+
+    fn not_with(&self, what: &str, why: &'static str) -> SceneError {
+        SceneError::NotWith { what: what.into(), method: self.facts().description.clone(), why }
+    }
+}
+
+/// Return the blocks of bins of a level that a region touches.
+fn blocks_of<const D: usize>(
+    region: &dyn Shape<D>,
+    lattices: &Lattices<D>,
+    level: usize,
+    centre: f64,
+) -> Result<Vec<[i32; D]>, SceneError> {
+    let lattice = lattices.of(level);
+    let (h, origin, bounds) = (lattice.spacing(), lattice.origin(), region.bounds());
+    let size = BLOCK as f64 * h;
+    // Lower corner of block zero: bins are cells around their centres.
+    let corner = origin.map(|x| x + (centre - 0.5) * h);
+    let (mut first, mut count, mut all) = ([0i32; D], [0usize; D], 1.0);
+    for d in 0..D {
+        let ends = [bounds.min[d], bounds.max[d]].map(|x| ((x - corner[d]) / size).floor());
+        if !ends.iter().all(|x| x.abs() < f64::from(FURTHEST_BLOCK)) {
+            return Err(SceneError::Refinement {
+                field: "region",
+                value: bounds.max[d],
+                allowed: "bounded, within 2^24 blocks of the origin: intersect it with a cuboid",
+            });
+        }
+        first[d] = ends[0] as i32;
+        count[d] = (ends[1] - ends[0]).max(0.0) as usize + 1;
+        all *= count[d] as f64;
+    }
+    if all > MOST_BLOCKS {
+        let allowed = "of at most 1e7 blocks of four cells an axis: take larger cells or a smaller region";
+        return Err(SceneError::Refinement { field: "region", value: all, allowed });
+    }
+    let touches = |block: &[i32; D]| {
+        (0..SAMPLES.pow(D as u32)).any(|n| {
+            let mut rest = n;
+            let x = std::array::from_fn(|d| {
+                // Samples lie within the block: a region that ends at its face does not touch it.
+                let share = ((rest % SAMPLES) as f64 + 0.5) / SAMPLES as f64;
+                rest /= SAMPLES;
+                corner[d] + size * (f64::from(block[d]) + share)
+            });
+            region.contains(x)
+        })
+    };
+    let blocks = (0..count.iter().product()).map(|n: usize| {
+        let mut rest = n;
+        std::array::from_fn(|d| {
+            let at = first[d] + (rest % count[d]) as i32;
+            rest /= count[d];
+            at
+        })
+    });
+    let blocks: Vec<[i32; D]> = blocks.filter(touches).collect();
+    if blocks.is_empty() {
+        let allowed = "at least as large as a ninth of four cells of the size that it halves";
+        return Err(SceneError::Refinement { field: "region", value: bounds.max[0] - bounds.min[0], allowed });
+    }
+    Ok(blocks)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grid::Halving;
+    use crate::{Apic, BlockGrid, CubicBSpline, FullSpace, IntoKernels, Method, PlaneStrain, QuadraticBSpline, Usl};
+    use impactite_geometry::{Cuboid, Lattice};
+    use impactite_scene::TimeControl;
+    use mpm_materials::{LinearElastic, Moduli};
+
+    /// Largest deviation of particle velocities from a linear field, after three short steps with refined regions.
+    fn deviation<const D: usize>(method: impl IntoKernels<f64, D>, halvings: usize) -> f64
+    where
+        f64: crate::Scalar<D>,
+    {
+        let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.03; D], 0.1).unwrap()));
+        let region = Cuboid::new([0.9; D], [1.3; D]).unwrap();
+        mpm.refine(&[Refinement::new(region, halvings)]).unwrap();
+        let all = Cuboid::new([0.0; D], [2.0; D]).unwrap();
+        let seeds = mpm.fill(&all, 2, &Filling::new().jittered(7, 0.9)).unwrap();
+        let law = LinearElastic::new(1.0, Moduli::young_poisson(1e-9, 0.3).unwrap()).unwrap();
+        let gradient = [[0.3, -0.2, 0.1], [0.5, -0.1, 0.25], [-0.3, 0.15, 0.2]];
+        let field = move |x: [f64; D]| {
+            std::array::from_fn(|c| 0.7 + (0..D).map(|d| gradient[c][d] * x[d]).sum::<f64>())
+        };
+        mpm.add("block", law, &seeds, field).unwrap();
+        mpm.stepper.refits = 120;
+        mpm.set_time_control(TimeControl::Fixed(1e-12)).unwrap();
+        let before = mpm.bodies()[0].totals();
+        (0..3).for_each(|_| {
+            mpm.step().unwrap();
+        });
+        let after = mpm.bodies()[0].totals();
+        assert!((after.mass / before.mass - 1.0).abs() < 1e-14);
+        for d in 0..D {
+            assert!((after.momentum[d] - before.momentum[d]).abs() < 1e-13 * before.momentum_scale);
+            let turned = (after.angular_momentum[d] - before.angular_momentum[d]).abs();
+            assert!(turned < 1e-12 * before.momentum_scale, "{turned:e}");
+        }
+        let mut worst = 0.0f64;
+        mpm.bodies()[0].for_each(&mut |p| {
+            let due = field(std::array::from_fn(|d| p.position[d]));
+            (0..D).for_each(|c| worst = worst.max((p.velocity[c] - due[c]).abs()));
+        });
+        worst
+    }
+
+    /// A linear velocity field of randomly placed particles is exact across borders and corners of regions.
+    #[test]
+    fn linear_fields_are_exact_across_borders() {
+        for halvings in [1, 2] {
+            let quadratic = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).compiled();
+            let cubic = Method::new(CubicBSpline, Apic, Usl, PlaneStrain).compiled();
+            for found in [deviation(quadratic, halvings), deviation(cubic, halvings)] {
+                assert!(found < 1e-11, "{halvings}: {found:e}");
+            }
+        }
+        let space = Method::new(QuadraticBSpline, Apic, Usl, FullSpace).compiled();
+        let found = deviation(space, 1);
+        assert!(found < 1e-11, "in space: {found:e}");
+    }
+
+    /// Functions of a coarse node are the sums of those of the finer nodes that depend on it.
+    #[test]
+    fn coefficients_are_those_of_the_functions() {
+        for (halving, nodes) in [(Halving::Quadratic, 3), (Halving::Cubic, 4)] {
+            let base = Lattice::new([0.0; 2], 1.0).unwrap();
+            let levels = Levels::new(base, (halving, nodes), vec![vec![[0, 0]]]);
+            let mut sums = std::collections::BTreeMap::new();
+            for n in 0..400 {
+                let node = [n % 20 - 10, n / 20 - 10];
+                let (mut sum, mut x) = (0.0, [0.0; 2]);
+                levels.parents(&node, &mut |parent| {
+                    sum += parent.weight;
+                    (0..2).for_each(|d| x[d] += parent.weight * parent.offset[d]);
+                    *sums.entry(parent.node).or_insert(0.0) += parent.weight;
+                    let [fine, coarse] = [(1, node), (0, parent.node)]
+                        .map(|(level, node)| levels.lattices().of(level).node(node.map(i64::from)));
+                    for d in 0..2 {
+                        assert!((coarse[d] - fine[d] - 0.5 * parent.offset[d]).abs() < 1e-12);
+                    }
+                });
+                assert!((sum - 1.0).abs() < 1e-15 && x == [0.0; 2], "{node:?}: {sum} {x:?}");
+            }
+            // Away from the ends of the list each function is the sum of its parts.
+            assert!((sums[&[0, 0]] - 4.0).abs() < 1e-15);
+        }
+    }
+}
