@@ -50,10 +50,14 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         vec![[T::default(); 4]; D * nodes]
     }
 
-    /// Size of a particle of this mass over that of the seeds in the cells of a level.
-    pub(in crate::step) fn relative_size(&self, mass: T, level: usize) -> f64 {
+    /// Size of a particle of this mass over that of the seeds in the cells of a level. In an axisymmetric body its distance to
+    /// the axis is `radius`, m.
+    pub(in crate::step) fn relative_size(&self, mass: T, level: usize, radius: f64) -> f64 {
         let h = self.lattice.spacing() * 0.5f64.powi(level as i32);
-        let seed: f64 = (0..D).map(|d| 2.0 * self.half[d].to_double() * h).product();
+        let mut seed: f64 = (0..D).map(|d| 2.0 * self.half[d].to_double() * h).product();
+        if self.facts().hoop {
+            seed *= radius.abs().max(1e-6 * h);
+        }
         (mass.to_double() / (self.material.density().to_double() * seed)).powf(1.0 / D as f64)
     }
 
@@ -101,8 +105,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let at = At { level, bin, xi };
             let mass = self.masses.of(numbers);
             let finer = levels.crossing(level, block) == Some(Crossing::Finer);
-            if finer && self.relative_size(mass, level) > DIVIDED_FROM {
-                self.divide(levels, &at, numbers, payload, crossers);
+            let radius = self.radius(&at);
+            if finer && self.relative_size(mass, level, radius) > DIVIDED_FROM {
+                self.divide(levels, (&at, radius), numbers, payload, crossers);
             } else {
                 crossers.list.push(convert(levels, at, numbers.to_vec(), payload));
             }
@@ -110,24 +115,40 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.outboxes = outboxes;
     }
 
-    /// Divide a particle along every axis. Its parts move with its affine velocity field, so that momentum and angular
+    /// First coordinate of a place, m.
+    fn radius(&self, at: &At<T, D>) -> f64 {
+        let lattice = self.lattices.of(at.level);
+        lattice.origin()[0] + lattice.spacing() * (f64::from(at.bin[0]) + self.bin_centre() + at.xi[0].to_double())
+    }
+
+    /// Divide a particle along every axis, in an axisymmetric body by the volumes of its parts. Its parts move with its affine velocity field, so that momentum and angular
     /// momentum are those of the particle; the kinetic energy of their motion relative to its centre is booked.
     fn divide(
         &mut self,
         levels: &Levels<D>,
-        at: &At<T, D>,
+        (at, radius): (&At<T, D>, f64),
         numbers: &[T],
         payload: &MigrationPayload,
         crossers: &mut Crossers<T, D>,
     ) {
-        let (columns, parts) = (self.columns.count(), T::of(0.5f64.powi(D as i32)));
+        let (columns, equal) = (self.columns.count(), T::of(0.5f64.powi(D as i32)));
         let mass = self.masses.of(numbers);
         let affine = payload.affine_of(&numbers[columns..]);
         let seeds = self.numbered[0].max(1);
         let number = numbers[self.columns.number()].to_double() as u64;
         let mut gained = T::default();
+        // Half of the distance between the parts over the distance to the axis, and the centre of mass of the parts.
+        let curved = if self.facts().hoop && radius != 0.0 {
+            T::of((0.5 * self.half[0].to_double() * self.lattices.of(at.level).spacing() / radius).clamp(-0.9, 0.9))
+        } else {
+            T::default()
+        };
+        let mut centre = [T::default(); D];
+        centre[0] = -(curved * T::of(0.5) * self.half[0]);
         for n in 0..1usize << D {
             let mut part = numbers.to_vec();
+            let parts = equal * (T::of(1.0) + if n & 1 == 0 { -curved } else { curved });
+            payload.change_cells::<T, D>(&mut part[columns..], &centre, T::of(1.0));
             part[columns..].iter_mut().for_each(|x| *x *= parts);
             if let Masses::Each(row) = self.masses {
                 part[row] = mass * parts;
@@ -140,10 +161,12 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 let way = sign * self.half[d];
                 xi[d] += way;
                 for c in 0..D {
-                    let more = affine[d][c] / mass * way;
-                    part[Columns::velocity(D) + c] += more;
-                    gained += T::of(0.5) * mass * parts * more * more;
+                    part[Columns::velocity(D) + c] += affine[d][c] / mass * (way + centre[d]);
                 }
+            }
+            for c in 0..D {
+                let more = part[Columns::velocity(D) + c] - numbers[Columns::velocity(D) + c];
+                gained += T::of(0.5) * mass * parts * more * more;
             }
             if n > 0 {
                 self.numbered[1] += 1;

@@ -30,10 +30,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let numbers = &*numbers;
         p.number = numbers[self.columns.number()].to_double() as usize;
         p.mass = self.masses.of(numbers).to_double();
-        if parts.size {
-            p.half_edges = self.half_edges(numbers, self.lattices.level(&block.coordinates));
-        }
         (p.position, p.velocity) = (self.position_of(block, bin, at, way), [0.0; 3]);
+        if parts.size {
+            p.half_edges = self.half_edges(numbers, (self.lattices.level(&block.coordinates), p.position[0]));
+        }
         for d in 0..D {
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }

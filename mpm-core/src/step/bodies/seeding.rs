@@ -204,12 +204,12 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.link_slots();
     }
 
-    /// Half edges of the domain of a particle with these values in the cells of a level, m.
-    pub(in crate::step) fn half_edges(&self, numbers: &[T], level: usize) -> [[f64; 3]; 3] {
+    /// Half edges of the domain of a particle with these values in the cells of a level, m; `radius` is its first coordinate, m.
+    pub(in crate::step) fn half_edges(&self, numbers: &[T], (level, radius): (usize, f64)) -> [[f64; 3]; 3] {
         let mut h = self.lattice.spacing();
         if self.levels.is_some() {
             // Particles keep their size where the cells are larger.
-            h *= 0.5f64.powi(level as i32) * self.relative_size(self.masses.of(numbers), level);
+            h *= 0.5f64.powi(level as i32) * self.relative_size(self.masses.of(numbers), level, radius);
         }
         let mut edges = [[0.0; 3]; 3];
         for d in 0..D {

@@ -176,7 +176,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                         }
                         position[d] = origin[d] + h * x;
                     }
-                    *point = ClientPoint { position, half_edges: self.half_edges(numbers, 0) };
+                    *point = ClientPoint { position, half_edges: self.half_edges(numbers, (0, 0.0)) };
                 }
             }
         }

@@ -282,15 +282,15 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells) + 2.0 * margin);
             (low, high)
         };
-        let size_of = |numbers: &[T], level: usize| {
-            let edges = self.half_edges(numbers, level);
+        let size_of = |numbers: &[T], level: usize, radius: f64| {
+            let edges = self.half_edges(numbers, (level, radius));
             let size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
             let reach: [f64; D] = std::array::from_fn(|d| edges[..D].iter().map(|edge| edge[d].abs()).sum());
             (size, reach)
         };
         // Constant domains are equal for all particles.
         let carried = self.facts().total || self.facts().domain.carried() || self.levels.is_some();
-        let of_all = if carried { None } else { Some(size_of(&[], 0)) };
+        let of_all = if carried { None } else { Some(size_of(&[], 0, 0.0)) };
         let (mut numbers, mut weights) = (Vec::new(), Vec::new());
         for slot in self.in_place().filter(|slot| !slot.block.is_empty()) {
             let level = self.lattices.level(&slot.block.coordinates);
@@ -316,7 +316,7 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     numbers.clear();
                     let (half_size, reach) = of_all.unwrap_or_else(|| {
                         slot.block.read(at, &mut numbers);
-                        size_of(&numbers, level)
+                        size_of(&numbers, level, position[0])
                     });
                     // The motion due to nodal accelerations is within the margin.
                     let beside = |d: usize| half_size.max(reach[d]) + BESIDE * h;
