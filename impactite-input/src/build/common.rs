@@ -17,6 +17,7 @@ use crate::measured::profile;
 use crate::model::body::{Body, MeetBy};
 use crate::model::contact::{Detector, Law, PENALTY_FREQUENCY, PENALTY_RESTITUTION, Pair};
 use crate::model::method::{Method, TimeStep};
+use crate::model::shape::Shape as Spec;
 use crate::model::{SceneFile, Space, fixed, formulas};
 
 /// Scene file with its folder, in `D` dimensions.
@@ -122,6 +123,11 @@ impl<'a, const D: usize> World<'a, D> {
         let shape = shape::build(&format!("{key}.shape"), spec, self.folder)?;
         self.shapes.borrow_mut().insert(key.into(), shape.clone());
         Ok(shape)
+    }
+
+    /// Build the region of a key.
+    pub fn region(&self, key: &str, spec: &Spec) -> Made<Arc<dyn Shape<D>>> {
+        shape::build(key, spec, self.folder)
     }
 
     /// Return the initial velocity field of a body, whose spin is about the centre of mass: `centre`, called if the body spins.

@@ -66,7 +66,7 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
         }
     }
     let cells =
-        Cells { lattice: &lattice, parts: options.particles_per_cell as usize, key: "method.flow.cell" };
+        Cells { lattice: &lattice, parts: options.particles_per_cell as usize, key: "method.flow.cell", halvings: 0 };
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
         if body.rigid.is_some() {

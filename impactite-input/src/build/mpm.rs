@@ -12,7 +12,7 @@ use impactite::materials::ParameterError;
 use impactite::materials::material::Material;
 use impactite::mpm::{
     BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
-    OneField, Rigid, Splitting, Traction, Twist,
+    OneField, Refinement, Rigid, Splitting, Traction, Twist,
 };
 use impactite::scene::Solver;
 
@@ -86,7 +86,8 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let planes: Vec<Boundary<D>> =
         world.conditions()?.iter().map(|(_, entry)| entry.boundary().clone()).collect();
     let pressures = liquid::pressures(world, options, &lattice, &planes)?;
-    mpm.add_together(|mpm| add_particles(world, mpm, &order, (&lattice, options), &pressures))?;
+    refine(world, &mut mpm, options)?;
+    mpm.add_together(|mpm| add_particles(world, mpm, &order, options, &pressures))?;
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
         add_elements(embedding, world, &mut mpm, (name, body), options)?;
     }
@@ -130,6 +131,16 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         mpm.deactivate(&resting).at(format!("bodies.{first}.deactivated"))?;
     }
     Ok(Box::new(mpm))
+}
+
+/// Refine the cells in regions.
+fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mpm) -> Made<()> {
+    let mut regions = Vec::new();
+    for (key, refine) in options.refine.keyed("method.mpm.refine") {
+        let region = world.region(&format!("{key}.region"), &refine.region)?;
+        regions.push(Refinement { region, halvings: refine.halvings as usize });
+    }
+    if regions.is_empty() { Ok(()) } else { mpm.refine(&regions).at("method.mpm.refine") }
 }
 
 /// Create the contact detector of a key.
@@ -290,7 +301,7 @@ fn add_particles<const D: usize>(
     world: &World<'_, D>,
     mpm: &mut Scene<D>,
     order: &[(&String, &Body)],
-    (lattice, options): (&Lattice<D>, &Mpm),
+    options: &Mpm,
     pressures: &Pressures,
 ) -> Made<()> {
     let parts = options.particles_per_cell as usize;
@@ -299,7 +310,12 @@ fn add_particles<const D: usize>(
         if body.elements.is_some() {
             continue;
         }
-        let seeds = seeds(world, &key, body, &Cells { lattice, parts, key: "method.mpm.cell" })?;
+        let of_level = |(halvings, lattice): (usize, &Lattice<D>)| {
+            let cells = Cells { lattice, parts, key: "method.mpm.cell", halvings: halvings as u32 };
+            seeds(world, &key, body, &cells)
+        };
+        let all = mpm.seed_lattices().iter().enumerate().map(of_level).collect::<Made<Vec<_>>>()?;
+        let seeds = mpm.seeds_of_levels(&all);
         match &body.rigid {
             Some(_) => {
                 let rigid = rigid(world, &key, body)?;

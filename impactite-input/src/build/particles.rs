@@ -63,7 +63,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
         ($method:expr) => {
             scene(world, |name| {
                 let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
-                let cells = Cells { lattice: &lattice, parts: 1, key: "method.sph.spacing" };
+                let cells = Cells { lattice: &lattice, parts: 1, key: "method.sph.spacing", halvings: 0 };
                 let seeds = seeds(world, &key, spec, &cells)?;
                 let velocity = world.velocity(&key, spec, || Ok(seeds.centroid()))?;
                 let law = world.law(&key, spec)?.material;

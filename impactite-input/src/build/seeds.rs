@@ -24,6 +24,8 @@ pub(super) struct Cells<'a, const D: usize> {
     pub lattice: &'a Lattice<D>,
     pub parts: usize,
     pub key: &'a str,
+    /// Number of halvings of the cells of the scene that make these.
+    pub halvings: u32,
 }
 
 impl<const D: usize> Cells<'_, D> {
@@ -50,7 +52,10 @@ pub(super) fn seeds<const D: usize>(
             let sites = (x - cells.lattice.origin()[d]) / cells.edge();
             (sites - sites.round()).abs() <= ALIGNED
         };
-        let counts: [f64; D] = std::array::from_fn(|d| ((high[d] - low[d]) / cells.edge()).round());
+        // Points of smaller cells divide those of larger ones.
+        let parts = f64::from(1u32 << cells.halvings);
+        let counts: [f64; D] =
+            std::array::from_fn(|d| ((high[d] - low[d]) / (parts * cells.edge())).round() * parts);
         let aligned = cuboid.along_axes() && (0..D).all(|d| within(low[d], d) && within(high[d], d));
         if !aligned && counts.iter().all(|n| (1.0..MOST).contains(n)) && counts.iter().product::<f64>() < MOST
         {

@@ -5,6 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::Vector;
 use super::parts::parts;
+use super::several::Several;
+use super::shape::Shape;
 use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
 /// Default penalty of the fluxes over Young's modulus.
@@ -55,6 +57,9 @@ parts! {
         #[serde(default)]
         #[schemars(example = ("0.5 mm", 0))]
         origin: Option<Vector<Length>>,
+        /// Regions with smaller cells: one, or a list. For B-splines with `apic` or `aflip`, as `for = "impact"` has them.
+        #[serde(default)]
+        refine: Several<Refine>,
         /// Storage of the grid.
         #[serde(default)]
         #[schemars(extend("default" = "blocks"))]
@@ -70,6 +75,15 @@ parts! {
         #[serde(default)]
         #[schemars(example = 10)]
         null_space_filter: Option<u64>,
+    }
+    /// A region with smaller cells, at rest. Particles in it are smaller, too; one that enters it is divided.
+    Refine {
+        /// Region: the blocks of four cells an axis that it touches are refined.
+        region: Shape,
+        /// Number of halvings of the cells.
+        #[serde(default = "once")]
+        #[schemars(example = 2, extend("minimum" = 1, "maximum" = 7))]
+        halvings: u32,
     }
     /// Incompressible flow of a liquid with a free surface.
     Flow {
@@ -216,6 +230,10 @@ parts! {
         #[serde(default)]
         parted: bool,
     }
+}
+
+fn once() -> u32 {
+    1
 }
 
 fn two() -> u32 {

@@ -12,11 +12,11 @@
 //! The blocks of all levels are stored in one grid. The level is part of the block's last coordinate ([`pack`]), so that
 //! nothing that identifies a block by its coordinates knows of levels.
 
-use std::collections::HashSet;
+use std::collections::HashMap;
 
-use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
+use impactite_geometry::{Lattice, Seeds};
 
-use crate::dim::{BLOCK, first_node};
+use crate::dim::{BLOCK, block_nodes, first_node};
 
 /// Distance of the levels along the last axis, blocks and cells.
 const APART: i32 = 1 << 26;
@@ -178,6 +178,24 @@ pub struct Levels<const D: usize> {
     nodes: i32,
     /// Refined blocks of each level but the finest, in its lattice, sorted.
     refined: Vec<Vec<[i32; D]>>,
+    /// Dependent nodes of each level that its particles can reach, one bit a node, by block.
+    dependent: Vec<HashMap<[i32; D], u64>>,
+}
+
+/// Return the index of node `n` of a block in its lattice.
+pub(crate) fn node_of<const D: usize>(block: &[i32; D], n: usize) -> [i32; D] {
+    let mut rest = n;
+    std::array::from_fn(|d| {
+        let within = rest % BLOCK;
+        rest /= BLOCK;
+        block[d] * BLOCK as i32 + within as i32
+    })
+}
+
+/// Return the block of a node of a lattice, and its number there.
+pub(crate) fn block_of<const D: usize>(node: &[i32; D]) -> ([i32; D], usize) {
+    let within = (0..D).rev().fold(0, |n, d| n * BLOCK + node[d].rem_euclid(BLOCK as i32) as usize);
+    (node.map(|x| x.div_euclid(BLOCK as i32)), within)
 }
 
 /// Particle in a block whose level differs from its own.
@@ -216,7 +234,42 @@ impl<const D: usize> Levels<D> {
             refined.pop();
         }
         let lattices = Lattices::several(base, offset_of_levels(halving));
-        Levels { lattices, halving, nodes: nodes as i32, refined }
+        let mut levels = Levels { lattices, halving, nodes: nodes as i32, refined, dependent: vec![HashMap::new()] };
+        for level in 1..levels.count() {
+            levels.dependent.push(levels.find_dependent(level));
+        }
+        levels
+    }
+
+    /// Find the dependent nodes of a level in and around its blocks.
+    fn find_dependent(&self, level: usize) -> HashMap<[i32; D], u64> {
+        let mut found = HashMap::new();
+        let around = |block: &[i32; D]| {
+            let block = *block;
+            (0..3usize.pow(D as u32)).map(move |n| {
+                let o = crate::dim::offset::<D>(n);
+                std::array::from_fn(|d| block[d] + o[d])
+            })
+        };
+        for refined in &self.refined[level - 1] {
+            if around(refined).all(|block| self.is_refined(level - 1, &block)) {
+                continue;
+            }
+            for n in 0..4usize.pow(D as u32) {
+                let mut rest = n;
+                let block: [i32; D] = std::array::from_fn(|d| {
+                    let at = 2 * refined[d] - 1 + (rest % 4) as i32;
+                    rest /= 4;
+                    at
+                });
+                found.entry(block).or_insert_with(|| {
+                    let dependent = |n: &usize| self.support_leaves(level, &node_of(&block, *n));
+                    (0..block_nodes(D)).filter(dependent).fold(0, |nodes, n| nodes | 1 << n)
+                });
+            }
+        }
+        found.retain(|_, nodes| *nodes != 0);
+        found
     }
 
     /// Lattices of the levels.
@@ -259,11 +312,17 @@ impl<const D: usize> Levels<D> {
         }
         level
     }
-    /// Return true if a node of a level is dependent: its support is not within the refined blocks of the coarser level.
+    /// Return the dependent nodes of a block of a level, one bit each.
+    pub(crate) fn dependent(&self, level: usize, block: &[i32; D]) -> u64 {
+        self.dependent.get(level).and_then(|blocks| blocks.get(block)).copied().unwrap_or(0)
+    }
+    /// Return true if a node of a level is dependent.
     pub(crate) fn is_dependent(&self, level: usize, node: &[i32; D]) -> bool {
-        if level == 0 {
-            return false;
-        }
+        let (block, within) = block_of(node);
+        self.dependent(level, &block) >> within & 1 != 0
+    }
+    /// Return true if the support of a node of a level is not within the refined blocks of the coarser level.
+    fn support_leaves(&self, level: usize, node: &[i32; D]) -> bool {
         // Bins from which particles reach the node.
         let last = node.map(|j| j - first_node(self.nodes as usize));
         let blocks = last.map(|b| [b - self.nodes + 1, b].map(|bin| bin.div_euclid(2 * BLOCK as i32)));
@@ -274,19 +333,25 @@ impl<const D: usize> Levels<D> {
     }
     /// Return true if particles of a block of a level may reach a dependent node.
     pub(crate) fn is_at_border(&self, level: usize, block: &[i32; D]) -> bool {
+        let none = |n: usize| {
+            let o = crate::dim::offset::<D>(n);
+            self.dependent(level, &std::array::from_fn(|d| block[d] + o[d])) == 0
+        };
+        if level == 0 || (0..3usize.pow(D as u32)).all(none) {
+            return false;
+        }
         // Nodes of the tile: those that the bins of the block reach.
         let first = block.map(|b| b * BLOCK as i32 + first_node(self.nodes as usize));
         let tile = BLOCK as i32 + self.nodes - 1;
-        level > 0
-            && (0..tile.pow(D as u32)).any(|n| {
-                let mut rest = n;
-                let node = std::array::from_fn(|d| {
-                    let at = first[d] + rest % tile;
-                    rest /= tile;
-                    at
-                });
-                self.is_dependent(level, &node)
-            })
+        (0..tile.pow(D as u32)).any(|n| {
+            let mut rest = n;
+            let node = std::array::from_fn(|d| {
+                let at = first[d] + rest % tile;
+                rest /= tile;
+                at
+            });
+            self.is_dependent(level, &node)
+        })
     }
     /// Call `visit` for every parent of a node of a level.
     pub(crate) fn parents(&self, node: &[i32; D], visit: &mut dyn FnMut(Parent<D>)) {
@@ -317,57 +382,67 @@ impl<const D: usize> Levels<D> {
         }
     }
 
-    /// Fill a shape with particles, `per_axis` along an edge of a cell of the level at their place. The volumes add up to that of
-    /// the particles on the coarsest level alone.
-    pub(crate) fn fill(
-        &self,
-        shape: &(impl Shape<D> + ?Sized),
-        per_axis: usize,
-        filling: &Filling,
-    ) -> Result<Seeds<D>, GeometryError> {
+    /// Select the particles of a shape from those of the lattice of each level. The volumes add up to that of the particles on
+    /// the coarsest level.
+    pub(crate) fn select(&self, all: &[Seeds<D>]) -> Seeds<D> {
         let centre = crate::dim::centre(self.nodes as usize);
         let (mut positions, mut volumes) = (Vec::new(), Vec::new());
-        let (mut measure, mut half_size) = (0.0, [0.0; D]);
-        let mut coarser: Option<(Seeds<D>, HashSet<[i64; D]>)> = None;
-        for level in 0..self.count() {
-            // Particles of all levels are placed relative to the origin of the scene.
-            let lattice = Lattice::new(self.lattices.base.origin(), self.lattices.of(level).spacing())?;
-            let seeds = fill(shape, &lattice, per_axis, filling)?;
-            if level == 0 {
-                (measure, half_size) = (seeds.volumes.iter().sum::<f64>(), seeds.half_size);
-            }
+        for (level, seeds) in all.iter().enumerate() {
+            let coarser = level.checked_sub(1).map(|coarser| Near::of(&all[coarser]));
             for (x, volume) in seeds.positions.iter().zip(&seeds.volumes) {
-                // The particles within a coarser one are of one level: no gap opens at a border.
-                let within = coarser.as_ref().and_then(|(seeds, known)| {
-                    let place = place_of(seeds, x);
-                    known.contains(&place).then(|| position_of(seeds, &place))
-                });
-                let own = self.level_at(x, centre);
-                let due = within.map_or(own, |x| self.level_at(&x, centre));
-                if (level == 0 || due >= level) && own <= level {
+                // The parts of a particle of larger cells are of one level: no gap opens at a border.
+                let whole = coarser.as_ref().map(|near| near.nearest(x).unwrap_or(*x));
+                let due = whole.map_or(0, |x| self.level_at(&x, centre));
+                if due >= level && self.level_at(x, centre) <= level {
                     positions.push(*x);
                     volumes.push(*volume);
                 }
             }
-            let places = seeds.positions.iter().map(|x| place_of(&seeds, x)).collect();
-            coarser = Some((seeds, places));
         }
+        let (measure, half_size) =
+            all.first().map_or((0.0, [0.0; D]), |seeds| (seeds.volumes.iter().sum::<f64>(), seeds.half_size));
         let sum: f64 = volumes.iter().sum();
-        if sum != measure {
+        if sum > 0.0 && sum != measure {
             volumes.iter_mut().for_each(|volume| *volume *= measure / sum);
         }
-        Ok(Seeds::placed(positions, volumes, half_size))
+        Seeds::placed(positions, volumes, half_size)
     }
 }
 
-/// Return the place of the particle of a lattice of particles whose box contains a position.
-fn place_of<const D: usize>(seeds: &Seeds<D>, x: &[f64; D]) -> [i64; D] {
-    let first = seeds.positions[0];
-    std::array::from_fn(|d| ((x[d] - first[d]) / (2.0 * seeds.half_size[d])).round() as i64)
+/// Search for the particle nearest to a position.
+struct Near<'a, const D: usize> {
+    seeds: &'a Seeds<D>,
+    spacing: f64,
+    cells: HashMap<[i64; D], Vec<u32>>,
 }
 
-/// Return the position of a place in a lattice of particles, m.
-fn position_of<const D: usize>(seeds: &Seeds<D>, place: &[i64; D]) -> [f64; D] {
-    let first = seeds.positions[0];
-    std::array::from_fn(|d| first[d] + 2.0 * seeds.half_size[d] * place[d] as f64)
+impl<'a, const D: usize> Near<'a, D> {
+    fn of(seeds: &'a Seeds<D>) -> Self {
+        let spacing = seeds.half_size.iter().fold(0.0, |a: f64, b| a.max(2.0 * b));
+        let mut near = Near { seeds, spacing, cells: HashMap::new() };
+        for (n, x) in seeds.positions.iter().enumerate() {
+            near.cells.entry(near.cell(x)).or_default().push(n as u32);
+        }
+        near
+    }
+    fn cell(&self, x: &[f64; D]) -> [i64; D] {
+        x.map(|x| (x / self.spacing).floor() as i64)
+    }
+    /// Return the position of the nearest particle in the cells around, m; the first of several.
+    fn nearest(&self, x: &[f64; D]) -> Option<[f64; D]> {
+        let middle = self.cell(x);
+        let mut best: Option<(f64, u32)> = None;
+        for n in 0..3usize.pow(D as u32) {
+            let o = crate::dim::offset::<D>(n);
+            let cell = std::array::from_fn(|d| middle[d] + i64::from(o[d]));
+            for &n in self.cells.get(&cell).into_iter().flatten() {
+                let y = &self.seeds.positions[n as usize];
+                let square: f64 = (0..D).map(|d| (x[d] - y[d]).powi(2)).sum();
+                if best.is_none_or(|best| (square, n) < best) {
+                    best = Some((square, n));
+                }
+            }
+        }
+        best.map(|(_, n)| self.seeds.positions[n as usize])
+    }
 }

@@ -7,7 +7,7 @@ use super::mpm::Mpm;
 use crate::dim::{BLOCK, centre};
 use crate::grid::Levels;
 use crate::grid::levels::{FURTHEST_BLOCK, Lattices, MOST_LEVELS, offset_of_levels};
-use impactite_geometry::{Filling, GeometryError, Seeds, Shape, fill};
+use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
 use impactite_scene::boundary::Boundary;
 use impactite_scene::condition::Condition;
 use impactite_scene::error::SceneError;
@@ -114,9 +114,24 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         per_axis: usize,
         filling: &Filling,
     ) -> Result<Seeds<D>, GeometryError> {
+        let lattices = self.seed_lattices();
+        let all = lattices.iter().map(|lattice| fill(shape, lattice, per_axis, filling));
+        Ok(self.seeds_of_levels(&all.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// Lattices whose cells particles fill, from the largest cells to the smallest: all have the origin of the scene.
+    pub fn seed_lattices(&self) -> Vec<Lattice<D>> {
+        let base = *self.grid.lattice();
+        let of = |spacing| Lattice::new(base.origin(), spacing).unwrap_or(base);
+        self.cell_sizes().into_iter().map(of).collect()
+    }
+
+    /// Return the particles of a shape from those of every lattice of [`Mpm::seed_lattices`]: each where its cells are.
+    /// The volumes add up to that on the largest cells.
+    pub fn seeds_of_levels(&self, all: &[Seeds<D>]) -> Seeds<D> {
         match self.grid.fields.levels() {
-            Some(levels) => levels.fill(shape, per_axis, filling),
-            None => fill(shape, self.grid.lattice(), per_axis, filling),
+            Some(levels) => levels.select(all),
+            None => all.first().cloned().unwrap_or_else(|| Seeds::placed(Vec::new(), Vec::new(), [0.0; D])),
         }
     }
 
@@ -226,7 +241,7 @@ mod tests {
     use super::*;
     use crate::grid::Halving;
     use crate::{Apic, BlockGrid, CubicBSpline, FullSpace, IntoKernels, Method, PlaneStrain, QuadraticBSpline, Usl};
-    use impactite_geometry::{Cuboid, Lattice};
+    use impactite_geometry::Cuboid;
     use impactite_scene::TimeControl;
     use mpm_materials::{LinearElastic, Moduli};
 

@@ -4,6 +4,7 @@
 mod absorbing;
 mod hooks;
 mod incline;
+mod levels;
 mod own;
 mod periodic;
 mod same_bits;

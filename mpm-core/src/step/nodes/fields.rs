@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::block_place::BlockPlace;
-use super::layout::{Claim, Layout, whole_block};
-use crate::dim::{BLOCK, block_nodes};
-use crate::grid::levels::{pack, unpack_block};
+use super::layout::{Claim, Layout, numbers, whole_block};
+use crate::dim::block_nodes;
+use crate::grid::levels::{block_of, node_of, pack, unpack_block};
 use crate::grid::{GridStorage, Lattices, Levels, OutsideGrid};
 use impactite_geometry::Lattice;
 use crate::step::bodies::body::GridBody;
@@ -131,12 +131,8 @@ impl<const D: usize> Fields<D> {
             for n in from..end {
                 let Claim { coordinates, body, .. } = claims[n];
                 let (level, block) = unpack_block(&coordinates);
-                for node in (0..block_nodes(D)).filter(|_| level > 0) {
-                    let node = node_of(&block, node);
-                    if !levels.is_dependent(level, &node) {
-                        continue;
-                    }
-                    levels.parents(&node, &mut |parent| {
+                for node in numbers(levels.dependent(level, &block)) {
+                    levels.parents(&node_of(&block, node), &mut |parent| {
                         let (block, within) = block_of(&parent.node);
                         *parents.entry((pack(level - 1, block), body)).or_insert(0) |= 1 << within;
                     });
@@ -394,22 +390,6 @@ impl<const D: usize> Fields<D> {
             + (self.places.capacity() + 2 * self.joined.capacity()) * size_of::<u32>()
             + self.found.capacity() * size_of::<(u32, Giver)>()
     }
-}
-
-/// Return the index of node `n` of a block in its lattice.
-pub(in crate::step) fn node_of<const D: usize>(block: &[i32; D], n: usize) -> [i32; D] {
-    let mut rest = n;
-    std::array::from_fn(|d| {
-        let within = rest % BLOCK;
-        rest /= BLOCK;
-        block[d] * BLOCK as i32 + within as i32
-    })
-}
-
-/// Return the block of a node of a lattice, and its number there.
-pub(in crate::step) fn block_of<const D: usize>(node: &[i32; D]) -> ([i32; D], usize) {
-    let within = (0..D).rev().fold(0, |n, d| n * BLOCK + node[d].rem_euclid(BLOCK as i32) as usize);
-    (node.map(|x| x.div_euclid(BLOCK as i32)), within)
 }
 
 /// Number of bodies in a 3D block from which fields store only the nodes that are reached; a 2D block has few nodes. With

@@ -8,9 +8,9 @@
 //!
 //! so that a linear velocity field is reproduced exactly. The correction has no sum: C reproduces linear functions.
 
-use super::fields::{Fields, block_of, node_of};
-use super::layout::NodeSums;
-use crate::grid::levels::{pack, unpack_block};
+use super::fields::Fields;
+use super::layout::{NodeSums, numbers};
+use crate::grid::levels::{block_of, node_of, pack, unpack_block};
 use crate::grid::{GridStorage, Node};
 use crate::step::bodies::body::GridBody;
 use impactite_simd::Float;
@@ -68,11 +68,9 @@ impl<T: Float> Ties<T> {
                     continue;
                 }
                 let owner = fields.owner(block);
-                for n in super::layout::numbers(layout.kept(block)) {
+                for n in numbers(layout.kept(block) & levels.dependent(level, &coordinates)) {
                     let node = node_of(&coordinates, n);
-                    let Some(place) = layout.place(block, n).filter(|_| levels.is_dependent(level, &node)) else {
-                        continue;
-                    };
+                    let Some(place) = layout.place(block, n) else { continue };
                     levels.parents(&node, &mut |parent| {
                         let (coordinates, within) = block_of(&parent.node);
                         let found = fields.find(grid, &pack(level - 1, coordinates), owner);
