@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::NodeWeight;
-use crate::grid::levels::{pack_node, unpack_node};
+use crate::grid::levels::{block_of, pack_node, unpack_node};
 use crate::grid::{Lattices, Levels};
 use crate::step::nodes::fields::Fields;
 use crate::step::nodes::wrap::Wrap;
@@ -90,10 +90,17 @@ impl<const D: usize> Folds<D> {
 
 /// Replace nodes that depend on those of larger cells by these.
 fn fold_levels<const D: usize>(levels: &Levels<D>, list: &mut Vec<NodeWeight<D>>) {
-    let mut n = 0;
+    let (mut n, mut last) = (0, None);
     while n < list.len() {
         let (level, node) = unpack_node(&list[n].node);
-        if !levels.is_dependent(level, &node) {
+        let (block, within) = block_of(&node);
+        // Consecutive nodes are mostly in one block.
+        let dependent = match last {
+            Some((known, nodes)) if known == (level, block) => nodes,
+            _ => levels.dependent(level, &block),
+        };
+        last = Some(((level, block), dependent));
+        if dependent >> within & 1 == 0 {
             n += 1;
             continue;
         }
