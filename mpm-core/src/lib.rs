@@ -88,7 +88,7 @@ pub use shape::{
     QuadraticBSpline, ShapeFunction,
 };
 pub use step::Scalar;
-pub use step::Refinement;
+pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove};
 pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Hook,
     HookError, Kernels, Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle,

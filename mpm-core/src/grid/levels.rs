@@ -272,6 +272,22 @@ impl<const D: usize> Levels<D> {
         found
     }
 
+    /// Return the levels of other refined blocks.
+    pub(crate) fn with_refined(&self, refined: Vec<Vec<[i32; D]>>) -> Self {
+        Levels::new(self.lattices.base, (self.halving, self.nodes as usize), refined)
+    }
+    /// Return the levels in which these blocks, each with its level, are refined, too; none if all of them are.
+    pub(crate) fn refined_also(&self, blocks: impl Iterator<Item = (usize, [i32; D])>) -> Option<Self> {
+        let mut refined = self.refined.clone();
+        let mut any = false;
+        for (level, block) in blocks.filter(|(level, block)| !self.is_refined(*level, block)) {
+            refined.resize_with(refined.len().max(level + 1), Vec::new);
+            refined[level].push(block);
+            any = true;
+        }
+        any.then(|| self.with_refined(refined))
+    }
+
     /// Lattices of the levels.
     pub fn lattices(&self) -> Lattices<D> {
         self.lattices

@@ -57,6 +57,13 @@ impl<T: Float> Outbox<T> {
         &mut self.numbers[start..]
     }
 
+    /// Append the particles of another outbox of as many values.
+    pub fn append(&mut self, other: &Self) {
+        self.to.extend_from_slice(&other.to);
+        self.bin.extend_from_slice(&other.bin);
+        self.numbers.extend_from_slice(&other.numbers);
+    }
+
     /// Number of particles.
     pub fn posted(&self) -> usize {
         self.to.len()

@@ -22,6 +22,7 @@ use super::nodes::background::Background;
 use super::nodes::footprint::Footprint;
 use super::passes::kernels::{Facts, MethodKernels};
 use super::rigid::motion::Rigid;
+use super::regrid::Adaptive;
 use super::scene::Scene;
 use super::stepper::Stepper;
 use crate::grid::GridStorage;
@@ -43,6 +44,8 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) stepper: Stepper<T, D>,
     pub(super) between_steps: BetweenSteps,
     pub(super) hooks: Hooks<T, D>,
+    /// Criteria of smaller cells, if the scene has any.
+    pub(super) adaptive: Option<Adaptive<T, D>>,
     /// Names of all bodies so far, while several are added with a single arrangement of node blocks.
     pub(super) together: Option<HashSet<String>>,
     pub(super) team: Team,
@@ -72,6 +75,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             stepper,
             between_steps: BetweenSteps::default(),
             hooks: Hooks::default(),
+            adaptive: None,
             together: None,
             team: Team::one(),
             clock: Clock::default(),

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::mpm::Mpm;
 use crate::dim::{BLOCK, centre};
-use crate::grid::Levels;
+use crate::grid::{Halving, Levels};
 use crate::grid::levels::{FURTHEST_BLOCK, Lattices, MOST_LEVELS, offset_of_levels};
 use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
 use impactite_scene::boundary::Boundary;
@@ -65,6 +65,29 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// A scene with bodies; another method; a grid of limited size; periodic planes and conditions with a surface; a region
     /// that is empty, unbounded or too large; a number of halvings outside 1 to 7.
     pub fn refine(&mut self, regions: &[Refinement<D>]) -> Result<(), SceneError> {
+        let halving = self.check_refinement()?;
+        let facts = self.facts();
+        let mut refined: Vec<BTreeSet<[i32; D]>> = Vec::new();
+        let lattices = Lattices::several(*self.grid.lattice(), offset_of_levels(halving));
+        for Refinement { region, halvings } in regions {
+            if !(1..=MOST_LEVELS).contains(halvings) {
+                return Err(SceneError::Refinement { field: "halvings", value: *halvings as f64, allowed: "from 1 to 7" });
+            }
+            let level = halvings - 1;
+            refined.resize_with(refined.len().max(*halvings), BTreeSet::new);
+            let found = blocks_of(&**region, &lattices, level, centre(facts.nodes))?;
+            refined[level].extend(found);
+        }
+        let refined = refined.into_iter().map(|blocks| blocks.into_iter().collect()).collect();
+        let levels = Levels::new(*self.grid.lattice(), (halving, facts.nodes), refined);
+        if levels.count() > 1 {
+            self.grid.fields.set_levels(Arc::new(levels));
+        }
+        Ok(())
+    }
+
+    /// Return the refinement relation of the shape function, if the scene can have cells of several sizes.
+    pub(super) fn check_refinement(&self) -> Result<Halving, SceneError> {
         let what = "cells of several sizes";
         if !self.scene.bodies.is_empty() {
             return Err(self.not_with(what, "regions are set before bodies are added"));
@@ -84,24 +107,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if !self.grid.storage.is_unbounded() {
             return Err(self.not_with(what, "take `BlockGrid`"));
         }
-        let mut refined: Vec<BTreeSet<[i32; D]>> = Vec::new();
-        let lattices = Lattices::several(*self.grid.lattice(), offset_of_levels(halving));
-        for Refinement { region, halvings } in regions {
-            if !(1..=MOST_LEVELS).contains(halvings) {
-                return Err(SceneError::Refinement { field: "halvings", value: *halvings as f64, allowed: "from 1 to 7" });
-            }
-            let level = halvings - 1;
-            refined.resize_with(refined.len().max(*halvings), BTreeSet::new);
-            let found = blocks_of(&**region, &lattices, level, centre(facts.nodes))?;
-            refined[level].extend(found);
-        }
-        let refined = refined.into_iter().map(|blocks| blocks.into_iter().collect()).collect();
-        let levels = Levels::new(*self.grid.lattice(), (halving, facts.nodes), refined);
         self.check_boundaries_of_levels(&self.scene.conditions.boundaries)?;
-        if levels.count() > 1 {
-            self.grid.fields.set_levels(Arc::new(levels));
-        }
-        Ok(())
+        Ok(halving)
     }
 
     /// Fill a shape with particles, `per_axis` along an edge of a cell, of the cells at their place.
@@ -239,7 +246,6 @@ fn blocks_of<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Halving;
     use crate::{Apic, BlockGrid, CubicBSpline, FullSpace, IntoKernels, Method, PlaneStrain, QuadraticBSpline, Usl};
     use impactite_geometry::Cuboid;
     use impactite_scene::TimeControl;

@@ -85,6 +85,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.reactivate_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only if nothing is mapped yet)
+        self.plan_regrid();
         let dt = self.time_step(left)?;
         if self.clock.time + dt.to_double() == self.clock.time {
             let allowed = "long enough to move the clock: let it start at an earlier time (`Mpm::set_time`)";
@@ -109,6 +110,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.complete_trial(dt)?;
+            self.begin_regrid();
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if remap {
                 self.stage(dt).remap_velocities(dt); // x: eq. 3 again
@@ -162,7 +164,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.scene.bodies.iter().filter_map(|b| Some(b.division()?.splits().kinetic)).sum();
         let last = self.facts().last_pass();
         let age = self.clock.steps - self.grid.arranged;
-        let prune = if self.grid.ahead {
+        let prune = self.regrids() || if self.grid.ahead {
             age >= PRUNE_AHEAD
         } else {
             self.clock.steps % PRUNE_EVERY == PRUNE_EVERY - 1
@@ -175,7 +177,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             *changed = body.locate(last, prune, team);
         });
         self.stepper.at_particles += clock.elapsed();
-        let changed = self.stepper.changed.contains(&true);
+        let changed = self.end_regrid() || self.stepper.changed.contains(&true);
         if changed || self.grid.fields_changed(&mut self.scene, prune) {
             self.grid.ahead =
                 self.scene.contact.separates() && age < OFTEN && self.particles() < FEW * self.blocks();

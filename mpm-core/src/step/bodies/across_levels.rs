@@ -12,7 +12,8 @@ use crate::particles::{Columns, Masses, Outbox, Sent, split};
 use crate::step::passes::migrate::MigrationPayload;
 use crate::step::passes::slot::{Common, Slot};
 use crate::step::passes::spread::Maps;
-use impactite_simd::Float;
+use impactite_simd::{Float, Team};
+use std::sync::Arc;
 
 /// Size of a particle, over that of the seeds in the cells of its level, above which it is divided in a finer level.
 const DIVIDED_FROM: f64 = 0.75;
@@ -61,6 +62,33 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         (mass.to_double() / (self.material.density().to_double() * seed)).powf(1.0 / D as f64)
     }
 
+    /// Change the cells of blocks: their particles leave them in the next pass.
+    pub(super) fn change_levels(&mut self, levels: &Arc<Levels<D>>) {
+        (self.lattices, self.levels) = (levels.lattices(), Some(levels.clone()));
+        let mut slots = std::mem::take(&mut self.slots);
+        for slot in &mut slots {
+            let (level, block) = unpack_block(&slot.block.coordinates);
+            slot.evacuated = levels.crossing(level, &block).is_some();
+            slot.affine = self.border_of(&slot.block.coordinates);
+        }
+        self.slots = slots;
+        self.link_slots();
+    }
+
+    /// Call `visit` for every block with a particle whose state variable `state` is `least` or more, in the order of blocks.
+    pub(super) fn blocks_above(&self, state: &str, least: f64, team: &Team, visit: &mut dyn FnMut(&[i32; D])) {
+        let Some(column) = self.columns.state_names().iter().position(|name| name == state) else { return };
+        let mut above = vec![false; self.index.len()];
+        team.each(&mut above, |n, above| {
+            let block = &self.slots[self.index[n].1 as usize].block;
+            let row = Columns::state(D) + column;
+            *above = block.places().any(|(_, at)| block.get(at, row).to_double() >= least);
+        });
+        for (_, (block, _)) in above.iter().zip(&self.index).filter(|(above, _)| **above) {
+            visit(block);
+        }
+    }
+
     /// Collect the particles that entered blocks of another level in the last pass, and append the missing ones of these
     /// blocks to `wanted`.
     pub(super) fn find_crossers(&mut self, payload: &MigrationPayload, wanted: &mut Vec<[i32; D]>) {
@@ -70,9 +98,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let index = std::mem::take(&mut self.index);
         for &(coordinates, s) in &index {
             let (sent, (level, block)) = (self.sent[s as usize], unpack_block(&coordinates));
+            let evacuated = self.slots[s as usize].evacuated;
             for to in (0..neighbours(D)).filter(|to| sent.goes(*to)) {
                 let beside = shifted(&block, &offset(to));
-                if levels.crossing(level, &beside).is_some() {
+                if evacuated || levels.crossing(level, &beside).is_some() {
                     self.cross(&levels, (level, &beside), (sent, to), payload, &mut crossers);
                 }
             }

@@ -1,10 +1,12 @@
 //! Interface of bodies to the solver: dynamic dispatch between bodies, static inside the loops.
 
+use std::sync::Arc;
+
 use mpm_contact::{NearPoint, SurfaceQuantity};
 
 use super::capability::{ClientSteps, Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::load::Loading;
-use crate::grid::Node;
+use crate::grid::{Levels, Node};
 use crate::step::clients::new_particles::NewParticles;
 use crate::step::nodes::footprint::Footprint;
 use crate::step::nodes::layout::Claim;
@@ -241,6 +243,14 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     /// True if the law bears shear and tension, so that the body is one piece of matter.
     fn coheres(&self) -> bool {
         false
+    }
+    /// Change the cells of blocks: their particles leave them in the next pass.
+    fn set_levels(&mut self, levels: &Arc<Levels<D>>) {
+        let _ = levels;
+    }
+    /// Call `visit` for every block with a particle whose state variable `state` is `least` or more, in the order of blocks.
+    fn each_block_above(&self, state: &str, least: f64, team: &Team, visit: &mut dyn FnMut(&[i32; D])) {
+        let _ = (state, least, team, visit);
     }
     /// Bytes per particle.
     fn particle_bytes(&self) -> usize;

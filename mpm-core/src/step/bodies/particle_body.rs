@@ -123,7 +123,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     /// Link each slot to its neighbours.
     pub(in crate::step) fn link_slots(&mut self) {
-        let (index, levels) = (&mut self.index, self.levels.as_deref());
+        let (index, levels, here) = (&mut self.index, self.levels.as_deref(), neighbours(D) / 2);
         index.clear();
         index.extend(self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)));
         index.sort_unstable();
@@ -134,7 +134,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 let beside = self.wrap.block(shifted(&c, &offset(n)));
                 let place = index.binary_search_by_key(&beside, |entry| entry.0);
                 *around = place.map_or(NONE, |place| index[place].1);
-                if *around != NONE && crosses(levels, &c, n).is_some() {
+                // Particles enter and leave blocks of another level on their own way.
+                if *around != NONE && (crosses(levels, &c, n).is_some() || crosses(levels, &c, here).is_some()) {
                     *around = NONE;
                 }
             }
@@ -228,7 +229,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let slot = &self.slots[slot as usize];
             self.splits.cuts += u64::from(slot.report.splits);
             self.splits.kinetic += slot.report.revealed.to_double();
-            rate = rate.max(slot.report.rate);
+            // Particles that leave for smaller cells are faster across them.
+            let smaller = if slot.evacuated { T::of(2.0) } else { T::of(1.0) };
+            rate = rate.max(slot.report.rate * smaller);
             (0..4).for_each(|k| moments[k] += slot.report.moments[k].to_double());
             if let Some(trouble) = slot.report.trouble {
                 return Err(self.describe(slot, &trouble));
@@ -327,6 +330,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         if let Some((which, dt)) = self.unloaded.take() {
             self.map_loads(which, dt, team);
         }
+        if self.levels.is_some() {
+            self.slots.iter_mut().for_each(|slot| slot.evacuated = false);
+        }
         if prune && self.slots.iter().any(|s| s.block.is_empty()) {
             // A block without particles contains no contributions: particles that left map where they arrive.
             self.spare.extend(self.slots.extract_if(.., |s| s.block.is_empty()));
@@ -349,7 +355,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             while directions != 0 {
                 let to = directions.trailing_zeros() as usize;
                 directions &= directions - 1;
-                if slot.slots_around[to] == NONE && crosses(levels, &slot.block.coordinates, to).is_none() {
+                if slot.slots_around[to] == NONE
+                    && !slot.evacuated
+                    && crosses(levels, &slot.block.coordinates, to).is_none()
+                {
                     wanted.push(self.wrap.block(shifted(&slot.block.coordinates, &offset(to))));
                 }
             }
@@ -368,6 +377,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 Some(mut slot) => {
                     slot.block.place_at(c);
                     slot.affine = self.border_of(&c);
+                    slot.evacuated = false;
                     slot.rows = 0;
                     slot.report = Report::default();
                     slot
@@ -388,6 +398,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             linked: 0,
             report: Report::default(),
             affine: self.border_of(&coordinates),
+            evacuated: false,
         }
     }
 
@@ -513,6 +524,12 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     }
     fn coheres(&self) -> bool {
         self.coheres
+    }
+    fn set_levels(&mut self, levels: &Arc<Levels<D>>) {
+        self.change_levels(levels);
+    }
+    fn each_block_above(&self, state: &str, least: f64, team: &Team, visit: &mut dyn FnMut(&[i32; D])) {
+        self.blocks_above(state, least, team, visit);
     }
     fn particle_bytes(&self) -> usize {
         self.columns.bytes::<T>()

@@ -195,7 +195,7 @@ where
         }
         let Task { material, nodes, around, slot, next: soon, sent, scratch, common, .. } = task;
         let Scratch { number: thread, movers, tile_in, idle, batch } = scratch;
-        let Slot { block, tile, rows, report, affine, .. } = slot;
+        let Slot { block, tile, rows, report, affine, evacuated, .. } = slot;
         let (tile, tile_in, sent_before) = (tile.all_mut(), tile_in.records(), movers.out.posted());
         let mut stencil = Stencilled::<T, ExtentOf<P, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<P, T, D>>(D));
@@ -303,6 +303,7 @@ where
                         if const { P::DOES.moves && !P::TOTAL } && common.splitter.is_on() {
                             long = too_long::<T, D>(&groups, material, common, part, x.lane(0));
                         }
+                        let gone = gone | if *evacuated { all_lanes(part.here) } else { 0 };
                         if gone | long != 0 {
                             let mut gradient = [[T::default(); MAX_LANES]; 9];
                             if long != 0 {
@@ -376,6 +377,7 @@ where
                         let part = Part { members: entry.members, here };
                         long = too_long::<T, D>(&groups, material, common, part, x.lane(0));
                     }
+                    let gone = gone | if *evacuated { all_lanes(here) } else { 0 };
                     if gone | long != 0 {
                         let mut gradient = [[T::default(); MAX_LANES]; 9];
                         if long != 0 {
@@ -405,7 +407,9 @@ where
         if does.moves && !P::TOTAL {
             let here = neighbours(D) / 2;
             let stayed = movers.within.since(0, 0);
-            if stayed.goes(here) {
+            if *evacuated {
+                movers.out.append(&movers.within);
+            } else if stayed.goes(here) {
                 shapes.take_in(
                     block,
                     (&mut tile[..], rows, affine),
@@ -422,6 +426,11 @@ where
         }
         report.rate /= common.spacing;
     }
+}
+
+/// Return the bits of the first `here` lanes.
+const fn all_lanes(here: usize) -> u32 {
+    ((1u64 << here) - 1) as u32
 }
 
 /// Return the offsets of the particles of a group from the centre of their bin, cells.

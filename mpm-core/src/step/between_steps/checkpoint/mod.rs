@@ -67,6 +67,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(in crate::step) fn archive_here(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.recognise(file)?;
+        self.archive_levels(file)?;
         self.clock.archive(file)?;
         self.compare_constants(file)?;
         file.numbers([&mut self.stepper.planned, &mut self.stepper.rate])?;
@@ -105,7 +106,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
-        file.same("refined blocks", &format!("{:?}", self.grid.fields.levels().map(|levels| levels.refined())))?;
         file.same(
             "kinetic damping",
             if self.between_steps.kinetic_damping.is_some() { "on" } else { "off" },
