@@ -7,6 +7,7 @@ use crate::error::{Fault, InputError};
 use crate::model::SceneFile;
 use crate::model::body::Mesh;
 use crate::model::method::{Method, TimeStep};
+use crate::quantity::Quantity;
 
 /// Key of a size that determines the resolution.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +35,8 @@ impl Source {
         };
         let size = |key: String, value, unit| Size { key, value, unit };
         let length = match &scene.method {
-            Method::Mpm(m) => Some(("method.mpm.cell", m.cell)),
+            Method::Mpm(m) if m.cell.fine.is_some() => None,
+            Method::Mpm(m) => Some(("method.mpm.cell", Quantity::new(m.cell.value))),
             Method::Sph(m) => Some(("method.sph.spacing", m.spacing)),
             Method::Fpm(m) => Some(("method.fpm.spacing", m.spacing)),
             Method::Pcmm(m) => Some(("method.pcmm.spacing", m.spacing)),
@@ -43,6 +45,12 @@ impl Source {
         };
         let mut sizes: Vec<Size> =
             length.map(|(key, q)| size(key.into(), q.value, "m")).into_iter().collect();
+        if let Method::Mpm(m) = &scene.method
+            && let Some(fine) = m.cell.fine
+        {
+            sizes.push(size("method.mpm.cell.coarse".into(), m.cell.value, "m"));
+            sizes.push(size("method.mpm.cell.fine".into(), fine, "m"));
+        }
         for (name, body) in &scene.bodies {
             let file = match &body.mesh {
                 Some(Mesh::Edge(edge)) => {

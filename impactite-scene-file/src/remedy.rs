@@ -43,6 +43,20 @@ pub const REMEDIES: &[Remedy] = &[
         "FLIP with MUSL where nothing spins (`method.mpm.for = \"machine parts\"` or, instead of `method.mpm.for`, `method.mpm.parts = { shape_function = \"linear\", \
          transfer = \"flip\", stress_update = \"musl\" }`)",
     ),
+    remedy(
+        "take `QuadraticBSpline` or `CubicBSpline`",
+        "take `method.mpm.for = \"impact\"` or `method.mpm.parts.shape_function = \"quadratic_b_spline\"`",
+    ),
+    remedy(
+        "take `Apic` or `Aflip`",
+        "take `method.mpm.for = \"impact\"` or `method.mpm.parts.transfer = \"apic\"`",
+    ),
+    remedy("take `BlockGrid`", "remove `method.mpm.grid`"),
+    remedy(
+        "remove the refined regions",
+        "remove `method.mpm.refine`, and `fine` from `method.mpm.cell`",
+    ),
+    remedy("or the refined regions", "or `method.mpm.refine` and `method.mpm.cell.fine`"),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(
         "or filter it (`Mpm::set_null_space_filter`)",

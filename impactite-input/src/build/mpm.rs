@@ -11,7 +11,7 @@ use impactite::geometry::Lattice;
 use impactite::materials::ParameterError;
 use impactite::materials::material::Material;
 use impactite::mpm::{
-    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
+    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene, NearContact,
     OneField, Refinement, Rigid, Splitting, Traction, Twist,
 };
 use impactite::scene::Solver;
@@ -140,7 +140,19 @@ fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mp
         let region = world.region(&format!("{key}.region"), &refine.region)?;
         regions.push(Refinement { region, halvings: refine.halvings as usize });
     }
-    if regions.is_empty() { Ok(()) } else { mpm.refine(&regions).at("method.mpm.refine") }
+    if !regions.is_empty() {
+        mpm.refine(&regions).at("method.mpm.refine")?;
+    }
+    let Some(fine) = options.cell.fine else { return Ok(()) };
+    let key = "method.mpm.cell.fine";
+    let halvings = (options.cell.value / fine).log2();
+    if !(fine > 0.0 && halvings > 0.0 && halvings <= 7.0) {
+        let message = format!("{fine} m is not allowed; it must be smaller than `coarse`, and a 128th of it or more");
+        return wrong(key, message);
+    }
+    // Sizes that are meant to be a power of two apart may differ by rounding.
+    let halvings = (halvings - 1e-9).ceil() as usize;
+    mpm.refine_where(vec![Box::new(NearContact::default())], halvings).at(key)
 }
 
 /// Create the contact detector of a key.

@@ -1,7 +1,12 @@
 //! Numerical methods.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
+use std::fmt::Formatter;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Vector;
 use super::parts::parts;
@@ -40,8 +45,9 @@ pub enum Method {
 parts! {
     /// Material point method.
     Mpm {
-        /// Edge of a cell of the background grid.
-        cell: Quantity<Length>,
+        /// Edge of a cell of the background grid; or `{ coarse, fine }`: cells of `coarse`, halved down to `fine` near walls and other bodies
+        /// while the scene runs.
+        cell: CellSize,
         /// Purpose, which chooses the parts of the method. Instead of it `parts`.
         #[serde(default, rename = "for")]
         #[schemars(example = "contact at rest", extend("default" = Purpose::default()))]
@@ -84,6 +90,13 @@ parts! {
         #[serde(default = "once")]
         #[schemars(example = 2, extend("minimum" = 1, "maximum" = 7))]
         halvings: u32,
+    }
+    /// Edges of the largest and the smallest cells. Halved cells are for B-splines with `apic` or `aflip`, as `for = "impact"` has them.
+    CellRange {
+        /// Edge of the largest cells.
+        coarse: Quantity<Length>,
+        /// Largest edge of the smallest cells: cells of `coarse` are halved as often as needed, 7 times at most.
+        fine: Quantity<Length>,
     }
     /// Incompressible flow of a liquid with a free surface.
     Flow {
@@ -229,6 +242,62 @@ parts! {
         /// Cells of a face part as it begins to soften. Otherwise they stay joined until the face carries nothing.
         #[serde(default)]
         parted: bool,
+    }
+}
+
+/// Edge of a cell, or of the largest and the smallest cells.
+#[derive(Clone, Copy, Debug)]
+pub struct CellSize {
+    /// Edge of a cell, or of the largest ones, m.
+    pub value: f64,
+    /// Largest edge of the smallest cells, m, if a range is given.
+    pub fine: Option<f64>,
+}
+
+impl<'de> Deserialize<'de> for CellSize {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Reads;
+        impl Reads {
+            fn one<'de, D: Deserializer<'de>>(from: D) -> Result<CellSize, D::Error> {
+                Quantity::<Length>::deserialize(from).map(|cell| CellSize { value: cell.value, fine: None })
+            }
+        }
+        impl<'de> Visitor<'de> for Reads {
+            type Value = CellSize;
+            fn expecting(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+                write!(f, "a length: a number in m, a text with a unit as \"3 m\", or `{{ coarse, fine }}`")
+            }
+            fn visit_f64<E: Error>(self, value: f64) -> Result<CellSize, E> {
+                Reads::one(value.into_deserializer())
+            }
+            fn visit_i64<E: Error>(self, value: i64) -> Result<CellSize, E> {
+                Reads::one(value.into_deserializer())
+            }
+            fn visit_u64<E: Error>(self, value: u64) -> Result<CellSize, E> {
+                Reads::one(value.into_deserializer())
+            }
+            fn visit_str<E: Error>(self, text: &str) -> Result<CellSize, E> {
+                Reads::one(text.into_deserializer())
+            }
+            fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<CellSize, A::Error> {
+                CellRange::deserialize(MapAccessDeserializer::new(map))
+                    .map(|range| CellSize { value: range.coarse.value, fine: Some(range.fine.value) })
+            }
+        }
+        from.deserialize_any(Reads)
+    }
+}
+
+impl JsonSchema for CellSize {
+    fn schema_name() -> Cow<'static, str> {
+        "CellSize".into()
+    }
+    fn inline_schema() -> bool {
+        true
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let (one, range) = (generator.subschema_for::<Quantity<Length>>(), generator.subschema_for::<CellRange>());
+        json_schema!({ "anyOf": [one, range] })
     }
 }
 

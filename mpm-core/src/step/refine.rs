@@ -144,8 +144,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Sizes of the cells, m, from the largest to the smallest.
     pub fn cell_sizes(&self) -> Vec<f64> {
-        let count = self.grid.fields.levels().map_or(1, |levels| levels.count());
-        (0..count).map(|level| self.grid.fields.lattices().of(level).spacing()).collect()
+        self.sizes_of(self.grid.fields.levels().map_or(1, |levels| levels.count()))
+    }
+
+    /// Sizes of the cells, m, those included that criteria may ask for.
+    pub(super) fn all_cell_sizes(&self) -> Vec<f64> {
+        let now = self.grid.fields.levels().map_or(1, |levels| levels.count());
+        self.sizes_of(now.max(self.most_halvings() + 1))
+    }
+
+    fn sizes_of(&self, count: usize) -> Vec<f64> {
+        let lattices = self.grid.fields.lattices();
+        (0..count).map(|level| lattices.of(level).spacing()).collect()
     }
 
     /// Size of the smallest cells, m.

@@ -226,6 +226,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         adaptive.pending = next.map(Arc::new);
     }
 
+    /// Largest number of halvings that criteria may ask for.
+    pub(super) fn most_halvings(&self) -> usize {
+        self.adaptive.as_ref().map_or(0, |adaptive| adaptive.halvings)
+    }
+
     /// Let the particles of blocks with new cells leave them in the next pass.
     pub(super) fn begin_regrid(&mut self) {
         if let Some(levels) = self.adaptive.as_ref().and_then(|adaptive| adaptive.pending.as_ref()) {

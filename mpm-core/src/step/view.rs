@@ -110,7 +110,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 /// Interface for the run loop, observers and checkpoints.
 impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     fn method(&self) -> String {
-        described(&self.facts().description, &Solver::bodies(self))
+        let mut parts = self.facts().description.clone();
+        if let [coarse, .., fine] = self.all_cell_sizes()[..] {
+            parts += &format!(", cells of {coarse:.3e} to {fine:.3e} m");
+        }
+        described(&parts, &Solver::bodies(self))
     }
     fn dimensions(&self) -> usize {
         D
