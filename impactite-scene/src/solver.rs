@@ -224,6 +224,6 @@ pub(crate) fn archive_body<S: Solver + ?Sized>(
 }
 
 /// Header of checkpoints.
-pub(crate) const TITLE: &str = "impactite checkpoint 12";
+pub(crate) const TITLE: &str = "impactite checkpoint 13";
 /// Header of checkpoints of runs with a preface.
-pub(crate) const PREFACED: &str = "impactite checkpoint 12 with a preface";
+pub(crate) const PREFACED: &str = "impactite checkpoint 13 with a preface";

@@ -123,6 +123,8 @@ mod pages {
     struct Observers;
     #[doc = include_str!("../../docs/book/src/pcmm.md")]
     struct Pcmm;
+    #[doc = include_str!("../../docs/book/src/resolution.md")]
+    struct Resolution;
     #[doc = include_str!("../../docs/book/src/restart.md")]
     struct Restart;
     #[doc = include_str!("../../docs/book/src/sph.md")]

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use super::bodies::body::GridBody;
 use super::mpm::Mpm;
 use super::nodes::at_wall::Plane;
+use super::nodes::layout::numbers;
 use crate::dim::{BLOCK, centre};
 use crate::grid::levels::{Levels, MOST_LEVELS, unpack_block};
 use impactite_scene::archive::{Archive, CheckpointError};
@@ -29,10 +30,12 @@ pub struct OccupiedBlock<const D: usize> {
     pub body: usize,
     /// Number of halvings of its cells.
     pub halvings: usize,
-    /// Lower and upper corner, m.
+    /// Lower corner of its cells with particles, m.
     pub low: [f64; D],
-    /// Upper corner, m.
+    /// Upper corner of its cells with particles, m.
     pub high: [f64; D],
+    /// Edge of the block, four cells, m.
+    pub edge: f64,
 }
 
 /// Scene between two steps, for criteria.
@@ -94,7 +97,7 @@ impl Default for NearContact {
 impl<T: Float, const D: usize> Criterion<T, D> for NearContact {
     fn mark(&self, view: &RegridView<'_, T, D>, marked: &mut [bool]) {
         let blocks = view.blocks();
-        let Some(widest) = blocks.iter().map(|b| b.high[0] - b.low[0]).reduce(f64::max) else { return };
+        let Some(widest) = blocks.iter().map(|block| block.edge).reduce(f64::max) else { return };
         let cell = widest * self.edges.max(1.0);
         let cells = |low: &[f64; D], high: &[f64; D]| {
             let ends: [[i64; 2]; D] = std::array::from_fn(|d| [low[d], high[d]].map(|x| (x / cell).floor() as i64));
@@ -115,7 +118,7 @@ impl<T: Float, const D: usize> Criterion<T, D> for NearContact {
         let walls: Vec<Plane<D>> =
             view.boundaries().iter().filter_map(|boundary| Plane::of(boundary, view.time)).collect();
         for (block, marked) in blocks.iter().zip(marked) {
-            let reach = self.edges * (block.high[0] - block.low[0]);
+            let reach = self.edges * block.edge;
             let (low, high) = (block.low.map(|x| x - reach), block.high.map(|x| x + reach));
             let meets = |other: &usize| {
                 let other = &blocks[*other];
@@ -195,14 +198,25 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let offset = centre(self.facts().nodes) - 0.5;
         let mut blocks = Vec::new();
         for (body, particles) in self.scene.bodies.iter().enumerate() {
-            particles.presence().each_block(&mut |at, _| {
+            particles.presence().each_block(&mut |at, occupied| {
                 let (halvings, block) = unpack_block(at);
                 let lattice = levels.lattices().of(halvings);
                 let (origin, h) = (lattice.origin(), lattice.spacing());
-                let corner = |more: i32| {
-                    std::array::from_fn(|d| origin[d] + h * (f64::from(BLOCK as i32 * (block[d] + more)) + offset))
+                // First and last layer of bins with particles along each axis.
+                let mut ends = [[BLOCK, 0]; D];
+                for bin in numbers(occupied) {
+                    let mut rest = bin;
+                    for [first, last] in &mut ends {
+                        (*first, *last) = ((*first).min(rest % BLOCK), (*last).max(rest % BLOCK));
+                        rest /= BLOCK;
+                    }
+                }
+                let face = |d: usize, layer: usize| {
+                    origin[d] + h * (f64::from(BLOCK as i32 * block[d] + layer as i32) + offset)
                 };
-                blocks.push(OccupiedBlock { at: *at, body, halvings, low: corner(0), high: corner(1) });
+                let (low, high) =
+                    (std::array::from_fn(|d| face(d, ends[d][0])), std::array::from_fn(|d| face(d, ends[d][1] + 1)));
+                blocks.push(OccupiedBlock { at: *at, body, halvings, low, high, edge: BLOCK as f64 * h });
             });
         }
         blocks.sort_by_key(|block| (block.body, block.at));

@@ -127,13 +127,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if !self.scene.contact.separates() {
             return Err(SceneError::NoContact("a rigid body"));
         }
-        self.check_levels("a rigid body")?;
         self.check_seeds(name, seeds)?;
         self.check_numbers(name, seeds, &|_| [0.0; D])?;
         if self.between_steps.kinetic_damping.is_some() && !rigid.is_prescribed() {
             return Err(SceneError::RestOfFree(name.into()));
         }
-        let body = RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), *self.grid.lattice(), seeds)?;
+        let body = {
+            let cells = (*self.grid.lattice(), self.grid.fields.levels());
+            RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), cells, seeds)?
+        };
         // Registered as rigid first: the arrangement of nodes at planes depends on it.
         self.scene.rigid.push(self.scene.bodies.len());
         let entered = self.enter(name, Box::new(body));

@@ -6,6 +6,7 @@ use mpm_materials::Material;
 use mpm_materials::material::{Described, Motion, PairOutput, Response, States, StatesMut};
 
 use super::motion::{Rigid, RigidState};
+use crate::grid::Levels;
 use crate::step::bodies::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use crate::step::bodies::load::{Loading, Loads};
 use crate::step::bodies::particle_body::ParticleBody;
@@ -98,13 +99,16 @@ impl<T: Float, const D: usize> RigidBody<T, D> {
         name: &str,
         rigid: &Rigid<D>,
         kernels: Arc<dyn MethodKernels<T, D>>,
-        lattice: Lattice<D>,
+        (lattice, levels): (Lattice<D>, Option<&Arc<Levels<D>>>),
         seeds: &Seeds<D>,
     ) -> Result<Self, SceneError> {
         let state = RigidState::new(name, rigid, seeds, kernels.facts().hoop)?;
         let law = Arc::new(Undeformed { density: T::of(rigid.density()) });
         let none = (Loads::default(), None);
         let mut particles = ParticleBody::empty(name, law, kernels, lattice, &seeds.half_size, none);
+        if let Some(levels) = levels {
+            particles.set_levels(levels);
+        }
         particles.seed(seeds, &|x| std::array::from_fn(|d| state.velocity_at(&x)[d]), None);
         Ok(RigidBody { particles, state })
     }
@@ -202,6 +206,9 @@ impl<T: Float, const D: usize> GridBody<T, D> for RigidBody<T, D> {
     }
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
         self.particles.locate(which, prune, team)
+    }
+    fn set_levels(&mut self, levels: &Arc<Levels<D>>) {
+        self.particles.set_levels(levels);
     }
     fn particle_bytes(&self) -> usize {
         self.particles.particle_bytes()
