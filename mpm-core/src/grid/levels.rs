@@ -178,8 +178,33 @@ pub struct Levels<const D: usize> {
     nodes: i32,
     /// Refined blocks of each level but the finest, in its lattice, sorted.
     refined: Vec<Vec<[i32; D]>>,
-    /// Dependent nodes of each level that its particles can reach, one bit a node, by block.
-    dependent: Vec<HashMap<[i32; D], u64>>,
+    /// Dependent nodes of each level that its particles can reach, by block.
+    borders: Vec<HashMap<[i32; D], Border<D>>>,
+}
+
+/// Dependent nodes of a block and their parents.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Border<const D: usize> {
+    /// Dependent nodes, one bit each.
+    pub(crate) nodes: u64,
+    /// Stored coordinates of the blocks of the parents, and the parents among their nodes, one bit each.
+    pub(crate) blocks: Vec<([i32; D], u64)>,
+    /// End of the parents of each dependent node, in order.
+    pub(crate) ends: Vec<u32>,
+    pub(crate) parents: Vec<ParentAt<D>>,
+}
+
+/// Parent of a dependent node, by its place.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ParentAt<const D: usize> {
+    /// Index of the block among those of the border.
+    pub(crate) block: u8,
+    /// Number of the node in the block.
+    pub(crate) within: u8,
+    /// Coefficient C_ji.
+    pub(crate) weight: f64,
+    /// Position relative to the dependent node, in its cells.
+    pub(crate) offset: [f64; D],
 }
 
 /// Return the index of node `n` of a block in its lattice.
@@ -234,15 +259,15 @@ impl<const D: usize> Levels<D> {
             refined.pop();
         }
         let lattices = Lattices::several(base, offset_of_levels(halving));
-        let mut levels = Levels { lattices, halving, nodes: nodes as i32, refined, dependent: vec![HashMap::new()] };
+        let mut levels = Levels { lattices, halving, nodes: nodes as i32, refined, borders: vec![HashMap::new()] };
         for level in 1..levels.count() {
-            levels.dependent.push(levels.find_dependent(level));
+            levels.borders.push(levels.find_borders(level));
         }
         levels
     }
 
     /// Find the dependent nodes of a level in and around its blocks.
-    fn find_dependent(&self, level: usize) -> HashMap<[i32; D], u64> {
+    fn find_borders(&self, level: usize) -> HashMap<[i32; D], Border<D>> {
         let mut found = HashMap::new();
         let around = |block: &[i32; D]| {
             let block = *block;
@@ -262,14 +287,37 @@ impl<const D: usize> Levels<D> {
                     rest /= 4;
                     at
                 });
-                found.entry(block).or_insert_with(|| {
-                    let dependent = |n: &usize| self.support_leaves(level, &node_of(&block, *n));
-                    (0..block_nodes(D)).filter(dependent).fold(0, |nodes, n| nodes | 1 << n)
-                });
+                found.entry(block).or_insert_with(|| self.border(level, &block));
             }
         }
-        found.retain(|_, nodes| *nodes != 0);
+        found.retain(|_, border| border.nodes != 0);
         found
+    }
+
+    /// Return the dependent nodes of a block of a level, and their parents.
+    fn border(&self, level: usize, block: &[i32; D]) -> Border<D> {
+        let mut border = Border { nodes: 0, blocks: Vec::new(), ends: Vec::new(), parents: Vec::new() };
+        for n in 0..block_nodes(D) {
+            let node = node_of(block, n);
+            if !self.support_leaves(level, &node) {
+                continue;
+            }
+            border.nodes |= 1 << n;
+            self.parents(&node, &mut |parent| {
+                let (at, within) = block_of(&parent.node);
+                let at = pack(level - 1, at);
+                let known = border.blocks.iter().position(|known| known.0 == at);
+                let number = known.unwrap_or_else(|| {
+                    border.blocks.push((at, 0));
+                    border.blocks.len() - 1
+                });
+                border.blocks[number].1 |= 1 << within;
+                let Parent { weight, offset, .. } = parent;
+                border.parents.push(ParentAt { block: number as u8, within: within as u8, weight, offset });
+            });
+            border.ends.push(border.parents.len() as u32);
+        }
+        border
     }
 
     /// Return the levels of other refined blocks.
@@ -328,9 +376,13 @@ impl<const D: usize> Levels<D> {
         }
         level
     }
+    /// Return the dependent nodes of a block of a level with their parents, if there are any.
+    pub(crate) fn border_at(&self, level: usize, block: &[i32; D]) -> Option<&Border<D>> {
+        self.borders.get(level)?.get(block)
+    }
     /// Return the dependent nodes of a block of a level, one bit each.
     pub(crate) fn dependent(&self, level: usize, block: &[i32; D]) -> u64 {
-        self.dependent.get(level).and_then(|blocks| blocks.get(block)).copied().unwrap_or(0)
+        self.border_at(level, block).map_or(0, |border| border.nodes)
     }
     /// Return true if a node of a level is dependent.
     pub(crate) fn is_dependent(&self, level: usize, node: &[i32; D]) -> bool {
@@ -347,27 +399,28 @@ impl<const D: usize> Levels<D> {
             !self.is_refined(level - 1, &block)
         })
     }
-    /// Return true if particles of a block of a level may reach a dependent node.
-    pub(crate) fn is_at_border(&self, level: usize, block: &[i32; D]) -> bool {
+    /// Return the bins of a block of a level from which particles reach a dependent node, one bit each.
+    pub(crate) fn bins_at_border(&self, level: usize, block: &[i32; D]) -> u64 {
         let none = |n: usize| {
             let o = crate::dim::offset::<D>(n);
             self.dependent(level, &std::array::from_fn(|d| block[d] + o[d])) == 0
         };
         if level == 0 || (0..3usize.pow(D as u32)).all(none) {
-            return false;
+            return 0;
         }
-        // Nodes of the tile: those that the bins of the block reach.
-        let first = block.map(|b| b * BLOCK as i32 + first_node(self.nodes as usize));
-        let tile = BLOCK as i32 + self.nodes - 1;
-        (0..tile.pow(D as u32)).any(|n| {
-            let mut rest = n;
-            let node = std::array::from_fn(|d| {
-                let at = first[d] + rest % tile;
-                rest /= tile;
-                at
-            });
-            self.is_dependent(level, &node)
-        })
+        let reaches = |bin: &usize| {
+            let first = node_of(block, *bin).map(|b| b + first_node(self.nodes as usize));
+            (0..self.nodes.pow(D as u32)).any(|n| {
+                let mut rest = n;
+                let node = std::array::from_fn(|d| {
+                    let at = first[d] + rest % self.nodes;
+                    rest /= self.nodes;
+                    at
+                });
+                self.is_dependent(level, &node)
+            })
+        };
+        (0..block_nodes(D)).filter(reaches).fold(0, |bins, bin| bins | 1 << bin)
     }
     /// Call `visit` for every parent of a node of a level.
     pub(crate) fn parents(&self, node: &[i32; D], visit: &mut dyn FnMut(Parent<D>)) {

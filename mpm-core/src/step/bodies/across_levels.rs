@@ -43,12 +43,14 @@ struct At<T, const D: usize> {
 }
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
-    /// Return the memory for the affine momentum of a block at the border of a level; none for other blocks.
-    pub(in crate::step) fn border_of(&self, block: &[i32; D]) -> Vec<[T; 4]> {
-        let Some(levels) = &self.levels else { return Vec::new() };
-        let (level, block) = unpack_block(block);
-        let nodes = if levels.is_at_border(level, &block) { self.facts().tile_nodes(D) } else { 0 };
-        vec![[T::default(); 4]; D * nodes]
+    /// Set the bins of a block at the border of a level, and the memory for their affine momentum.
+    pub(in crate::step) fn set_border(&self, slot: &mut Slot<T, D>) {
+        let Some(levels) = &self.levels else { return };
+        let (level, block) = unpack_block(&slot.block.coordinates);
+        slot.border = levels.bins_at_border(level, &block);
+        let nodes = if slot.border != 0 { self.facts().tile_nodes(D) } else { 0 };
+        slot.affine.clear();
+        slot.affine.resize(D * nodes, [T::default(); 4]);
     }
 
     /// Size of a particle of this mass over that of the seeds in the cells of a level. In an axisymmetric body its distance to
@@ -69,7 +71,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         for slot in &mut slots {
             let (level, block) = unpack_block(&slot.block.coordinates);
             slot.evacuated = levels.crossing(level, &block).is_some();
-            slot.affine = self.border_of(&slot.block.coordinates);
+            self.set_border(slot);
         }
         self.slots = slots;
         self.link_slots();

@@ -376,7 +376,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let slot = match self.spare.pop() {
                 Some(mut slot) => {
                     slot.block.place_at(c);
-                    slot.affine = self.border_of(&c);
+                    self.set_border(&mut slot);
                     slot.evacuated = false;
                     slot.rows = 0;
                     slot.report = Report::default();
@@ -390,16 +390,19 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     pub(in crate::step) fn empty_slot(&self, coordinates: [i32; D]) -> Slot<T, D> {
-        Slot {
+        let mut slot = Slot {
             block: Block::new(coordinates, &self.columns, self.dummy.clone()),
             tile: AlignedRecords::zeros(self.tile_records()),
             rows: 0,
             slots_around: vec![NONE; neighbours(D)],
             linked: 0,
             report: Report::default(),
-            affine: self.border_of(&coordinates),
+            affine: Vec::new(),
+            border: 0,
             evacuated: false,
-        }
+        };
+        self.set_border(&mut slot);
+        slot
     }
 
     /// Number of records in the tile of a slot: one or two per node.

@@ -6,13 +6,12 @@
 //! there were no other; only contact stages use several. A field block stores only the nodes that the body's particles
 //! reach, if they are few ([`Layout`]). Bodies that move as one share the fields of one of them (`Fields::join`).
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::block_place::BlockPlace;
-use super::layout::{Claim, Layout, numbers, whole_block};
+use super::layout::{Claim, Layout, whole_block};
 use crate::dim::block_nodes;
-use crate::grid::levels::{block_of, node_of, pack, unpack_block};
+use crate::grid::levels::unpack_block;
 use crate::grid::{GridStorage, Lattices, Levels, OutsideGrid};
 use impactite_geometry::Lattice;
 use crate::step::bodies::body::GridBody;
@@ -125,24 +124,18 @@ impl<const D: usize> Fields<D> {
     /// Claim the nodes of coarser levels on which those of the claimed blocks depend.
     fn claim_parents(&self, claims: &mut Vec<Claim<D>>) {
         let Some(levels) = &self.levels else { return };
-        let (mut from, mut parents) = (0, BTreeMap::new());
-        while from < claims.len() {
-            let end = claims.len();
-            for n in from..end {
-                let Claim { coordinates, body, .. } = claims[n];
-                let (level, block) = unpack_block(&coordinates);
-                for node in numbers(levels.dependent(level, &block)) {
-                    levels.parents(&node_of(&block, node), &mut |parent| {
-                        let (block, within) = block_of(&parent.node);
-                        *parents.entry((pack(level - 1, block), body)).or_insert(0) |= 1 << within;
-                    });
-                }
+        let mut n = 0;
+        while n < claims.len() {
+            let Claim { coordinates, body, .. } = claims[n];
+            let (level, block) = unpack_block(&coordinates);
+            if let Some(border) = levels.border_at(level, &block) {
+                let parents = border.blocks.iter();
+                claims.extend(parents.map(|&(coordinates, reached)| Claim { coordinates, body, reached }));
             }
-            let more = std::mem::take(&mut parents).into_iter();
-            claims.extend(more.map(|((coordinates, body), reached)| Claim { coordinates, body, reached }));
-            from = end;
+            n += 1;
         }
     }
+
     /// Assign the fields of the body `with`, which has its own, to another body.
     pub(in crate::step) fn join(&mut self, body: u32, with: u32) {
         self.joined.retain(|known| known.0 != body);

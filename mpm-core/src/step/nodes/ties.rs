@@ -10,7 +10,7 @@
 
 use super::fields::Fields;
 use super::layout::{NodeSums, numbers};
-use crate::grid::levels::{block_of, node_of, pack, unpack_block};
+use crate::grid::levels::unpack_block;
 use crate::grid::{GridStorage, Node};
 use crate::step::bodies::body::GridBody;
 use impactite_simd::Float;
@@ -67,19 +67,25 @@ impl<T: Float> Ties<T> {
                 if at != level {
                     continue;
                 }
+                let Some(border) = levels.border_at(level, &coordinates) else { continue };
                 let owner = fields.owner(block);
-                for n in numbers(layout.kept(block) & levels.dependent(level, &coordinates)) {
-                    let node = node_of(&coordinates, n);
-                    let Some(place) = layout.place(block, n) else { continue };
-                    levels.parents(&node, &mut |parent| {
-                        let (coordinates, within) = block_of(&parent.node);
-                        let found = fields.find(grid, &pack(level - 1, coordinates), owner);
-                        let Some(place) = found.and_then(|block| layout.place(block, within)) else { return };
+                let blocks = border.blocks.iter().map(|(at, _)| fields.find(grid, at, owner));
+                let blocks: Vec<Option<usize>> = blocks.collect();
+                let kept = layout.kept(block);
+                let mut from = 0;
+                for (n, &end) in numbers(border.nodes).zip(&border.ends) {
+                    let parents = &border.parents[from as usize..end as usize];
+                    from = end;
+                    let Some(place) = layout.place(block, n).filter(|_| kept >> n & 1 != 0) else { continue };
+                    for parent in parents {
+                        let of = blocks[usize::from(parent.block)];
+                        let found = of.and_then(|block| layout.place(block, usize::from(parent.within)));
+                        let Some(place) = found else { continue };
                         let mut offset = [T::default(); 3];
                         (0..D).for_each(|d| offset[d] = T::of(parent.offset[d]));
                         let weight = T::of(parent.weight);
                         self.parents.push(Parent { node: place as u32, tie: FREE, weight, offset });
-                    });
+                    }
                     self.ties.push(Tie {
                         node: place as u32,
                         at: (block as u32, n as u8),
@@ -88,6 +94,10 @@ impl<T: Float> Ties<T> {
                     });
                 }
             }
+        }
+        // Parents on the coarsest level depend on no others.
+        if levels.count() < 3 {
+            return;
         }
         let mut places: Vec<(u32, u32)> = self.ties.iter().enumerate().map(|(k, t)| (t.node, k as u32)).collect();
         places.sort_unstable();

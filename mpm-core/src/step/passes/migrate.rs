@@ -372,10 +372,9 @@ pub(in crate::step) fn spread_affine<T: Float, S: ShapeFunction<T, D>, const D: 
             let xy = x.value[i] * y.value[j];
             let weight: T = (if D == 3 { xy * z.value[k] } else { xy }).into();
             let node = corner + (k * S::Extent::TILE + j) * S::Extent::TILE + i;
-            for d in 0..D {
-                for c in 1..=D {
-                    affine[D * node + d][c] += weight * records[AFFINE + d][lane][c];
-                }
+            for (sum, d) in affine[D * node..][..D].iter_mut().zip(0..) {
+                let own = &records[AFFINE + d][lane];
+                (0..4).for_each(|c| sum[c] += weight * own[c]);
             }
         }
     }

@@ -36,6 +36,8 @@ pub struct Slot<T: Float, const D: usize> {
     /// Affine part of the momentum that the particles map, D records a node of the tile: for blocks at the border of a level of
     /// cells, where nodes depend on others. Empty for other blocks.
     pub affine: Vec<[T; 4]>,
+    /// Bins whose particles reach such nodes, one bit each.
+    pub border: u64,
     /// True if the cells of the block have just changed their size: its particles leave in the next pass.
     pub evacuated: bool,
 }

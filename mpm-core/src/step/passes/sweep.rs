@@ -195,7 +195,7 @@ where
         }
         let Task { material, nodes, around, slot, next: soon, sent, scratch, common, .. } = task;
         let Scratch { number: thread, movers, tile_in, idle, batch } = scratch;
-        let Slot { block, tile, rows, report, affine, evacuated, .. } = slot;
+        let Slot { block, tile, rows, report, affine, border, evacuated, .. } = slot;
         let (tile, tile_in, sent_before) = (tile.all_mut(), tile_in.records(), movers.out.posted());
         let mut stencil = Stencilled::<T, ExtentOf<P, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<P, T, D>>(D));
@@ -315,7 +315,7 @@ where
                             send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &payload));
                             groups = block.groups(least);
                         }
-                        if const { P::MAPS.affine } && !affine.is_empty() {
+                        if const { P::MAPS.affine } && *border >> number & 1 != 0 {
                             let lanes = lanes_of_xi::<T, A::Batch, D>(&stage.xi, part.here);
                             spread_affine::<T, P::Shape, D>(shape, &lanes[..part.here], corner, &records, affine);
                         }
@@ -390,7 +390,7 @@ where
                         send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &payload));
                         groups = block.groups(least);
                     }
-                    if const { P::MAPS.affine } && !affine.is_empty() {
+                    if const { P::MAPS.affine } && *border >> number & 1 != 0 {
                         let lanes = lanes_of_xi::<T, A::Batch, D>(&stage.xi, here);
                         spread_affine::<T, P::Shape, D>(shape, &lanes[..here], corner, &records, affine);
                     }

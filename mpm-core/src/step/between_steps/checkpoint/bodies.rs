@@ -28,8 +28,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let slot = &mut self.slots[s];
             slot.block.coordinates.iter_mut().try_for_each(|x| file.integer(x))?;
             if file.reads() {
-                let affine = self.border_of(&self.slots[s].block.coordinates);
-                self.slots[s].affine = affine;
+                let mut slots = std::mem::take(&mut self.slots);
+                self.set_border(&mut slots[s]);
+                self.slots = slots;
             }
             let slot = &mut self.slots[s];
             file.word(&mut slot.linked)?;
