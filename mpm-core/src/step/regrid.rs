@@ -15,7 +15,7 @@ use crate::dim::{BLOCK, centre};
 use crate::grid::levels::{Levels, MOST_LEVELS, unpack_block};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::Boundary;
-use impactite_scene::error::SceneError;
+use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_simd::{Float, Team};
 
 /// Default number of steps between two decisions.
@@ -57,6 +57,10 @@ impl<T: Float, const D: usize> RegridView<'_, T, D> {
     pub fn boundaries(&self) -> &[Boundary<D>] {
         self.boundaries
     }
+    /// Return true if the law of a body has a state variable of this name.
+    pub fn has_state(&self, state: &str) -> bool {
+        self.bodies.iter().any(|body| body.state_names().iter().any(|name| name == state))
+    }
     /// Return, for every block, true if it has a particle whose state variable `state` is `least` or more. Laws without
     /// the variable have none.
     pub fn above(&self, state: &str, least: f64) -> Vec<bool> {
@@ -74,6 +78,14 @@ impl<T: Float, const D: usize> RegridView<'_, T, D> {
 pub trait Criterion<T: Float, const D: usize>: Send + Sync {
     /// Set the entry of every block of [`RegridView::blocks`] whose cells are to be halved.
     fn mark(&self, view: &RegridView<'_, T, D>, marked: &mut [bool]);
+    /// Check the parameters before the first decision.
+    ///
+    /// # Errors
+    /// Parameters that do not fit the scene, in words.
+    fn check(&self, view: &RegridView<'_, T, D>) -> Result<(), &'static str> {
+        let _ = view;
+        Ok(())
+    }
     /// Description of the criterion, for checkpoints: with all parameters.
     fn describe(&self) -> String;
 }
@@ -149,6 +161,10 @@ impl<T: Float, const D: usize> Criterion<T, D> for StateAbove {
             *marked |= above;
         }
     }
+    fn check(&self, view: &RegridView<'_, T, D>) -> Result<(), &'static str> {
+        let known = view.has_state(&self.state);
+        if known { Ok(()) } else { Err("no law of the scene has this state variable (`Material::state_names`)") }
+    }
     fn describe(&self) -> String {
         format!("{} from {}", self.state, self.least)
     }
@@ -191,10 +207,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// Decide which blocks get smaller cells, if due.
-    pub(super) fn plan_regrid(&mut self) {
-        let Some(adaptive) = &self.adaptive else { return };
+    ///
+    /// # Errors
+    /// A criterion whose parameters do not fit the scene.
+    pub(super) fn plan_regrid(&mut self) -> Result<(), StepError> {
+        let Some(adaptive) = &self.adaptive else { return Ok(()) };
         let due = adaptive.again || self.clock.steps.is_multiple_of(adaptive.every);
-        let Some(levels) = self.grid.fields.levels().filter(|_| due) else { return };
+        let Some(levels) = self.grid.fields.levels().filter(|_| due) else { return Ok(()) };
         let offset = centre(self.facts().nodes) - 0.5;
         let mut blocks = Vec::new();
         for (body, particles) in self.scene.bodies.iter().enumerate() {
@@ -228,16 +247,28 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             team: &self.team,
             time: self.clock.time,
         };
-        adaptive.criteria.iter().for_each(|criterion| criterion.mark(&view, &mut marked));
+        for criterion in &adaptive.criteria {
+            if self.clock.steps == 0 {
+                let checked = criterion.check(&view);
+                let refused = |why| {
+                    let what = format!("the criterion of smaller cells `{}`", criterion.describe());
+                    let method = self.facts().description.clone();
+                    self.stopped(Stopped::Scene(SceneError::NotWith { what, method, why }))
+                };
+                checked.map_err(refused)?;
+            }
+            criterion.mark(&view, &mut marked);
+        }
         let chosen = view.blocks.iter().zip(marked).filter(|(block, marked)| *marked && block.halvings < adaptive.halvings);
         let next = levels.refined_also(chosen.map(|(block, _)| unpack_block(&block.at)));
-        let Some(adaptive) = &mut self.adaptive else { return };
+        let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         adaptive.again = next.is_some();
         if next.is_some() {
             // Waves cross smaller cells in less time.
             self.stepper.rate *= T::of(2.0);
         }
         adaptive.pending = next.map(Arc::new);
+        Ok(())
     }
 
     /// Largest number of halvings that criteria may ask for.

@@ -85,7 +85,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.reactivate_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only if nothing is mapped yet)
-        self.plan_regrid();
+        self.plan_regrid()?;
         let dt = self.time_step(left)?;
         if self.clock.time + dt.to_double() == self.clock.time {
             let allowed = "long enough to move the clock: let it start at an earlier time (`Mpm::set_time`)";
@@ -390,6 +390,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let force = gravity.as_ref().map_or([0.0; D], |force| force(0.0));
         let force = CentreLead::along(&force, boundaries, self.facts().hoop);
         let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time, force };
+        // Only particles read the nodes that depend on others.
+        self.grid.planes.extend_ties(self.grid.storage.nodes_mut());
         let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
         let team = &self.team;
         self.stepper.passed.resize_with(self.scene.bodies.len(), || Ok(T::default()));

@@ -4,7 +4,7 @@ use super::*;
 use impactite_simd::Team;
 use mpm_core::geometry::Ball;
 use mpm_core::{DenseGrid, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, Refinement, Usl};
-use mpm_core::{Apic, Flip};
+use mpm_core::{Apic, Criterion, Flip, NearContact, StateAbove};
 
 /// Edge of the largest cells, m.
 const H: f64 = 0.1;
@@ -174,6 +174,90 @@ fn walls_and_planes_act_on_smaller_cells() {
     assert!((fine - coarse).abs() < 0.03 && fine > 0.9, "{fine} beside {coarse}");
 }
 
+/// A bar whose cells are halved near the wall, and where it is deformed, while it runs.
+fn adaptive(threads: usize) -> Mpm<2> {
+    let mut mpm = scene(&[]);
+    let strained = StateAbove { state: "stress_xx".into(), least: 1e4 };
+    mpm.refine_where(vec![Box::new(NearContact::default()), Box::new(strained)], 2).unwrap();
+    mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 }).unwrap();
+    mpm.set_team(Team::new(threads).unwrap());
+    let seeds = fill_box(&mpm, [0.0, 0.3], [1.0, 2.0]);
+    mpm.add("bar", law(), &seeds, |_| [0.0, -3.0]).unwrap();
+    mpm
+}
+
+/// The bar gets its cells when it comes to the wall, and not before; mass and momentum are kept to rounding, and bits for any
+/// number of threads and after a restart at any time.
+#[test]
+fn cells_become_smaller_near_a_wall() {
+    let mut plain = adaptive(1);
+    let before = plain.bodies()[0].totals();
+    let mut sizes = vec![plain.cell_sizes().len()];
+    let file = std::env::temp_dir().join(format!("impactite-adaptive-{}", std::process::id()));
+    let end = 0.2;
+    let mut restarts = Vec::new();
+    while plain.time() < end {
+        plain.step_towards(end).unwrap();
+        sizes.push(plain.cell_sizes().len());
+        if sizes[sizes.len() - 1] > sizes[sizes.len() - 2] {
+            plain.save(&file).unwrap();
+            restarts.push(adaptive(2).resumed(&file).unwrap());
+        }
+    }
+    std::fs::remove_file(&file).unwrap();
+    assert!(sizes[0] == 1 && sizes[sizes.len() - 1] == 3, "{sizes:?}");
+    assert!(sizes.windows(2).all(|pair| pair[0] <= pair[1]));
+    let after = plain.bodies()[0].totals();
+    assert!(after.particles > 2 * before.particles);
+    assert!((after.mass / before.mass - 1.0).abs() < 1e-13);
+    let given = plain.exchange().impulse;
+    for d in 0..2 {
+        let found = (after.momentum[d] - before.momentum[d] - given[d]).abs();
+        assert!(found < 1e-10 * before.momentum_scale, "axis {d}: {found:e}");
+    }
+    let energy = (after.kinetic + after.internal) / before.kinetic;
+    assert!((0.9..1.005).contains(&energy), "{energy}");
+    for mut resumed in restarts {
+        resumed.run_until(end).unwrap();
+        assert!(bits(&plain) == bits(&resumed), "resumed");
+    }
+    let mut other = adaptive(3);
+    other.run_until(end).unwrap();
+    assert!(bits(&plain) == bits(&other), "three threads");
+    assert_eq!(plain.exchange(), other.exchange());
+}
+
+/// A criterion of one's own: cells to the right of a place.
+struct Right(f64);
+impl Criterion<f64, 2> for Right {
+    fn mark(&self, view: &mpm_core::RegridView<'_, f64, 2>, marked: &mut [bool]) {
+        for (block, marked) in view.blocks().iter().zip(marked) {
+            *marked |= block.high[0] > self.0;
+        }
+    }
+    fn describe(&self) -> String {
+        format!("right of {}", self.0)
+    }
+}
+
+#[test]
+fn a_criterion_of_ones_own_marks_blocks() {
+    let mut mpm = scene(&[]);
+    mpm.refine_where(vec![Box::new(Right(1.3))], 1).unwrap();
+    let seeds = fill_box(&mpm, [0.0, 0.0], [2.0, 0.4]);
+    mpm.add("bar", law(), &seeds, |_| [0.1, 0.0]).unwrap();
+    (0..3).for_each(|_| {
+        mpm.step().unwrap();
+    });
+    // Blocks of cells end at 1.15 and 1.55 m.
+    let mut wrong = 0;
+    mpm.bodies()[0].for_each(&mut |p| {
+        let small = p.half_edges[0][0] < 0.2 * H;
+        wrong += usize::from(small != (p.position[0] > 1.15));
+    });
+    assert_eq!(wrong, 0);
+}
+
 #[test]
 fn what_levels_do_not_support_is_refused() {
     let region = || [Refinement::new(Cuboid::new([0.0; 2], [0.4; 2]).unwrap(), 1)];
@@ -202,6 +286,12 @@ fn what_levels_do_not_support_is_refused() {
     mpm.refine(&region()).unwrap();
     let periodic = Boundary::Periodic { axis: 0, low: 0.0, high: 16.0 * H };
     refused(mpm.bound(periodic).unwrap_err(), "periodic");
+    let unknown = StateAbove { state: "love".into(), least: 1.0 };
+    let mut other = scene(&[]);
+    other.refine_where(vec![Box::new(unknown)], 1).unwrap();
+    other.add("block", law(), &fill_box(&other, [0.0; 2], [0.4; 2]), |_| [0.0; 2]).unwrap();
+    let error = other.step().unwrap_err().to_string();
+    assert!(error.contains("`love from 1`") && error.contains("state variable"), "{error}");
     let absorbing =
         Boundary::Absorbing { axis: 0, at: 0.0, side: Side::Above, longitudinal: longitudinal(), shear: shear() };
     refused(mpm.bound(absorbing).unwrap_err(), "surface");

@@ -356,7 +356,7 @@ impl<T: Float> Planes<T> {
         Some(self.beside[found].mapped.second)
     }
 
-    /// Extrapolate nodal vectors to the nodes behind walls and fixed planes, and to those that depend on larger cells.
+    /// Extrapolate nodal vectors to the nodes behind walls and fixed planes.
     pub fn extrapolate(&self, nodes: &mut [Node<T>]) {
         for column in self.edges.iter().flat_map(|e| &e.columns).filter(|c| !c.contains(&NOWHERE)) {
             let [front, on, back] = column.map(|n| n as usize);
@@ -366,6 +366,10 @@ impl<T: Float> Planes<T> {
                 nodes[back].second[d] = two * nodes[on].second[d] - nodes[front].second[d];
             }
         }
+    }
+
+    /// Set the vectors of nodes that depend on those of larger cells.
+    pub(in crate::step) fn extend_ties(&self, nodes: &mut [Node<T>]) {
         self.ties.extend(nodes);
     }
 
