@@ -52,10 +52,7 @@ pub const REMEDIES: &[Remedy] = &[
         "take `method.mpm.for = \"impact\"` or `method.mpm.parts.transfer = \"apic\"`",
     ),
     remedy("take `BlockGrid`", "remove `method.mpm.grid`"),
-    remedy(
-        "remove the refined regions",
-        "remove `method.mpm.refine`, and `fine` from `method.mpm.cell`",
-    ),
+    remedy("remove the refined regions", "remove `method.mpm.refine`, and `fine` from `method.mpm.cell`"),
     remedy("or the refined regions", "or `method.mpm.refine` and `method.mpm.cell.fine`"),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(

@@ -88,11 +88,11 @@ pub use shape::{
     QuadraticBSpline, ShapeFunction,
 };
 pub use step::Scalar;
-pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove};
 pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Hook,
     HookError, Kernels, Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle,
     NewParticles, NodeWeight, Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepView,
     SurfaceClient, Surroundings, Taken, Traction, TrialNode, TrialNodes, Twist,
 };
+pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove};
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -65,8 +65,12 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
             flow.add_wall(wall).at(format!("conditions[{n}]"))?;
         }
     }
-    let cells =
-        Cells { lattice: &lattice, parts: options.particles_per_cell as usize, key: "method.flow.cell", halvings: 0 };
+    let cells = Cells {
+        lattice: &lattice,
+        parts: options.particles_per_cell as usize,
+        key: "method.flow.cell",
+        halvings: 0,
+    };
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
         if body.rigid.is_some() {

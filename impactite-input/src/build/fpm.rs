@@ -146,7 +146,8 @@ where
             }
             Points::Lattice => {
                 let lattice = Lattice::new([0.0; D], spacing).at("method.fpm.spacing")?;
-                let cells = seeds::Cells { lattice: &lattice, parts: 1, key: "method.fpm.spacing", halvings: 0 };
+                let cells =
+                    seeds::Cells { lattice: &lattice, parts: 1, key: "method.fpm.spacing", halvings: 0 };
                 seeds::seeds(world, key, spec, &cells)?.positions
             }
         };

@@ -182,7 +182,8 @@ pub(super) fn pressures<const D: usize>(
         let key = format!("bodies.{name}");
         flow.add_wall(Wall::solid(world.shape(&key, body)?)).at(&key)?;
     }
-    let cells = Cells { lattice, parts: options.particles_per_cell as usize, key: "method.mpm.cell", halvings: 0 };
+    let cells =
+        Cells { lattice, parts: options.particles_per_cell as usize, key: "method.mpm.cell", halvings: 0 };
     let mut positions: Vec<[f64; D]> = Vec::new();
     for (name, body, tait) in liquids() {
         let key = format!("bodies.{name}");

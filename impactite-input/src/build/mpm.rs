@@ -11,8 +11,8 @@ use impactite::geometry::Lattice;
 use impactite::materials::ParameterError;
 use impactite::materials::material::Material;
 use impactite::mpm::{
-    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene, NearContact,
-    OneField, Refinement, Rigid, Splitting, Traction, Twist,
+    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
+    NearContact, OneField, Refinement, Rigid, Splitting, Traction, Twist,
 };
 use impactite::scene::Solver;
 
@@ -147,7 +147,8 @@ fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mp
     let key = "method.mpm.cell.fine";
     let halvings = (options.cell.value / fine).log2();
     if !(fine > 0.0 && halvings > 0.0 && halvings <= 7.0) {
-        let message = format!("{fine} m is not allowed; it must be smaller than `coarse`, and a 128th of it or more");
+        let message =
+            format!("{fine} m is not allowed; it must be smaller than `coarse`, and a 128th of it or more");
         return wrong(key, message);
     }
     // Sizes that are meant to be a power of two apart may differ by rounding.

@@ -296,7 +296,8 @@ impl JsonSchema for CellSize {
         true
     }
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let (one, range) = (generator.subschema_for::<Quantity<Length>>(), generator.subschema_for::<CellRange>());
+        let (one, range) =
+            (generator.subschema_for::<Quantity<Length>>(), generator.subschema_for::<CellRange>());
         json_schema!({ "anyOf": [one, range] })
     }
 }

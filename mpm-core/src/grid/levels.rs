@@ -259,7 +259,8 @@ impl<const D: usize> Levels<D> {
             refined.pop();
         }
         let lattices = Lattices::several(base, offset_of_levels(halving));
-        let mut levels = Levels { lattices, halving, nodes: nodes as i32, refined, borders: vec![HashMap::new()] };
+        let mut levels =
+            Levels { lattices, halving, nodes: nodes as i32, refined, borders: vec![HashMap::new()] };
         for level in 1..levels.count() {
             levels.borders.push(levels.find_borders(level));
         }

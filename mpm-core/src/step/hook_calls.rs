@@ -55,9 +55,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 return Ok(());
             }
             if mpm.grid.fields.levels().is_some() {
-                return Err("a hook of nodes is not available with cells of several sizes: return false from \
+                return Err(
+                    "a hook of nodes is not available with cells of several sizes: return false from \
                             `Hook::needs_nodes`, or remove the refined regions"
-                    .into());
+                        .into(),
+                );
             }
             let mut nodes = mpm.stage(dt).trial_nodes();
             hook.trial(&mut nodes, dt.to_double())?;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::mpm::Mpm;
 use crate::dim::{BLOCK, centre};
-use crate::grid::{Halving, Levels};
 use crate::grid::levels::{FURTHEST_BLOCK, Lattices, MOST_LEVELS, offset_of_levels};
+use crate::grid::{Halving, Levels};
 use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
 use impactite_scene::boundary::Boundary;
 use impactite_scene::condition::Condition;
@@ -71,7 +71,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let lattices = Lattices::several(*self.grid.lattice(), offset_of_levels(halving));
         for Refinement { region, halvings } in regions {
             if !(1..=MOST_LEVELS).contains(halvings) {
-                return Err(SceneError::Refinement { field: "halvings", value: *halvings as f64, allowed: "from 1 to 7" });
+                return Err(SceneError::Refinement {
+                    field: "halvings",
+                    value: *halvings as f64,
+                    allowed: "from 1 to 7",
+                });
             }
             let level = halvings - 1;
             refined.resize_with(refined.len().max(*halvings), BTreeSet::new);
@@ -248,7 +252,11 @@ fn blocks_of<const D: usize>(
     let blocks: Vec<[i32; D]> = blocks.filter(touches).collect();
     if blocks.is_empty() {
         let allowed = "at least as large as a ninth of four cells of the size that it halves";
-        return Err(SceneError::Refinement { field: "region", value: bounds.max[0] - bounds.min[0], allowed });
+        return Err(SceneError::Refinement {
+            field: "region",
+            value: bounds.max[0] - bounds.min[0],
+            allowed,
+        });
     }
     Ok(blocks)
 }
@@ -256,7 +264,9 @@ fn blocks_of<const D: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Apic, BlockGrid, CubicBSpline, FullSpace, IntoKernels, Method, PlaneStrain, QuadraticBSpline, Usl};
+    use crate::{
+        Apic, BlockGrid, CubicBSpline, FullSpace, IntoKernels, Method, PlaneStrain, QuadraticBSpline, Usl,
+    };
     use impactite_geometry::Cuboid;
     use impactite_scene::TimeControl;
     use mpm_materials::{LinearElastic, Moduli};

@@ -4,182 +4,16 @@
 //! at its end the particles of these blocks leave for the smaller ones, as those do that enter a refined region. Cells are
 //! not enlarged again: particles keep their size. Decisions depend on the particles alone, in the order of bodies and blocks.
 
-use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::bodies::body::GridBody;
+use super::criteria::{Adaptive, Criterion, EVERY, OccupiedBlock, RegridView};
 use super::mpm::Mpm;
-use super::nodes::at_wall::Plane;
 use super::nodes::layout::numbers;
 use crate::dim::{BLOCK, centre};
 use crate::grid::levels::{Levels, MOST_LEVELS, unpack_block};
 use impactite_scene::archive::{Archive, CheckpointError};
-use impactite_scene::boundary::Boundary;
 use impactite_scene::error::{SceneError, StepError, Stopped};
-use impactite_simd::{Float, Team};
-
-/// Default number of steps between two decisions.
-const EVERY: u64 = 10;
-
-/// Block of particles, for criteria.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OccupiedBlock<const D: usize> {
-    /// Stored coordinates, which contain the level.
-    at: [i32; D],
-    /// Index of its body in the scene.
-    pub body: usize,
-    /// Number of halvings of its cells.
-    pub halvings: usize,
-    /// Lower corner of its cells with particles, m.
-    pub low: [f64; D],
-    /// Upper corner of its cells with particles, m.
-    pub high: [f64; D],
-    /// Edge of the block, four cells, m.
-    pub edge: f64,
-}
-
-/// Scene between two steps, for criteria.
-pub struct RegridView<'a, T: Float, const D: usize> {
-    bodies: &'a [Box<dyn GridBody<T, D>>],
-    boundaries: &'a [Boundary<D>],
-    blocks: Vec<OccupiedBlock<D>>,
-    team: &'a Team,
-    /// Time, s.
-    pub time: f64,
-}
-
-impl<T: Float, const D: usize> RegridView<'_, T, D> {
-    /// Blocks of four cells an axis with particles, in the order of bodies.
-    pub fn blocks(&self) -> &[OccupiedBlock<D>] {
-        &self.blocks
-    }
-    /// Boundary conditions.
-    pub fn boundaries(&self) -> &[Boundary<D>] {
-        self.boundaries
-    }
-    /// Return true if the law of a body has a state variable of this name.
-    pub fn has_state(&self, state: &str) -> bool {
-        self.bodies.iter().any(|body| body.state_names().iter().any(|name| name == state))
-    }
-    /// Return, for every block, true if it has a particle whose state variable `state` is `least` or more. Laws without
-    /// the variable have none.
-    pub fn above(&self, state: &str, least: f64) -> Vec<bool> {
-        let mut found = BTreeSet::new();
-        for (number, body) in self.bodies.iter().enumerate() {
-            body.each_block_above(state, least, self.team, &mut |at| {
-                found.insert((number, *at));
-            });
-        }
-        self.blocks.iter().map(|block| found.contains(&(block.body, block.at))).collect()
-    }
-}
-
-/// Criterion for smaller cells.
-pub trait Criterion<T: Float, const D: usize>: Send + Sync {
-    /// Set the entry of every block of [`RegridView::blocks`] whose cells are to be halved.
-    fn mark(&self, view: &RegridView<'_, T, D>, marked: &mut [bool]);
-    /// Check the parameters before the first decision.
-    ///
-    /// # Errors
-    /// Parameters that do not fit the scene, in words.
-    fn check(&self, view: &RegridView<'_, T, D>) -> Result<(), &'static str> {
-        let _ = view;
-        Ok(())
-    }
-    /// Description of the criterion, for checkpoints: with all parameters.
-    fn describe(&self) -> String;
-}
-
-/// Smaller cells where another body or a wall is near.
-///
-/// A block is marked if a block of another body, or a wall, is within this many of its own edges: cells become smaller
-/// towards the contact by themselves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NearContact {
-    /// Distance in edges of a block, four cells; 1 by default.
-    pub edges: f64,
-}
-
-impl Default for NearContact {
-    fn default() -> Self {
-        NearContact { edges: 1.0 }
-    }
-}
-
-impl<T: Float, const D: usize> Criterion<T, D> for NearContact {
-    fn mark(&self, view: &RegridView<'_, T, D>, marked: &mut [bool]) {
-        let blocks = view.blocks();
-        let Some(widest) = blocks.iter().map(|block| block.edge).reduce(f64::max) else { return };
-        let cell = widest * self.edges.max(1.0);
-        let cells = |low: &[f64; D], high: &[f64; D]| {
-            let ends: [[i64; 2]; D] = std::array::from_fn(|d| [low[d], high[d]].map(|x| (x / cell).floor() as i64));
-            let counts = ends.map(|[a, b]| (b - a) as usize + 1);
-            (0..counts.iter().product::<usize>()).map(move |n| {
-                let mut rest = n;
-                std::array::from_fn::<i64, D, _>(|d| {
-                    let at = ends[d][0] + (rest % counts[d]) as i64;
-                    rest /= counts[d];
-                    at
-                })
-            })
-        };
-        let mut there: BTreeMap<[i64; D], Vec<usize>> = BTreeMap::new();
-        for (n, block) in blocks.iter().enumerate() {
-            cells(&block.low, &block.high).for_each(|at| there.entry(at).or_default().push(n));
-        }
-        let walls: Vec<Plane<D>> =
-            view.boundaries().iter().filter_map(|boundary| Plane::of(boundary, view.time)).collect();
-        for (block, marked) in blocks.iter().zip(marked) {
-            let reach = self.edges * block.edge;
-            let (low, high) = (block.low.map(|x| x - reach), block.high.map(|x| x + reach));
-            let meets = |other: &usize| {
-                let other = &blocks[*other];
-                other.body != block.body && (0..D).all(|d| other.low[d] <= high[d] && low[d] <= other.high[d])
-            };
-            let wall = |wall: &Plane<D>| wall.distance(&block.low).min(wall.distance(&block.high)) <= reach;
-            *marked |= walls.iter().any(wall)
-                || cells(&low, &high).any(|at| there.get(&at).is_some_and(|list| list.iter().any(meets)));
-        }
-    }
-    fn describe(&self) -> String {
-        format!("near contact: {} edges", self.edges)
-    }
-}
-
-/// Smaller cells where a state variable of the law, as the plastic strain or the damage, has reached a value.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StateAbove {
-    /// Name of the state variable ([`Material::state_names`](mpm_materials::material::Material::state_names)).
-    pub state: String,
-    /// Least value.
-    pub least: f64,
-}
-
-impl<T: Float, const D: usize> Criterion<T, D> for StateAbove {
-    fn mark(&self, view: &RegridView<'_, T, D>, marked: &mut [bool]) {
-        for (marked, above) in marked.iter_mut().zip(view.above(&self.state, self.least)) {
-            *marked |= above;
-        }
-    }
-    fn check(&self, view: &RegridView<'_, T, D>) -> Result<(), &'static str> {
-        let known = view.has_state(&self.state);
-        if known { Ok(()) } else { Err("no law of the scene has this state variable (`Material::state_names`)") }
-    }
-    fn describe(&self) -> String {
-        format!("{} from {}", self.state, self.least)
-    }
-}
-
-/// Adaptive refinement of a scene.
-pub(super) struct Adaptive<T: Float, const D: usize> {
-    criteria: Vec<Box<dyn Criterion<T, D>>>,
-    halvings: usize,
-    every: u64,
-    /// True if the last decision changed the cells, so that the next step decides again.
-    again: bool,
-    /// Levels from the next pass on.
-    pending: Option<Arc<Levels<D>>>,
-}
+use impactite_simd::Float;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Halve the cells of blocks that a criterion marks, at most `halvings` times, decided every ten steps while the scene
@@ -233,8 +67,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 let face = |d: usize, layer: usize| {
                     origin[d] + h * (f64::from(BLOCK as i32 * block[d] + layer as i32) + offset)
                 };
-                let (low, high) =
-                    (std::array::from_fn(|d| face(d, ends[d][0])), std::array::from_fn(|d| face(d, ends[d][1] + 1)));
+                let (low, high) = (
+                    std::array::from_fn(|d| face(d, ends[d][0])),
+                    std::array::from_fn(|d| face(d, ends[d][1] + 1)),
+                );
                 blocks.push(OccupiedBlock { at: *at, body, halvings, low, high, edge: BLOCK as f64 * h });
             });
         }
@@ -259,7 +95,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
             criterion.mark(&view, &mut marked);
         }
-        let chosen = view.blocks.iter().zip(marked).filter(|(block, marked)| *marked && block.halvings < adaptive.halvings);
+        let chosen = view
+            .blocks
+            .iter()
+            .zip(marked)
+            .filter(|(block, marked)| *marked && block.halvings < adaptive.halvings);
         let next = levels.refined_also(chosen.map(|(block, _)| unpack_block(&block.at)));
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         adaptive.again = next.is_some();
@@ -300,13 +140,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Write or read the cells of an adaptive scene.
     pub(super) fn archive_levels(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let described = self.adaptive.as_ref().map(|adaptive| {
-            let criteria: Vec<String> = adaptive.criteria.iter().map(|criterion| criterion.describe()).collect();
+            let criteria: Vec<String> =
+                adaptive.criteria.iter().map(|criterion| criterion.describe()).collect();
             format!("{} halvings, {}", adaptive.halvings, criteria.join(", "))
         });
         file.same("criteria of smaller cells", &described.unwrap_or_else(|| "none".into()))?;
         let levels = self.grid.fields.levels().cloned();
         let Some(adaptive) = &mut self.adaptive else {
-            return file.same("refined blocks", &format!("{:?}", levels.map(|levels| levels.refined().to_vec())));
+            return file
+                .same("refined blocks", &format!("{:?}", levels.map(|levels| levels.refined().to_vec())));
         };
         file.flag(&mut adaptive.again)?;
         let Some(levels) = levels else { return Ok(()) };

@@ -164,11 +164,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.scene.bodies.iter().filter_map(|b| Some(b.division()?.splits().kinetic)).sum();
         let last = self.facts().last_pass();
         let age = self.clock.steps - self.grid.arranged;
-        let prune = self.regrids() || if self.grid.ahead {
-            age >= PRUNE_AHEAD
-        } else {
-            self.clock.steps % PRUNE_EVERY == PRUNE_EVERY - 1
-        };
+        let prune = self.regrids()
+            || if self.grid.ahead {
+                age >= PRUNE_AHEAD
+            } else {
+                self.clock.steps % PRUNE_EVERY == PRUNE_EVERY - 1
+            };
         let team = &self.team;
         self.stepper.changed.resize(self.scene.bodies.len(), false);
         let clock = Instant::now();

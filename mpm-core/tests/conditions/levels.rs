@@ -3,8 +3,8 @@
 use super::*;
 use impactite_simd::Team;
 use mpm_core::geometry::Ball;
-use mpm_core::{DenseGrid, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, Refinement, Usl};
 use mpm_core::{Apic, Criterion, Flip, NearContact, StateAbove};
+use mpm_core::{DenseGrid, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, Refinement, Usl};
 
 /// Edge of the largest cells, m.
 const H: f64 = 0.1;
@@ -266,7 +266,8 @@ fn what_levels_do_not_support_is_refused() {
         let text = error.to_string();
         assert!(text.contains(part), "{text}");
     };
-    let mut flip = Mpm::new(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice));
+    let mut flip =
+        Mpm::new(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice));
     refused(flip.refine(&region()).unwrap_err(), "`Apic` or `Aflip`");
     let mut linear = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     refused(linear.refine(&region()).unwrap_err(), "`QuadraticBSpline`");
@@ -292,7 +293,12 @@ fn what_levels_do_not_support_is_refused() {
     other.add("block", law(), &fill_box(&other, [0.0; 2], [0.4; 2]), |_| [0.0; 2]).unwrap();
     let error = other.step().unwrap_err().to_string();
     assert!(error.contains("`love from 1`") && error.contains("state variable"), "{error}");
-    let absorbing =
-        Boundary::Absorbing { axis: 0, at: 0.0, side: Side::Above, longitudinal: longitudinal(), shear: shear() };
+    let absorbing = Boundary::Absorbing {
+        axis: 0,
+        at: 0.0,
+        side: Side::Above,
+        longitudinal: longitudinal(),
+        shear: shear(),
+    };
     refused(mpm.bound(absorbing).unwrap_err(), "surface");
 }

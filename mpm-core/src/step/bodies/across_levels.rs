@@ -4,6 +4,7 @@
 //! block is of another level, these contributions are expressed in the cells of that level. A particle that enters smaller
 //! cells is first divided along every axis, so that cells of the finer level have particles of their size.
 
+use super::crossing::Crossers;
 use super::particle_body::ParticleBody;
 use crate::dim::{BLOCK, neighbours, offset, shifted};
 use crate::grid::Levels;
@@ -17,23 +18,6 @@ use std::sync::Arc;
 
 /// Size of a particle, over that of the seeds in the cells of its level, above which it is divided in a finer level.
 const DIVIDED_FROM: f64 = 0.75;
-
-/// Particles that entered blocks of another level.
-#[derive(Debug, Default)]
-pub struct Crossers<T, const D: usize> {
-    /// Block and bin of each particle, and its values and contributions, in the order of their source blocks.
-    list: Vec<([i32; D], usize, Vec<T>)>,
-}
-
-/// Return the change of level of particles that go from a block to neighbour `to`, if any.
-pub(in crate::step) fn crosses<const D: usize>(
-    levels: Option<&Levels<D>>,
-    block: &[i32; D],
-    to: usize,
-) -> Option<Crossing> {
-    let (level, block) = unpack_block(block);
-    levels?.crossing(level, &shifted(&block, &offset(to)))
-}
 
 /// Place of a particle in the cells of a level: bin, and offset from its centre.
 struct At<T, const D: usize> {
@@ -78,7 +62,13 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// Call `visit` for every block with a particle whose state variable `state` is `least` or more, in the order of blocks.
-    pub(super) fn blocks_above(&self, state: &str, least: f64, team: &Team, visit: &mut dyn FnMut(&[i32; D])) {
+    pub(super) fn blocks_above(
+        &self,
+        state: &str,
+        least: f64,
+        team: &Team,
+        visit: &mut dyn FnMut(&[i32; D]),
+    ) {
         let Some(column) = self.columns.state_names().iter().position(|name| name == state) else { return };
         let mut above = vec![false; self.index.len()];
         team.each(&mut above, |n, above| {
@@ -149,7 +139,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// First coordinate of a place, m.
     fn radius(&self, at: &At<T, D>) -> f64 {
         let lattice = self.lattices.of(at.level);
-        lattice.origin()[0] + lattice.spacing() * (f64::from(at.bin[0]) + self.bin_centre() + at.xi[0].to_double())
+        lattice.origin()[0]
+            + lattice.spacing() * (f64::from(at.bin[0]) + self.bin_centre() + at.xi[0].to_double())
     }
 
     /// Divide a particle along every axis, in an axisymmetric body by the volumes of its parts. Its parts move with its affine velocity field, so that momentum and angular
@@ -170,7 +161,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let mut gained = T::default();
         // Half of the distance between the parts over the distance to the axis, and the centre of mass of the parts.
         let curved = if self.facts().hoop && radius != 0.0 {
-            T::of((0.5 * self.half[0].to_double() * self.lattices.of(at.level).spacing() / radius).clamp(-0.9, 0.9))
+            T::of(
+                (0.5 * self.half[0].to_double() * self.lattices.of(at.level).spacing() / radius)
+                    .clamp(-0.9, 0.9),
+            )
         } else {
             T::default()
         };

@@ -1,9 +1,10 @@
 //! Bodies of a scene: description, particles, loads, capabilities.
 
-pub(crate) mod across_levels;
+mod across_levels;
 pub(crate) mod adding;
 pub(crate) mod body;
 pub(crate) mod capability;
+pub(crate) mod crossing;
 pub(crate) mod deformable;
 pub(crate) mod densities;
 pub(crate) mod load;

@@ -5,8 +5,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mpm_materials::{Breakdown, Material};
 
 use super::body::{BodyTrouble, GridBody, Presence, Receives, Steps, Which};
-use super::across_levels::{Crossers, crosses};
+
 use super::capability::{Deactivation, Division, FreeVelocities, MeetsSurfaces};
+use super::crossing::{Crossers, crosses};
 use super::load::{Loading, Loads};
 use crate::step::between_steps::deactivated::Deactivated;
 use crate::step::between_steps::merging::MergeBook;
@@ -135,7 +136,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 let place = index.binary_search_by_key(&beside, |entry| entry.0);
                 *around = place.map_or(NONE, |place| index[place].1);
                 // Particles enter and leave blocks of another level on their own way.
-                if *around != NONE && (crosses(levels, &c, n).is_some() || crosses(levels, &c, here).is_some()) {
+                if *around != NONE
+                    && (crosses(levels, &c, n).is_some() || crosses(levels, &c, here).is_some())
+                {
                     *around = NONE;
                 }
             }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use mpm_materials::Material;
 use mpm_materials::material::{Deformation, Length, Motion, Response, StatesMut};
 
-use super::across_levels::Crossers;
 use super::body::GridBody;
+use super::crossing::Crossers;
 use super::deformable::{InitialState, Velocity};
 use super::load::{Loading, Loads};
 use super::particle_body::ParticleBody;

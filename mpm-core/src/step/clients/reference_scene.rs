@@ -20,8 +20,8 @@
 //! ([`Penalty`](mpm_contact::Penalty)) pushes until they stop, and returns its energy.
 
 use super::client::{ClientPoint, GridClient};
-use crate::grid::Lattices;
 use crate::dim::block_nodes;
+use crate::grid::Lattices;
 use crate::grid::Node;
 use crate::particles::{Columns, Place};
 use crate::step::bodies::body::{GridBody, Which};

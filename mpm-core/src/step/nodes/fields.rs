@@ -13,9 +13,9 @@ use super::layout::{Claim, Layout, whole_block};
 use crate::dim::block_nodes;
 use crate::grid::levels::unpack_block;
 use crate::grid::{GridStorage, Lattices, Levels, OutsideGrid};
-use impactite_geometry::Lattice;
 use crate::step::bodies::body::GridBody;
 use crate::step::rigid::motion::RigidState;
+use impactite_geometry::Lattice;
 use impactite_simd::{Float, Team};
 
 /// Field of a shared block: its body and its node block.

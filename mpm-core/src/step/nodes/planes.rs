@@ -135,7 +135,10 @@ impl<T: Float> Planes<T> {
 
     /// Return true if nothing is folded.
     pub fn is_empty(&self) -> bool {
-        self.symmetries.is_empty() && self.edges.is_empty() && self.surfaces.is_empty() && self.ties.is_empty()
+        self.symmetries.is_empty()
+            && self.edges.is_empty()
+            && self.surfaces.is_empty()
+            && self.ties.is_empty()
     }
 
     /// Move the sums of nodes that depend on those of larger cells to these.

@@ -7,9 +7,10 @@ use super::layout::{Claim, Layout, NodeSums};
 use crate::dim::{BLOCK, block_nodes, first_node, neighbours, offset, shifted};
 use crate::grid::Node;
 use crate::particles::Columns;
-use crate::step::bodies::across_levels::crosses;
+
 use crate::step::bodies::body::{GridBody, Presence};
 use crate::step::bodies::capability::MeetsSurfaces;
+use crate::step::bodies::crossing::crosses;
 use crate::step::bodies::particle_body::{NONE, ParticleBody};
 use crate::step::clients::near_particles::NearParticle;
 use crate::step::passes::surface_quantity::{NearTask, SurfaceTask, beside, nodes_of};

@@ -99,7 +99,8 @@ impl<T: Float> Ties<T> {
         if levels.count() < 3 {
             return;
         }
-        let mut places: Vec<(u32, u32)> = self.ties.iter().enumerate().map(|(k, t)| (t.node, k as u32)).collect();
+        let mut places: Vec<(u32, u32)> =
+            self.ties.iter().enumerate().map(|(k, t)| (t.node, k as u32)).collect();
         places.sort_unstable();
         for parent in &mut self.parents {
             if let Ok(at) = places.binary_search_by_key(&parent.node, |entry| entry.0) {

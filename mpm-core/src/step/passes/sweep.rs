@@ -317,7 +317,13 @@ where
                         }
                         if const { P::MAPS.affine } && *border >> number & 1 != 0 {
                             let lanes = lanes_of_xi::<T, A::Batch, D>(&stage.xi, part.here);
-                            spread_affine::<T, P::Shape, D>(shape, &lanes[..part.here], corner, &records, affine);
+                            spread_affine::<T, P::Shape, D>(
+                                shape,
+                                &lanes[..part.here],
+                                corner,
+                                &records,
+                                affine,
+                            );
                         }
                         let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
                         Stages::<T, D, P, A>::give(part.here, corner, stage, room, &mut moments, tiles);

@@ -19,11 +19,7 @@ pub(in crate::step) struct Folds<const D: usize> {
 
 impl<const D: usize> Folds<D> {
     /// Create the map for these boundaries; `modified` is true if the basis ends at walls and fixed planes.
-    pub(in crate::step) fn of(
-        boundaries: &[Boundary<D>],
-        fields: &Fields<D>,
-        modified: bool,
-    ) -> Self {
+    pub(in crate::step) fn of(boundaries: &[Boundary<D>], fields: &Fields<D>, modified: bool) -> Self {
         let lattices = fields.lattices();
         let lattice = lattices.base();
         Folds {
