@@ -9,11 +9,12 @@ use mpm_core::{DenseGrid, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, R
 /// Edge of the largest cells, m.
 const H: f64 = 0.1;
 
-fn scene(regions: &[(([f64; 2], [f64; 2]), usize)]) -> Mpm<2> {
+/// Opposite corners of a region, m, and number of halvings of its cells.
+type Region = ([f64; 2], [f64; 2], usize);
+
+fn scene(regions: &[Region]) -> Mpm<2> {
     let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(Lattice::new([0.0; 2], H).unwrap()));
-    let refine = |&((low, high), halvings): &(([f64; 2], [f64; 2]), usize)| {
-        Refinement::new(Cuboid::new(low, high).unwrap(), halvings)
-    };
+    let refine = |&(low, high, halvings): &Region| Refinement::new(Cuboid::new(low, high).unwrap(), halvings);
     if !regions.is_empty() {
         mpm.refine(&regions.iter().map(refine).collect::<Vec<_>>()).unwrap();
     }
@@ -27,7 +28,7 @@ fn fill_box(mpm: &Mpm<2>, low: [f64; 2], high: [f64; 2]) -> Seeds<2> {
 /// A block that flies through regions of cells of a half and of a quarter keeps its velocity, without any stress.
 #[test]
 fn a_block_flies_through_borders() {
-    let mut mpm = scene(&[(([0.9, -0.2], [1.5, 0.5]), 2), (([2.0, 0.3], [2.6, 2.0]), 1)]);
+    let mut mpm = scene(&[([0.9, -0.2], [1.5, 0.5], 2), ([2.0, 0.3], [2.6, 2.0], 1)]);
     assert_eq!(mpm.cell_sizes(), [H, H / 2.0, H / 4.0]);
     let seeds = fill_box(&mpm, [0.0, 0.0], [0.8, 0.7]);
     mpm.add("block", law(), &seeds, |_| [1.0, 0.13]).unwrap();
@@ -54,7 +55,7 @@ fn a_block_flies_through_borders() {
 /// A disc that spins across a border keeps its angular momentum and its energy as well as one on equal cells.
 #[test]
 fn a_disc_spins_across_a_border() {
-    let mut mpm = scene(&[(([0.0, -1.0], [1.0, 1.0]), 1)]);
+    let mut mpm = scene(&[([0.0, -1.0], [1.0, 1.0], 1)]);
     let seeds = mpm.fill(&Ball::new([0.0; 2], 1.0).unwrap(), 2, &Filling::new()).unwrap();
     mpm.add("disc", law(), &seeds, |x| [-0.2 * x[1], 0.2 * x[0]]).unwrap();
     let before = mpm.bodies()[0].totals();
@@ -74,7 +75,7 @@ fn behind(cells: f64, border: bool) -> f64 {
     let (length, c) = (cells * H, longitudinal());
     let (from, width) = (8.0 * length, 3.0 * length);
     let (left, right) = ((33.0 * cells).round() * H, (17.0 * cells).round() * H);
-    let region = (([0.0, -1.0], [right + 1.0, 2.0]), 1);
+    let region = ([0.0, -1.0], [right + 1.0, 2.0], 1);
     let mut mpm = scene(if border { std::slice::from_ref(&region) } else { &[] });
     for (at, side) in [(0.0, Side::Above), (4.0 * H, Side::Below)] {
         mpm.bound(Boundary::Symmetry { axis: 1, at, side }).unwrap();
@@ -109,7 +110,7 @@ fn borders_reflect_little() {
 
 /// A bar of refined and unrefined cells between planes of symmetry hits a wall.
 fn impact(threads: usize) -> Mpm<2> {
-    let mut mpm = scene(&[(([-0.1, -0.2], [0.5, 0.4]), 2)]);
+    let mut mpm = scene(&[([-0.1, -0.2], [0.5, 0.4], 2)]);
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
     mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 }).unwrap();
     mpm.set_team(Team::new(threads).unwrap());
@@ -136,7 +137,7 @@ fn threads_and_checkpoints_change_no_bit_of_levels() {
     }
     saved.save(&file).unwrap();
     let mut resumed = impact(3).resumed(&file).unwrap();
-    let other = scene(&[(([-0.1, -0.2], [0.5, 0.4]), 1)]);
+    let other = scene(&[([-0.1, -0.2], [0.5, 0.4], 1)]);
     let refused = other.resumed(&file).map(|_| ()).unwrap_err().to_string();
     std::fs::remove_file(&file).unwrap();
     resumed.run_until(0.05).unwrap();
