@@ -9,7 +9,7 @@ use crate::grid::levels::pack;
 use crate::grid::{GridStorage, Node};
 use crate::step::bodies::body::GridBody;
 use impactite_scene::boundary::{Boundary, Plane};
-use impactite_simd::Float;
+use impactite_simd::{Float, Team};
 
 /// Indices of a node in front of a plane, one on it and one behind it; [`NOWHERE`] if there is none.
 type Column = [u32; 3];
@@ -148,8 +148,9 @@ impl<T: Float> Planes<T> {
         sums: NodeSums,
         bodies: &[Box<dyn GridBody<T, D>>],
         fields: &Fields<D>,
+        team: &Team,
     ) {
-        self.ties.fold(nodes, sums, bodies, fields);
+        self.ties.fold(nodes, sums, bodies, fields, team);
     }
 
     /// Return the thickness of a node's mass at the surface of a condition, by the indices of both, m; none without a
@@ -372,8 +373,8 @@ impl<T: Float> Planes<T> {
     }
 
     /// Set the vectors of nodes that depend on those of larger cells.
-    pub(in crate::step) fn extend_ties(&self, nodes: &mut [Node<T>]) {
-        self.ties.extend(nodes);
+    pub(in crate::step) fn extend_ties(&mut self, nodes: &mut [Node<T>], team: &Team) {
+        self.ties.extend(nodes, team);
     }
 
     /// Return the masses mapped by the body's own particles to the nodes `start..start + count` that also represent its

@@ -13,7 +13,7 @@ use super::layout::{NodeSums, numbers};
 use crate::grid::levels::unpack_block;
 use crate::grid::{GridStorage, Node};
 use crate::step::bodies::body::GridBody;
-use impactite_simd::Float;
+use impactite_simd::{Float, Team};
 
 /// Index of a node that depends on no other.
 const FREE: u32 = u32::MAX;
@@ -24,8 +24,10 @@ struct Tie<T> {
     node: u32,
     /// Block of the node, and its number there.
     at: (u32, u8),
-    /// End of its parents.
-    end: u32,
+    /// Start and end of its parents.
+    parents: [u32; 2],
+    /// Vectors of the node.
+    vectors: [[T; 4]; 2],
     /// Affine part of the momentum, by axis of the distance, kg m/s a cell.
     affine: [[T; 4]; 3],
 }
@@ -46,11 +48,13 @@ struct Parent<T> {
 pub struct Ties<T> {
     ties: Vec<Tie<T>>,
     parents: Vec<Parent<T>>,
+    /// End of the dependent nodes of each level.
+    ends: Vec<usize>,
 }
 
 impl<T> Default for Ties<T> {
     fn default() -> Self {
-        Ties { ties: Vec::new(), parents: Vec::new() }
+        Ties { ties: Vec::new(), parents: Vec::new(), ends: Vec::new() }
     }
 }
 
@@ -59,6 +63,7 @@ impl<T: Float> Ties<T> {
     pub(super) fn arrange<const D: usize>(&mut self, grid: &dyn GridStorage<T, D>, fields: &Fields<D>) {
         self.ties.clear();
         self.parents.clear();
+        self.ends.clear();
         let Some(levels) = fields.levels() else { return };
         let layout = fields.layout();
         for level in (1..levels.count()).rev() {
@@ -77,6 +82,7 @@ impl<T: Float> Ties<T> {
                     let parents = &border.parents[from as usize..end as usize];
                     from = end;
                     let Some(place) = layout.place(block, n).filter(|_| kept >> n & 1 != 0) else { continue };
+                    let start = self.parents.len() as u32;
                     for parent in parents {
                         let of = blocks[usize::from(parent.block)];
                         let found = of.and_then(|block| layout.place(block, usize::from(parent.within)));
@@ -89,11 +95,13 @@ impl<T: Float> Ties<T> {
                     self.ties.push(Tie {
                         node: place as u32,
                         at: (block as u32, n as u8),
-                        end: self.parents.len() as u32,
+                        parents: [start, self.parents.len() as u32],
+                        vectors: [[T::default(); 4]; 2],
                         affine: [[T::default(); 4]; 3],
                     });
                 }
             }
+            self.ends.push(self.ties.len());
         }
         // Parents on the coarsest level depend on no others.
         if levels.count() < 3 {
@@ -121,18 +129,20 @@ impl<T: Float> Ties<T> {
         sums: NodeSums,
         bodies: &[Box<dyn GridBody<T, D>>],
         fields: &Fields<D>,
+        team: &Team,
     ) {
         let affine = matches!(sums, NodeSums::All | NodeSums::Again);
-        for tie in self.ties.iter_mut().filter(|_| affine) {
-            tie.affine = [[T::default(); 4]; 3];
-            for giver in fields.givers(tie.at.0 as usize) {
-                let presence = bodies[giver.body as usize].presence();
-                presence.add_affine(giver.local as usize, usize::from(tie.at.1), &mut tie.affine);
-            }
+        if affine {
+            team.each(&mut self.ties, |_, tie| {
+                tie.affine = [[T::default(); 4]; 3];
+                for giver in fields.givers(tie.at.0 as usize) {
+                    let presence = bodies[giver.body as usize].presence();
+                    presence.add_affine(giver.local as usize, usize::from(tie.at.1), &mut tie.affine);
+                }
+            });
         }
-        let mut first = 0;
         for k in 0..self.ties.len() {
-            let Tie { node, end, affine: own, .. } = self.ties[k];
+            let Tie { node, parents: [first, end], affine: own, .. } = self.ties[k];
             let from = &mut nodes[node as usize];
             let second = std::mem::take(&mut from.second);
             let record = match sums {
@@ -161,26 +171,31 @@ impl<T: Float> Ties<T> {
                     }
                 }
             }
-            first = end;
         }
     }
 
-    /// Set the vectors of dependent nodes from those of their parents.
-    pub(super) fn extend(&self, nodes: &mut [Node<T>]) {
-        for k in (0..self.ties.len()).rev() {
-            let first = if k == 0 { 0 } else { self.ties[k - 1].end };
-            let (mut one, mut two) = ([T::default(); 4], [T::default(); 4]);
-            for parent in &self.parents[first as usize..self.ties[k].end as usize] {
-                let from = &nodes[parent.node as usize];
-                for c in 1..4 {
-                    one[c] += parent.weight * from.first[c];
-                    two[c] += parent.weight * from.second[c];
+    /// Set the vectors of dependent nodes from those of their parents, those of coarser levels first.
+    pub(super) fn extend(&mut self, nodes: &mut [Node<T>], team: &Team) {
+        let Ties { ties, parents, ends } = self;
+        for level in (0..ends.len()).rev() {
+            let start = level.checked_sub(1).map_or(0, |finer| ends[finer]);
+            let ties = &mut ties[start..ends[level]];
+            let known = &*nodes;
+            team.each(ties, |_, tie| {
+                let (mut one, mut two) = ([T::default(); 4], [T::default(); 4]);
+                for parent in &parents[tie.parents[0] as usize..tie.parents[1] as usize] {
+                    let from = &known[parent.node as usize];
+                    for c in 1..4 {
+                        one[c] += parent.weight * from.first[c];
+                        two[c] += parent.weight * from.second[c];
+                    }
                 }
-            }
-            let node = &mut nodes[self.ties[k].node as usize];
+                tie.vectors = [one, two];
+            });
             // The mass is that of the parents.
-            node.first = one;
-            node.second = two;
+            for tie in ties {
+                [nodes[tie.node as usize].first, nodes[tie.node as usize].second] = tie.vectors;
+            }
         }
     }
 
