@@ -193,6 +193,18 @@ impl<const D: usize> Blocks<D> {
         let cell = at.iter().rev().fold(0, |sum, x| sum * SIDE + x);
         (other != NONE).then_some(other as usize * Self::CELLS + cell)
     }
+    /// Index of the cell at this offset, -1 to 1 along each axis, from the cell at `at` in block `b`.
+    pub fn around_cell(&self, b: usize, at: &[usize; D], by: &[i32; D]) -> Option<usize> {
+        let (mut block, mut cell) = (0, 0);
+        for d in (0..D).rev() {
+            let place = at[d] as i32 + by[d];
+            let part = place.div_euclid(SIDE as i32);
+            block = block * 3 + (part + 1) as usize;
+            cell = cell * SIDE + (place - part * SIDE as i32) as usize;
+        }
+        let other = self.near(b)[block];
+        (other != NONE).then_some(other as usize * Self::CELLS + cell)
+    }
     /// Coordinates of cell `i` of block `b`.
     #[cfg(test)]
     pub fn cell(&self, b: usize, i: usize) -> [i32; D] {

@@ -4,13 +4,16 @@ use std::sync::Arc;
 
 use impactite_geometry::Lattice;
 
-use crate::blocks::{Blocks, SIDE, local};
+use crate::blocks::{Blocks, SIDE, local, offset};
 use crate::wall::Walls;
 
 /// Nodes along an edge of a block.
 const NODES: usize = SIDE + 1;
 /// Share of a cell within which a node is on a wall.
 const ON_WALL: f64 = 1e-9;
+
+/// Open fraction of a face beside free rigid bodies below which it is closed: liquid that they displace would be too fast in it.
+const SLIT: f64 = 0.03;
 
 /// Walls in a block of cells.
 #[derive(Clone, Debug)]
@@ -23,8 +26,12 @@ pub(crate) struct CutBlock<const D: usize> {
     pub face: [Vec<f64>; D],
     /// Open fraction of each cell.
     pub cell: Vec<f64>,
+    /// Cells that walls cut, with the integrals of their open part less that of the same volume spread over the cell.
+    pub uneven: Vec<(u8, [Moments; 27])>,
     /// Cells with a corner less than half a cell from a wall, one bit each.
     pub near: u64,
+    /// True if a wall that moves is in reach.
+    moving: bool,
 }
 
 /// Walls in each block; none where a block is open.
@@ -78,30 +85,88 @@ fn open_square(v: [f64; 4]) -> f64 {
     }
 }
 
-/// Open fraction of a cell with its lowest corner at `low`: mean over 4^D parts, each cut by a plane at its distance from the wall. Exact for
-/// walls on grid planes, edges and corners included.
-fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> f64 {
-    const PARTS: usize = 4;
+/// Parts of a cell along each axis.
+const PARTS: usize = 4;
+/// Largest number of parts of a cell.
+const MOST_PARTS: usize = PARTS * PARTS * PARTS;
+
+/// Open fraction of a cell with its lowest corner at `low`, and that of its parts: mean over 4^D parts, each cut by a plane at its distance
+/// from the wall. Exact for walls on grid planes, edges and corners included.
+fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> (f64, [f64; MOST_PARTS]) {
     let (count, width) = (PARTS.pow(D as u32), h / PARTS as f64);
-    let mut sum = 0.0;
-    for n in 0..count {
-        let mut rest = n;
-        let x = std::array::from_fn(|d| {
-            let part = rest % PARTS;
-            rest /= PARTS;
-            low[d] + (part as f64 + 0.5) * width
-        });
+    let (mut sum, mut parts) = (0.0, [0.0; MOST_PARTS]);
+    for (n, open) in parts.iter_mut().enumerate().take(count) {
+        let x = std::array::from_fn(|d| low[d] + (place_of_part(n, d) as f64 + 0.5) * width);
         let part = 0.5 + walls.gap(x).0 / width;
         // Rounding of places on grid planes.
-        sum += if part > 1.0 - ON_WALL {
+        *open = if part > 1.0 - ON_WALL {
             1.0
         } else if part < ON_WALL {
             0.0
         } else {
             part
         };
+        sum += *open;
     }
-    sum / count as f64
+    (sum / count as f64, parts)
+}
+
+/// Place of part `n` of a cell along an axis.
+#[inline]
+fn place_of_part(n: usize, axis: usize) -> usize {
+    n / PARTS.pow(axis as u32) % PARTS
+}
+
+/// Weights of the parts of a row of cells in the kernel of the liquid fraction of the middle one: along the axis of a face component, where
+/// it is the mean of hat functions at both faces, and across it, the hat function at the centre. The cell at -1, 0 and 1, its parts.
+const fn weights_of_parts() -> [[[f64; PARTS]; 3]; 2] {
+    let mut weights = [[[0.0; PARTS]; 3]; 2];
+    let mut n = 0;
+    while n < 3 * PARTS {
+        let (cell, part) = (n / PARTS, n % PARTS);
+        // Twice the distance from the middle in parts, and from the nearest end of the kernels.
+        let twice = (2 * n + 1) as f64 - (3 * PARTS) as f64;
+        let s = (if twice < 0.0 { -twice } else { twice }) / (2 * PARTS) as f64;
+        weights[0][cell][part] = if s > 0.5 { 0.5 * (1.5 - s) } else { 0.5 };
+        weights[1][cell][part] = if s < 1.0 { 1.0 - s } else { 0.0 };
+        n += 1;
+    }
+    weights
+}
+const WEIGHTS: [[[f64; PARTS]; 3]; 2] = weights_of_parts();
+
+/// Volume, and its first moments in cells, of a body in the kernel of the liquid fraction of a cell.
+pub(crate) type Moments = [f64; 4];
+
+/// Integrals of a density, given at the parts of a cell, with the kernel of the liquid fraction of each of the 3^D cells around it.
+pub(crate) fn in_kernels<const D: usize>(density: impl Fn(usize) -> f64) -> [Moments; 27] {
+    let count = PARTS.pow(D as u32);
+    let mut integrals = [[0.0; 4]; 27];
+    for (n, integral) in integrals.iter_mut().enumerate().take(Blocks::<D>::AROUND) {
+        let to = offset::<D>(n);
+        for k in 0..count {
+            // The cell is at -to from the receiving one.
+            let weight = |along: usize, d: usize| {
+                WEIGHTS[usize::from(d != along)][(1 - to[d]) as usize][place_of_part(k, d)]
+            };
+            let kernel: f64 = (0..D).map(|along| (0..D).map(|d| weight(along, d)).product::<f64>()).sum();
+            let volume = kernel * density(k) / (count * D) as f64;
+            integral[0] += volume;
+            for d in 0..D {
+                let place = (place_of_part(k, d) as f64 + 0.5) / PARTS as f64 - 0.5;
+                integral[d + 1] += volume * (place - f64::from(to[d]));
+            }
+        }
+    }
+    integrals
+}
+
+/// Middle of a block, m, and the distance from it within which walls matter, m.
+fn surroundings<const D: usize>(key: &[i32; D], lattice: &Lattice<D>) -> ([f64; D], f64) {
+    let h = lattice.spacing();
+    let half = 0.5 * SIDE as f64;
+    let middle = std::array::from_fn(|d| lattice.origin()[d] + (f64::from(key[d]) * SIDE as f64 + half) * h);
+    (middle, (half + 2.0) * (D as f64).sqrt() * h)
 }
 
 /// Cut a block of cells by the walls; none if the block and the cells around it are open.
@@ -114,11 +179,12 @@ fn cut_block<const D: usize>(
     let position = |at: &[f64; D]| -> [f64; D] {
         std::array::from_fn(|d| lattice.origin()[d] + (f64::from(key[d]) * SIDE as f64 + at[d]) * h)
     };
-    let middle = position(&[0.5 * SIDE as f64; D]);
-    let reach = (0.5 * SIDE as f64 + 2.0) * (D as f64).sqrt() * h;
+    let (middle, reach) = surroundings(key, lattice);
     if walls.gap(middle).0 > reach {
         return None;
     }
+    let moving = walls.gap_of_moving(&middle) <= reach;
+    let free = moving && walls.list.iter().any(|wall| wall.body.is_some());
     let nodes = NODES.pow(D as u32);
     let (mut gap, mut nearest) = (vec![0.0; nodes], vec![0; nodes]);
     for n in 0..nodes {
@@ -135,19 +201,26 @@ fn cut_block<const D: usize>(
     }
     let cells = Blocks::<D>::CELLS;
     let mut face: [Vec<f64>; D] = std::array::from_fn(|_| vec![1.0; cells]);
-    let (mut cell, mut near) = (vec![1.0; cells], 0);
+    let (mut cell, mut near, mut partial) = (vec![1.0; cells], 0, Vec::new());
     for i in 0..cells {
         let corners = corners(&gap, &local::<D>(i));
         near |= u64::from(corners[..1 << D].iter().any(|gap| *gap < 0.5)) << i;
         for d in 0..D {
             face[d][i] = open_face::<D>(&corners, d);
+            if free && face[d][i] < SLIT {
+                face[d][i] = 0.0;
+            }
         }
         if corners[..1 << D].iter().any(|gap| *gap < 1.0) {
             let at = local::<D>(i);
-            cell[i] = open_cell(position(&at.map(|x| x as f64)), h, walls);
+            let (open, parts) = open_cell(position(&at.map(|x| x as f64)), h, walls);
+            cell[i] = open;
+            if open > 0.0 && open < 1.0 {
+                partial.push((i as u8, in_kernels::<D>(|k| parts[k] - open)));
+            }
         }
     }
-    Some(CutBlock { gap, nearest, face, cell, near })
+    Some(CutBlock { gap, nearest, face, cell, uneven: partial, near, moving })
 }
 
 /// Values at the 2^D corners of a cell; the rest is zero.
@@ -174,23 +247,24 @@ fn open_face<const D: usize>(v: &[f64; 8], axis: usize) -> f64 {
     if D == 2 { open_edge(on[0], on[1]) } else { open_square(on) }
 }
 
-/// Cut all blocks. Cuts of `before` are reused for blocks that were there, if no wall moves.
+/// Cut all blocks. Cuts of `before` are reused for blocks that were there, if no wall that moves is or was in reach.
 pub(crate) fn cut<const D: usize>(
     blocks: &Blocks<D>,
     before: (&Blocks<D>, &Cuts<D>),
     lattice: &Lattice<D>,
     walls: &Walls<'_, D>,
 ) -> Cuts<D> {
-    let reuse = !walls.moving();
+    let any = walls.moving();
+    let away = |key: &[i32; D]| {
+        let (middle, reach) = surroundings(key, lattice);
+        walls.gap_of_moving(&middle) > reach
+    };
     blocks
         .keys
         .iter()
-        .map(|key| {
-            let old = if reuse { before.0.find(key) } else { crate::blocks::NONE };
-            match before.1.get(old as usize) {
-                Some(cut) => cut.clone(),
-                None => cut_block(key, lattice, walls).map(Arc::new),
-            }
+        .map(|key| match before.1.get(before.0.find(key) as usize) {
+            Some(cut) if !any || (cut.as_ref().is_none_or(|cut| !cut.moving) && away(key)) => cut.clone(),
+            _ => cut_block(key, lattice, walls).map(Arc::new),
         })
         .collect()
 }

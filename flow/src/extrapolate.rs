@@ -4,8 +4,10 @@ use impactite_simd::Team;
 
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::cuts::{CutBlock, Cuts};
+use crate::particles::Frame;
 use crate::surface::LIQUID;
 use crate::transfer::{face_centre, sample};
+use crate::turn::Motion;
 
 /// Mark of a face without a velocity.
 pub(crate) const UNKNOWN: u8 = 0;
@@ -60,6 +62,8 @@ struct Replaced {
     block: u32,
     /// Cells whose faces are replaced, one bit each.
     which: u64,
+    /// Closed faces without liquid that no open face is beside: their velocity is not known.
+    lost: u64,
     values: [f64; 64],
 }
 
@@ -90,14 +94,17 @@ pub(crate) fn extrapolate<const D: usize>(
         scratch.blocks.clear();
         for (b, marks) in marks.chunks(cells).enumerate() {
             if marks.iter().any(|m| rule.replaces(*m)) {
-                scratch.blocks.push(Replaced { block: b as u32, which: 0, values: [0.0; 64] });
+                scratch.blocks.push(Replaced { block: b as u32, which: 0, lost: 0, values: [0.0; 64] });
             }
         }
         let (old, known) = (&*values, &*marks);
         team.each(&mut scratch.blocks, |_, new| {
             extend_block(blocks, rule, (before, volume), (old, known), new)
         });
-        for new in scratch.blocks.iter().filter(|new| new.which != 0) {
+        for new in scratch.blocks.iter().filter(|new| new.which | new.lost != 0) {
+            for i in (0..cells).filter(|i| new.lost >> i & 1 == 1) {
+                marks[new.block as usize * cells + i] = UNKNOWN;
+            }
             for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
                 let slot = new.block as usize * cells + i;
                 values[slot] = new.values[i];
@@ -170,6 +177,8 @@ fn extend_block<const D: usize>(
         if count > 0 {
             new.values[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
             new.which |= 1 << i;
+        } else if rule.reach == Reach::Closed && volume[b * cells + i] <= 0.0 {
+            new.lost |= 1 << i;
         }
     }
 }
@@ -181,7 +190,7 @@ pub(crate) fn constrain<const D: usize>(
     blocks: &Blocks<D>,
     (cuts, open, marks): (&Cuts<D>, &[Vec<f64>; D], &[Vec<u8>; D]),
     reach: Reach,
-    walls: &[([f64; D], bool)],
+    (walls, frame): (&[(Motion<D>, bool)], &Frame<D>),
     velocity: &mut [Vec<f64>; D],
     scratch: &mut [Scratch; D],
 ) {
@@ -200,7 +209,7 @@ pub(crate) fn constrain<const D: usize>(
                 which |= u64::from(open[d][slot] <= 0.0 && held(marks[d][slot])) << i;
             }
             if which != 0 {
-                scratch.blocks.push(Replaced { block: b as u32, which, values: [0.0; 64] });
+                scratch.blocks.push(Replaced { block: b as u32, which, lost: 0, values: [0.0; 64] });
             }
         }
         team.each(&mut scratch.blocks, |_, new| {
@@ -208,10 +217,28 @@ pub(crate) fn constrain<const D: usize>(
             let Some(cut) = &cuts[b] else { return };
             let mut tiles = [[0.0; TILE_CELLS]; 3];
             (0..D).for_each(|e| blocks.load(b, &old[e], 0.0, &mut tiles[e]));
+            // At first, faces beyond the liquid have no velocity yet.
+            let mut known = [[1.0; TILE_CELLS]; 3];
+            if reach == Reach::Closed {
+                let mut tile = [UNKNOWN; TILE_CELLS];
+                for e in 0..D {
+                    blocks.load(b, &marks[e], UNKNOWN, &mut tile);
+                    for ((known, value), mark) in known[e].iter_mut().zip(&mut tiles[e]).zip(&tile) {
+                        *known = if *mark >= CLOSED { 1.0 } else { 0.0 };
+                        *value *= *known;
+                    }
+                }
+            }
+            let at_face = |i: usize, motion: &Motion<D>, e: usize| {
+                motion.component(&frame.place(&blocks.keys[b], &face_centre::<D>(i, d)), e)
+            };
             for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
                 let beside = marks[d][b * cells + i] == CLOSED;
                 let free = old[d][b * cells + i];
-                new.values[i] = wall_velocity(cut, &tiles, (i, d, beside), free, walls);
+                new.values[i] = wall_velocity(cut, (&tiles, &known), (i, d, beside), free, |wall| {
+                    let (motion, no_slip) = &walls[wall];
+                    (std::array::from_fn(|e| at_face(i, motion, e)), *no_slip)
+                });
             }
         });
     }
@@ -224,13 +251,13 @@ pub(crate) fn constrain<const D: usize>(
     }
 }
 
-/// Velocity of the closed face `i` across axis `d` by its wall; `free` without it.
+/// Velocity of the closed face `i` across axis `d` by its wall; `free` without it. Values of faces that are not known are zero.
 fn wall_velocity<const D: usize>(
     cut: &CutBlock<D>,
-    tiles: &[[f64; TILE_CELLS]; 3],
+    (tiles, known): (&[[f64; TILE_CELLS]; 3], &[[f64; TILE_CELLS]; 3]),
     (i, d, beside): (usize, usize, bool),
     free: f64,
-    walls: &[([f64; D], bool)],
+    walls: impl Fn(usize) -> ([f64; D], bool),
 ) -> f64 {
     let at = face_centre::<D>(i, d);
     let (gap, slope, wall) = cut.sample(&at);
@@ -239,7 +266,7 @@ fn wall_velocity<const D: usize>(
         return free;
     }
     let normal = slope.map(|s| s / length);
-    let (moves, no_slip) = walls[wall];
+    let (moves, no_slip) = walls(wall);
     if no_slip {
         // Within the tile: at most one cell beyond the block.
         let depth = (-gap).clamp(0.0, 0.5);
@@ -249,7 +276,10 @@ fn wall_velocity<const D: usize>(
     }
     let mut approach = 0.0;
     for e in 0..D {
-        approach += (sample(&tiles[e], &at, e).0 - moves[e]) * normal[e];
+        let share = sample(&known[e], &at, e).0;
+        if share > 0.0 {
+            approach += (sample(&tiles[e], &at, e).0 / share - moves[e]) * normal[e];
+        }
     }
     if beside || approach < 0.0 { free - normal[d] * approach } else { free }
 }

@@ -84,7 +84,7 @@ impl<const D: usize> Case<D> {
         system.assemble(&team, &at, false).expect("a matrix");
         outflow(&team, &at, &case.velocity, None, &mut right);
         let stop = Stop { relative: 1e-13, ..Stop::default() };
-        system.solve(&team, &at, &right, &mut case.q, &stop).expect("a pressure");
+        system.solve(&team, &at, &right, &mut case.q, &stop, &|_, _| ()).expect("a pressure");
         let mut velocity = std::mem::replace(&mut case.velocity, faces());
         subtract_gradient(&team, &at, &case.q, &mut velocity);
         case.velocity = velocity;

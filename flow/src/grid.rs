@@ -1,7 +1,7 @@
 //! Grid of a step: blocks near the liquid, and fields at faces and cells.
 
 use crate::blocks::{Blocks, faces};
-use crate::cuts::Cuts;
+use crate::cuts::{Cuts, Moments};
 use crate::extrapolate;
 use crate::pressure::System;
 use crate::surface::{Profile, Surface};
@@ -19,6 +19,8 @@ pub(crate) struct Grid<const D: usize> {
     /// Open fraction of faces and cells.
     pub open: Faces<D>,
     pub open_cell: Vec<f64>,
+    /// Part of the open share of kernels by cut cells whose open part is to one side; empty without.
+    pub uneven: Vec<Moments>,
     /// Liquid volume at faces over that of a cell.
     pub volume: Faces<D>,
     /// Velocity at faces, m/s.
@@ -32,6 +34,8 @@ pub(crate) struct Grid<const D: usize> {
     /// State of the velocity at faces.
     pub marks: [Vec<u8>; D],
     pub surface: Surface,
+    /// Cells of pockets between rigid bodies and walls, sorted, and the first cell of their pocket.
+    pub pockets: Vec<(usize, usize)>,
     pub tension: Tension,
     /// Value of q at the surface, near each cell; empty without surface tension.
     pub jump: Vec<f64>,
@@ -62,6 +66,7 @@ impl<const D: usize> Default for Grid<D> {
             cuts: Vec::new(),
             open: faces(),
             open_cell: Vec::new(),
+            uneven: Vec::new(),
             volume: faces(),
             velocity: faces(),
             before: faces(),
@@ -69,6 +74,7 @@ impl<const D: usize> Default for Grid<D> {
             wall: faces(),
             marks: faces(),
             surface: Surface::default(),
+            pockets: Vec::new(),
             tension: Tension::default(),
             jump: Vec::new(),
             profile: Profile::new(D, 0.5),
@@ -92,6 +98,6 @@ impl<const D: usize> Grid<D> {
         let faces = [&self.open, &self.volume, &self.velocity, &self.before, &self.shift, &self.wall];
         let cells = [&self.open_cell, &self.pressure, &self.potential, &self.right];
         let reals: usize = faces.into_iter().flatten().chain(cells).map(|list| list.capacity()).sum();
-        self.blocks.bytes() + self.tension.bytes() + 8 * reals
+        self.blocks.bytes() + self.tension.bytes() + 8 * (reals + 4 * self.uneven.capacity())
     }
 }

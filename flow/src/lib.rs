@@ -9,6 +9,10 @@
 //! with the density rho, the viscosity mu, the body force b (gravity, frame of a moving tank), the surface tension sigma and the curvature
 //! kappa. The normal viscous stress at the surface is left out.
 //!
+//! # Rigid bodies
+//! The velocities of a [`RigidBody`] that the liquid moves are unknowns of the pressure equation, which gets the term rho h^D G M^-1 G^T
+//! with the net outflow G V of the cells beside the body and its mass matrix M. Prescribed walls move and turn.
+//!
 //! # Step
 //! Velocities belong to the middles between positions (leap-frog); forces act over the mean of two successive steps.
 //!
@@ -68,9 +72,14 @@
 //! - The decay of vortices does not converge below 1.5 %: the noise of the particles again. Rotation beside a curved wall is of first order.
 //! - Energy grows by up to 1 % where the reflection meets a surface (elliptic drop), and with the centroid that the density correction lifts.
 //! - Liquid does not separate from a wall by tension; a closed full tank may have negative pressures, known but for a constant.
-//! - Walls move without rotation. The liquid of a scene has one density.
+//! - The liquid of a scene has one density. It slips along rigid bodies that it moves; what is narrower than a cell between them is not
+//!   resolved.
 
+mod afloat;
 mod blocks;
+mod booking;
+mod contact;
+mod couple;
 mod cuts;
 mod extrapolate;
 #[cfg(test)]
@@ -80,15 +89,18 @@ mod grid;
 mod options;
 mod particles;
 mod pressure;
+mod rigid;
 mod solver;
 mod step;
 mod surface;
 mod tension;
 mod transfer;
+mod turn;
 mod view;
 mod viscosity;
 mod wall;
 
 pub use options::{FlowOptions, Fluid};
+pub use rigid::RigidBody;
 pub use solver::{Flow, FluidError, StepTimes};
 pub use wall::{Wall, WallMotion};

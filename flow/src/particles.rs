@@ -73,6 +73,11 @@ impl<const D: usize> Frame<D> {
         }
         at
     }
+    /// Position of a place in a block, given in cells from its corner.
+    #[inline]
+    pub fn place(&self, key: &[i32; D], at: &[f64; D]) -> [f64; D] {
+        std::array::from_fn(|d| self.origin[d] + (f64::from(key[d]) * SIDE as f64 + at[d]) * self.h)
+    }
     /// Image of a position in the period.
     #[inline(always)]
     pub fn wrap(&self, x: &mut [f64; D]) {

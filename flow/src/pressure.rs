@@ -18,6 +18,7 @@ use impactite_solve::{
 };
 
 use crate::blocks::{Blocks, NONE, TILE_CELLS, in_tile, local, stride};
+use crate::couple::{Column, Coupled};
 use crate::surface::{AIR, LIQUID, SOLID};
 
 /// Smallest theta of a surface.
@@ -52,6 +53,11 @@ pub(crate) struct Cells<'a, const D: usize> {
     /// Value of q at the surface, near each cell; none for zero.
     pub surface: Option<&'a [f64]>,
 }
+
+/// Place of a cell in the system; none if it is not in it.
+pub(crate) type Place<'a> = dyn Fn(u32) -> Option<u32> + 'a;
+/// Columns of free rigid bodies, by the places of cells.
+pub(crate) type Columns<'a> = dyn Fn(&Place<'_>, &mut Vec<Column>) + 'a;
 
 /// Operator of a periodic scene, on all cells of the grid.
 struct Periodic<'a, const D: usize> {
@@ -227,7 +233,7 @@ impl<const D: usize> System<D> {
     }
 
     /// Solve for q with the right-hand side `right` at the cells, to which the values at the surface are added. `q` is the start and the
-    /// result; it is zero but in liquid cells.
+    /// result; it is zero but in liquid cells. `columns` finds the columns of free rigid bodies by the place of a cell in the system.
     ///
     /// # Errors
     /// A solve that does not reach the tolerance, or a closed region of liquid that gains or loses volume.
@@ -238,6 +244,7 @@ impl<const D: usize> System<D> {
         right: &[f64],
         q: &mut [f64],
         stop: &Stop,
+        columns: &Columns<'_>,
     ) -> Result<usize, PressureError> {
         let cells = Blocks::<D>::CELLS;
         if self.unknowns == 0 {
@@ -271,7 +278,19 @@ impl<const D: usize> System<D> {
         } else {
             let (Some(stencil), Some(multigrid)) = (&self.stencil, &mut self.multigrid) else { return Ok(0) };
             let stop = Stop { iterations: ITERATIONS, ..*stop };
-            conjugate_gradients(team, stencil, multigrid, &self.right, &mut self.unknown, &stop)?.iterations
+            let mut list = Vec::new();
+            let place = |slot: u32| {
+                let (b, i) = (slot as usize / cells, slot as usize % cells);
+                self.cells.find_block(at.blocks.keys[b]).map(|n| (n * cells + i) as u32)
+            };
+            columns(&place, &mut list);
+            if list.is_empty() {
+                conjugate_gradients(team, stencil, multigrid, &self.right, &mut self.unknown, &stop)?
+            } else {
+                let coupled = Coupled { alone: stencil, columns: &list };
+                conjugate_gradients(team, &coupled, multigrid, &self.right, &mut self.unknown, &stop)?
+            }
+            .iterations
         };
         q.fill(0.0);
         for (n, &b) in self.mine.iter().enumerate() {

@@ -13,9 +13,11 @@ use impactite_scene::{
 };
 use impactite_simd::Team;
 
+use crate::couple::{Coupling, Surroundings};
 use crate::grid::Grid;
 use crate::options::{FlowOptions, Fluid, parameter};
 use crate::particles::{Frame, Liquid, Particle};
+use crate::rigid::Floater;
 use crate::surface::Profile;
 use crate::view::wide;
 use crate::wall::{Wall, Walls};
@@ -59,6 +61,11 @@ pub struct Flow<const D: usize> {
     pub(crate) fluid: Option<Fluid>,
     pub(crate) liquids: Vec<Liquid<D>>,
     pub(crate) walls: Vec<Wall<D>>,
+    pub(crate) rigid: Vec<Floater<D>>,
+    /// Coupling of the rigid bodies in the present step.
+    pub(crate) couplings: Vec<Coupling<D>>,
+    /// Cells and faces near the rigid bodies in the present step.
+    pub(crate) around: Vec<Surroundings<D>>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) grid: Grid<D>,
     pub(crate) team: Team,
@@ -109,6 +116,9 @@ impl<const D: usize> Flow<D> {
             fluid: None,
             liquids: Vec::new(),
             walls: Vec::new(),
+            rigid: Vec::new(),
+            couplings: Vec::new(),
+            around: Vec::new(),
             body_force: None,
             grid: Grid::default(),
             team: Team::one(),
@@ -194,12 +204,12 @@ impl<const D: usize> Flow<D> {
         self.grid.profile = Profile::new(D, spacing.clamp(0.05, 1.0));
     }
 
-    fn check_name(&self, name: &str) -> Result<(), SceneError> {
+    pub(crate) fn check_name(&self, name: &str) -> Result<(), SceneError> {
         let refuse = |allowed| Err(SceneError::Name { name: name.into(), allowed });
         if name.is_empty() {
             return refuse("not empty");
         }
-        if self.liquids.iter().any(|l| l.name == name) {
+        if self.liquids.iter().any(|l| l.name == name) || self.rigid.iter().any(|b| b.name == name) {
             return refuse("unique in the scene");
         }
         Ok(())
@@ -225,6 +235,7 @@ impl<const D: usize> Flow<D> {
         self.body_force = Some(Arc::new(force));
         let now = self.force(self.clock.time);
         self.liquids.iter_mut().for_each(|l| l.force = now);
+        self.rigid.iter_mut().for_each(|b| b.force = now);
     }
 
     pub(crate) fn force(&self, time: f64) -> [f64; D] {
@@ -268,7 +279,10 @@ impl<const D: usize> Flow<D> {
     fn rate(&self) -> f64 {
         let h = self.frame.h;
         let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
-        let mut rate = self.speed / h;
+        let turning = self.walls.iter().map(Wall::turning_speed).fold(self.speed, f64::max);
+        let mut rate = turning / h;
+        // Liquid between bodies that meet is faster than they are.
+        rate = self.rigid.iter().fold(rate, |rate, body| rate.max(2.0 * body.speed() / h));
         rate = rate.max((gravity / h).sqrt());
         if let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) {
             // [Brackbill1992]
@@ -336,6 +350,13 @@ impl<const D: usize> Flow<D> {
         if self.liquids.is_empty() {
             return Err(SceneError::NoBodies);
         }
+        if !self.rigid.is_empty() && self.fluid.is_some_and(|fluid| fluid.tension > 0.0) {
+            return Err(SceneError::NotWith {
+                what: "a rigid body that the liquid moves beside surface tension".into(),
+                method: self.method(),
+                why: "the liquid has no angle at its surface; take a liquid without surface tension",
+            });
+        }
         let finite = |what: &str, values: [f64; D], time: f64| {
             let wrong = values.into_iter().find(|x| !x.is_finite());
             wrong.map_or(Ok(()), |value| Err(SceneError::NotFinite { what: what.into(), value, time }))
@@ -352,7 +373,7 @@ impl<const D: usize> Flow<D> {
 
     /// Check that no particle starts in a wall, more than half a cell from open space.
     fn check_particles_and_walls(&self) -> Result<(), SceneError> {
-        let walls = Walls::at(&self.walls, self.clock.time, 0.0);
+        let walls = Walls::at(&self.walls, &self.rigid, self.clock.time, 0.0);
         if walls.list.is_empty() {
             return Ok(());
         }
@@ -374,6 +395,10 @@ impl<const D: usize> Flow<D> {
         for (n, wall) in self.walls.iter().enumerate() {
             let motion = over(times, |t| wall.displacement(t));
             file.same(&format!("wall {n}"), &format!("{wall:?} {motion} m"))?;
+        }
+        if !self.rigid.is_empty() {
+            let bodies: Vec<_> = self.rigid.iter().map(|body| format!("{:?}", body.body)).collect();
+            file.same("rigid bodies", &bodies.join("; "))?;
         }
         file.same("number of bodies", &self.liquids.len().to_string())
     }
@@ -437,7 +462,7 @@ impl<const D: usize> Solver for Flow<D> {
         self.team = team;
     }
     fn bodies(&self) -> Vec<&dyn Body> {
-        self.liquids.iter().map(|l| l as &dyn Body).collect()
+        self.liquids.iter().map(|l| l as &dyn Body).chain(self.rigid.iter().map(|b| b as &dyn Body)).collect()
     }
     fn exchange(&self) -> Exchange {
         self.exchange
@@ -458,6 +483,7 @@ impl<const D: usize> Solver for Flow<D> {
             file.reals([&mut liquid.lag, &mut liquid.heat, &mut liquid.acceleration])?;
             file.reals(liquid.force.iter_mut().chain(&mut liquid.momentum_rate))?;
         }
+        self.rigid.iter_mut().try_for_each(|body| body.archive(file))?;
         self.exchange.archive(file)?;
         self.booked_walls = self.exchange.impulse;
         self.watcher.archive(file)
@@ -479,7 +505,9 @@ impl<const D: usize> Solver for Flow<D> {
         self.watcher.account(totals, &self.exchange, false)
     }
     fn bytes(&self) -> usize {
-        self.liquids.iter().map(Liquid::bytes).sum::<usize>() + self.grid.bytes()
+        self.liquids.iter().map(Liquid::bytes).sum::<usize>()
+            + self.rigid.iter().map(Body::bytes).sum::<usize>()
+            + self.grid.bytes()
     }
 }
 

@@ -5,14 +5,16 @@ use std::time::Instant;
 use impactite_scene::{Cause, PointKind, StepError, Stopped};
 use impactite_solve::Stop;
 
-use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, offset, stride};
-use crate::cuts::cut;
-use crate::extrapolate::{Reach, constrain, extrapolate, mark};
+use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
+use crate::couple::Column;
+use crate::cuts::{Cuts, cut};
+use crate::extrapolate::{CLOSED, Reach, constrain, extrapolate, mark};
 use crate::gather::{Gather, Sums};
-use crate::pressure::{Cells, PressureError, continue_into_walls, outflow, subtract_gradient, theta};
+use crate::pressure::{Cells, Place, PressureError, continue_into_walls, outflow, subtract_gradient, theta};
 use crate::solver::{Flow, StepTimes, add_to};
 use crate::surface::{self, AIR, LIQUID};
 use crate::transfer::{face_centre, to_faces};
+use crate::turn::Motion;
 use crate::view::wide;
 use crate::viscosity::Stress;
 use crate::wall::{Wall, Walls};
@@ -25,6 +27,8 @@ const SMOOTH: f64 = 0.02;
 const LARGEST_ERROR: f64 = 0.5;
 /// Excess of density that is no error beside air, where deficits are none either: the fraction there is the level of the surface.
 const ALLOWED: f64 = 0.1;
+/// Density error that is no error in cells whose kernels walls cut through cells: the few particles of the open part are no lattice.
+const ALLOWED_AT_CUTS: f64 = 0.05;
 /// Density errors below which no correction is made.
 const NO_ERROR: f64 = 1e-9;
 
@@ -34,7 +38,7 @@ impl<const D: usize> Flow<D> {
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         let (time, kick) = (self.clock.time, self.lag + 0.5 * dt);
         let list = std::mem::take(&mut self.walls);
-        let stepped = self.stages(dt, kick, &Walls::at(&list, time, dt));
+        let stepped = self.stages(dt, kick, &mut Walls::at(&list, &self.rigid, time, dt));
         self.walls = list;
         let sums = stepped?;
         self.book(&sums, kick);
@@ -43,6 +47,9 @@ impl<const D: usize> Flow<D> {
         let force = self.force(self.clock.time);
         for liquid in &mut self.liquids {
             (liquid.lag, liquid.force) = (self.lag, force);
+        }
+        for body in &mut self.rigid {
+            (body.lag, body.force) = (self.lag, force);
         }
         Ok(())
     }
@@ -60,23 +67,26 @@ impl<const D: usize> Flow<D> {
         result
     }
 
-    fn stages(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<Vec<Sums<D>>, StepError> {
+    fn stages(&mut self, dt: f64, kick: f64, walls: &mut Walls<'_, D>) -> Result<Vec<Sums<D>>, StepError> {
         self.part(|t| &mut t.sort, |f| f.sort(walls))?;
         self.part(|t| &mut t.scatter, Self::scatter);
         self.part(|t| &mut t.surface, Self::find_surface);
         self.part(|t| &mut t.pressure, Self::assemble)?;
         self.part(|t| &mut t.forces, |f| f.apply_forces(dt, kick, walls))?;
-        self.part(|t| &mut t.pressure, Self::project)?;
+        self.part(|t| &mut t.pressure, |f| f.project_with_bodies(dt, kick, walls))?;
         let corrected = self.part(|t| &mut t.density, Self::correct_density)?;
         let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
         self.part(|t| &mut t.forces, |f| f.book_walls(kick * scale, walls));
         self.part(|t| &mut t.extrapolation, |f| f.extend_velocities(walls));
+        self.hold_pockets(walls);
+        self.move_bodies(dt, kick);
         self.finish_pressure(scale);
         self.part(|t| &mut t.gather, |f| f.gather(dt, walls, corrected))
     }
 
     /// Apply body force, viscosity and surface tension to the velocity that particles brought.
     fn apply_forces(&mut self, dt: f64, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
+        self.surround_bodies(walls);
         self.find_advected_divergence(dt, walls);
         // Viscosity in the middle of the impulse: of second order.
         self.apply_body_force(0.5 * kick);
@@ -108,7 +118,8 @@ impl<const D: usize> Flow<D> {
         let grid = &mut self.grid;
         let cuts = cut(&blocks, (&grid.blocks, &grid.cuts), &self.options.lattice, walls);
         (grid.blocks, grid.cuts) = (blocks, cuts);
-        surface::open_fractions(&grid.blocks, &grid.cuts, &mut grid.open, &mut grid.open_cell);
+        let open = (&mut grid.open, &mut grid.open_cell, &mut grid.uneven);
+        surface::open_fractions(&grid.blocks, &grid.cuts, open);
         Ok(())
     }
 
@@ -121,8 +132,11 @@ impl<const D: usize> Flow<D> {
 
     fn find_surface(&mut self) {
         let grid = &mut self.grid;
-        let walls = (&grid.cuts, &grid.open, &grid.open_cell[..]);
+        let walls = (&grid.cuts, &grid.open, &grid.open_cell[..], &grid.uneven[..]);
         surface::find(&self.team, &grid.blocks, walls, &grid.volume, &grid.profile, &mut grid.surface);
+        if !self.rigid.is_empty() {
+            grid.pockets = surface::open_pockets(&grid.blocks, &grid.cuts, &grid.open, &mut grid.surface);
+        }
         for d in 0..D {
             let at = (&grid.surface.kind[..], &grid.open[d][..], &grid.volume[d][..]);
             mark(&self.team, &grid.blocks, at, d, &mut grid.marks[d]);
@@ -136,6 +150,7 @@ impl<const D: usize> Flow<D> {
         let mut once_more = std::mem::take(&mut self.grid.advected);
         if self.options.reflection {
             outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut once_more);
+            self.subtract_bodies(&mut once_more);
             let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
             for r in &mut once_more {
                 *r *= (2.0 - r.abs() * scale / SMOOTH).clamp(0.0, 1.0);
@@ -240,7 +255,13 @@ impl<const D: usize> Flow<D> {
             for (b, cut) in grid.cuts.iter().enumerate() {
                 let Some(cut) = cut else { continue };
                 for i in 0..cells {
-                    list[b * cells + i] = walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d];
+                    let at = face_centre::<D>(i, d);
+                    let wall = cut.sample(&at).2;
+                    // Free bodies are added by the rows of their cells.
+                    if walls.list[wall].body.is_none() {
+                        let x = self.frame.place(&grid.blocks.keys[b], &at);
+                        list[b * cells + i] = walls.motions[wall].component(&x, d);
+                    }
                 }
             }
         }
@@ -276,7 +297,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Solve for the pressure, and make the velocity free of divergence.
-    fn project(&mut self) -> Result<(), StepError> {
+    pub(crate) fn project(&mut self) -> Result<(), StepError> {
         let mut right = std::mem::take(&mut self.grid.right);
         let mut system = std::mem::take(&mut self.grid.system);
         let mut q = std::mem::take(&mut self.grid.pressure);
@@ -286,12 +307,17 @@ impl<const D: usize> Flow<D> {
         let jump = (!self.grid.jump.is_empty()).then_some(&self.grid.jump[..]);
         let at = Cells { surface: jump, ..self.cells() };
         outflow(&self.team, &at, &velocity, self.wall_velocities(), &mut right);
+        self.subtract_bodies(&mut right);
         right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
         // The rounding of velocities at the faces of all cells.
         let speed = self.speed + 1e-3 * self.frame.h;
         let absolute = 1e-14 * speed * (system.unknowns as f64).sqrt();
         let stop = Stop { relative: self.options.tolerance, absolute, ..Stop::default() };
-        let solved = system.solve(&self.team, &at, &right, &mut q, &stop);
+        let unit = self.unit();
+        let columns = |place: &Place<'_>, into: &mut Vec<Column>| {
+            self.couplings.iter().for_each(|coupling| coupling.columns(unit, place, into));
+        };
+        let solved = system.solve(&self.team, &at, &right, &mut q, &stop, &columns);
         if solved.is_ok() {
             subtract_gradient(&self.team, &at, &q, &mut velocity);
         }
@@ -327,7 +353,7 @@ impl<const D: usize> Flow<D> {
         // A closed region keeps its volume: the mean of its errors is no error.
         let stop =
             Stop { relative: CORRECTION_TOLERANCE, absolute: NO_ERROR, incompatible: 1.0, ..Stop::default() };
-        let solved = system.solve(&self.team, &at, &right, &mut q, &stop);
+        let solved = system.solve(&self.team, &at, &right, &mut q, &stop, &|_, _| ());
         for list in &mut shift {
             list.clear();
             list.resize(at.blocks.cells(), 0.0);
@@ -365,11 +391,14 @@ impl<const D: usize> Flow<D> {
                 if surface.kind[slot] != LIQUID {
                     continue;
                 }
-                let mut error = if beside_air::<D>(&kind, i) {
+                let mut error = if surface::beside_air::<D>(&kind, in_tile(&local::<D>(i))) {
                     (surface.fraction[slot] - 1.0 - ALLOWED).max(0.0)
                 } else {
                     surface.fraction[slot] - grid.profile.fraction(depth::<D>(&kind, &level, i))
                 };
+                if grid.uneven.get(slot).is_some_and(|by| *by != [0.0; 4]) {
+                    error -= error.clamp(-ALLOWED_AT_CUTS, ALLOWED_AT_CUTS);
+                }
                 error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
                 *right = self.options.correction * error * grid.open_cell[slot];
                 *largest = largest.max(error.abs());
@@ -382,8 +411,8 @@ impl<const D: usize> Flow<D> {
     fn extend_velocities(&mut self, walls: &Walls<'_, D>) {
         let (grid, team) = (&mut self.grid, &self.team);
         let moves: Vec<_> =
-            walls.list.iter().zip(&walls.velocities).map(|(w, v)| (*v, w.is_no_slip())).collect();
-        let rests: Vec<_> = walls.list.iter().map(|_| ([0.0; D], false)).collect();
+            walls.list.iter().zip(&walls.motions).map(|(w, v)| (*v, w.is_no_slip())).collect();
+        let rests: Vec<_> = walls.list.iter().map(|_| (Motion::REST, false)).collect();
         let fields = [(&mut grid.velocity, &moves, true), (&mut grid.shift, &rests, false)];
         for (field, walls, changed) in fields {
             if field[0].len() != grid.blocks.cells() {
@@ -396,14 +425,18 @@ impl<const D: usize> Flow<D> {
                     let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
                     extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate[d]);
                 }
+                if changed && reach == Reach::Closed {
+                    start_at_closed_faces(&grid.cuts, &grid.marks, &grid.volume, field, &mut grid.before);
+                }
                 let at = (&grid.cuts, &grid.open, &grid.scratch.marks);
+                let walls = (&walls[..], &self.frame);
                 constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.extrapolate);
             }
         }
     }
 
     fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
-        let ends = walls.moving().then(|| Walls::at(walls.list, self.clock.time + dt, 0.0));
+        let ends = walls.moving().then(|| Walls::at(walls.list, &self.rigid, self.clock.time + dt, 0.0));
         let mut liquids = std::mem::take(&mut self.liquids);
         let grid = &self.grid;
         let gather = Gather {
@@ -441,72 +474,6 @@ impl<const D: usize> Flow<D> {
         })
     }
 
-    /// Book the impulse and the work of the walls: that of the pressure in the cells, and that on the mass at closed faces, which gets the
-    /// velocity of the wall. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
-    fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
-        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
-        let area = self.frame.h.powi(D as i32 - 1);
-        let beside = |slot: Option<usize>| slot.is_some_and(|s| grid.surface.kind[s] == LIQUID);
-        for (b, cut) in grid.cuts.iter().enumerate() {
-            let Some(cut) = cut else { continue };
-            for (i, d) in (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))) {
-                let slot = b * cells + i;
-                if grid.open[d][slot] <= 0.0
-                    && grid.volume[d][slot] > 0.0
-                    && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
-                {
-                    let wall = if walls.moving() {
-                        walls.velocities[cut.sample(&face_centre::<D>(i, d)).2][d]
-                    } else {
-                        0.0
-                    };
-                    let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
-                    self.exchange.impulse[d] += impulse;
-                    self.exchange.work += impulse * wall;
-                }
-            }
-            for i in (0..cells).filter(|i| grid.surface.kind[b * cells + i] == LIQUID) {
-                let impulse = (grid.pressure[b * cells + i] * scale) * area;
-                for d in 0..D {
-                    let low = b * cells + i;
-                    let Some(up) = grid.blocks.beside(b, i, d, true) else { continue };
-                    let open = &grid.open[d];
-                    self.exchange.impulse[d] += impulse * (open[up] - open[low]);
-                    if let (Some(a), Some(b)) = (grid.wall[d].get(low), grid.wall[d].get(up)) {
-                        self.exchange.work += impulse * ((1.0 - open[low]) * a - (1.0 - open[up]) * b);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Book the body force, and the momentum that the transfer lost.
-    fn book(&mut self, sums: &[Sums<D>], kick: f64) {
-        let force = self.force(self.clock.time);
-        self.speed = sums.iter().fold(0.0, |speed, s| speed.max(s.speed));
-        let walls = self.exchange.impulse;
-        let mut change = [0.0; 3];
-        for (liquid, sum) in self.liquids.iter_mut().zip(sums) {
-            let volume: f64 = liquid.particles.iter().map(|p| p.volume).sum();
-            let mass = liquid.density * volume;
-            liquid.acceleration = liquid.density * sum.change / (kick * kick);
-            let mut load = [0.0; D];
-            for d in 0..D {
-                let gained = liquid.density * (sum.after[d] - sum.before[d]);
-                liquid.momentum_rate[d] = gained / kick;
-                change[d] += gained;
-                load[d] = mass * force[d] * kick;
-                self.exchange.work += liquid.density * sum.moved[d] * force[d];
-            }
-            add_to(&mut self.exchange.load, &load);
-            (0..D).for_each(|d| change[d] -= load[d]);
-        }
-        for d in 0..D {
-            self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);
-        }
-        self.booked_walls = walls;
-    }
-
     /// Volume within the surface at the start of the last step, m^3 (m^2 in the plane): that of the level set, by the liquid share of each
     /// cell. Particles keep their volumes; this is the volume that they occupy.
     pub fn liquid_volume(&self) -> f64 {
@@ -526,19 +493,30 @@ impl<const D: usize> Flow<D> {
     pub fn largest_divergence(&self) -> f64 {
         let mut right = Vec::new();
         outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut right);
+        for (body, around) in self.rigid.iter().zip(&self.around) {
+            around.subtract_outflow(&body.solved, &mut right);
+        }
         right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
         right.iter().fold(0.0, |most, r| most.max(r.abs()))
     }
 }
 
-/// True if one of the 3^D cells around cell `i` is without liquid.
-fn beside_air<const D: usize>(kind: &[u8; TILE_CELLS], i: usize) -> bool {
-    let at = in_tile(&local::<D>(i));
-    (0..Blocks::<D>::AROUND).any(|n| {
-        let by = offset::<D>(n);
-        let place = (0..D).fold(at as isize, |place, d| place + by[d] as isize * stride(d) as isize);
-        kind[place as usize] == AIR
-    })
+/// Take the velocities of closed faces of liquid cells without liquid as those before the projection: they have changed by nothing.
+fn start_at_closed_faces<const D: usize>(
+    cuts: &Cuts<D>,
+    marks: &[Vec<u8>; D],
+    volume: &[Vec<f64>; D],
+    velocity: &[Vec<f64>; D],
+    before: &mut [Vec<f64>; D],
+) {
+    let cells = Blocks::<D>::CELLS;
+    for (b, _) in cuts.iter().enumerate().filter(|(_, cut)| cut.is_some()) {
+        for slot in b * cells..(b + 1) * cells {
+            for d in (0..D).filter(|d| marks[*d][slot] == CLOSED && volume[*d][slot] <= 0.0) {
+                before[d][slot] = velocity[d][slot];
+            }
+        }
+    }
 }
 
 /// Distance from cell `i` to the surface along an axis, in cells, if it is less than two; else two.
@@ -568,7 +546,7 @@ mod tests {
         let block = Cuboid::new([0.0; 2], [9.0, 8.0]).unwrap();
         flow.add_shape("water", Fluid::new(1.0).unwrap(), &block, 2, |_| [0.0; 2]).unwrap();
         let walls = flow.walls.clone();
-        let walls = Walls::at(&walls, 0.0, 1.0);
+        let walls = Walls::at(&walls, &[], 0.0, 1.0);
         flow.sort(&walls).unwrap();
         flow.scatter();
         flow.find_surface();

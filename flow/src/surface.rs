@@ -7,8 +7,8 @@
 
 use impactite_simd::Team;
 
-use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
-use crate::cuts::Cuts;
+use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, offset, stride};
+use crate::cuts::{Cuts, Moments, in_kernels};
 
 /// Kind of a cell: open, without liquid.
 pub(crate) const AIR: u8 = 0;
@@ -134,12 +134,12 @@ fn open_share<const D: usize>(tile: &[f64; TILE_CELLS], at: usize) -> f64 {
     sum / D as f64
 }
 
-/// Open fractions of the lower faces and of the cells of all blocks, 1 where there are no walls.
+/// Open fractions of the lower faces and of the cells of all blocks, 1 where there are no walls, and what cells that walls cut add to the
+/// open share of the kernels around them.
 pub(crate) fn open_fractions<const D: usize>(
     blocks: &Blocks<D>,
     cuts: &Cuts<D>,
-    face: &mut [Vec<f64>; D],
-    cell: &mut Vec<f64>,
+    (face, cell, uneven): (&mut [Vec<f64>; D], &mut Vec<f64>, &mut Vec<Moments>),
 ) {
     let cells = Blocks::<D>::CELLS;
     for list in face.iter_mut().chain([&mut *cell]) {
@@ -154,13 +154,28 @@ pub(crate) fn open_fractions<const D: usize>(
         }
         cell[range].copy_from_slice(&cut.cell);
     }
+    uneven.clear();
+    if cuts.iter().flatten().all(|cut| cut.uneven.is_empty()) {
+        return;
+    }
+    uneven.resize(blocks.cells(), [0.0; 4]);
+    for (b, cut) in cuts.iter().enumerate() {
+        for (i, by) in cut.iter().flat_map(|cut| &cut.uneven) {
+            let at = local::<D>(usize::from(*i));
+            for (n, by) in by.iter().enumerate().take(Blocks::<D>::AROUND) {
+                if let Some(slot) = blocks.around_cell(b, &at, &offset::<D>(n)) {
+                    (0..=D).for_each(|m| uneven[slot][m] += by[m]);
+                }
+            }
+        }
+    }
 }
 
 /// Find the surface from the volume at faces.
 pub(crate) fn find<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
-    (cuts, open_face, open_cell): (&Cuts<D>, &[Vec<f64>; D], &[f64]),
+    (cuts, open_face, open_cell, uneven): (&Cuts<D>, &[Vec<f64>; D], &[f64], &[Moments]),
     volume: &[Vec<f64>; D],
     profile: &Profile,
     surface: &mut Surface,
@@ -185,7 +200,10 @@ pub(crate) fn find<const D: usize>(
         if cuts[b].is_some() {
             blocks.load(b, open_cell, 1.0, &mut tile);
             for i in 0..cells {
-                let share = open_share::<D>(&tile, in_tile(&local::<D>(i)));
+                let mut share = open_share::<D>(&tile, in_tile(&local::<D>(i)));
+                if let Some(by) = uneven.get(b * cells + i) {
+                    share += by[0];
+                }
                 fraction[i] = if share > SLIVER { fraction[i] / share } else { 0.0 };
             }
             kind.fill(SOLID);
@@ -206,6 +224,202 @@ pub(crate) fn find<const D: usize>(
             }
         }
     });
+    if !uneven.is_empty() {
+        centre(team, blocks, (open_cell, uneven), surface);
+        fill_enclosed(blocks, cuts, (open_face, open_cell), surface);
+    }
+}
+
+/// Make cut cells liquid that are beside liquid and not beside an uncut cell of air: a sliver between liquid and a wall has too few
+/// particles to tell, and would be a hole in the liquid. The level set is the mean of the liquid cells beside it.
+fn fill_enclosed<const D: usize>(
+    blocks: &Blocks<D>,
+    cuts: &Cuts<D>,
+    (open_face, open_cell): (&[Vec<f64>; D], &[f64]),
+    surface: &mut Surface,
+) {
+    let cells = Blocks::<D>::CELLS;
+    let mut enclosed = Vec::new();
+    for (b, _) in cuts.iter().enumerate().filter(|(_, cut)| cut.is_some()) {
+        for i in 0..cells {
+            let slot = b * cells + i;
+            if surface.kind[slot] != AIR || open_cell[slot] >= 1.0 {
+                continue;
+            }
+            let (mut sum, mut count, mut beside_air) = (0.0, 0, false);
+            for (d, up) in (0..D).flat_map(|d| [(d, false), (d, true)]) {
+                let Some(other) = blocks.beside(b, i, d, up) else { continue };
+                if open_face[d][if up { other } else { slot }] <= 0.0 {
+                    continue;
+                }
+                match surface.kind[other] {
+                    LIQUID => (sum, count) = (sum + surface.level[other], count + 1),
+                    AIR => beside_air |= open_cell[other] >= 1.0,
+                    _ => {}
+                }
+            }
+            if count > 0 && !beside_air {
+                enclosed.push((slot, sum / f64::from(count)));
+            }
+        }
+    }
+    for (slot, level) in enclosed {
+        (surface.kind[slot], surface.level[slot]) = (LIQUID, level);
+    }
+}
+
+/// Largest number of cells of a pocket.
+const POCKET: usize = 64;
+
+/// Make pockets of few cells air, and return their cells, sorted, with the first cell of each pocket: places that bodies and walls enclose which are nearer to each other than the grid
+/// resolves. Gaps of less than a cell let the liquid out, and it would hold the bodies if it could not leave.
+pub(crate) fn open_pockets<const D: usize>(
+    blocks: &Blocks<D>,
+    cuts: &Cuts<D>,
+    open_face: &[Vec<f64>; D],
+    surface: &mut Surface,
+) -> Vec<(usize, usize)> {
+    let cells = Blocks::<D>::CELLS;
+    let (mut pockets, mut seen) = (Vec::new(), vec![false; blocks.cells()]);
+    for start in (0..blocks.cells()).filter(|slot| cuts[slot / cells].is_some()) {
+        if surface.kind[start] == SOLID || seen[start] {
+            continue;
+        }
+        let (mut region, mut next, mut closed) = (vec![start], 0, true);
+        seen[start] = true;
+        // Large regions are followed no further than it takes to know it.
+        while closed && next < region.len() {
+            let slot = region[next];
+            next += 1;
+            for (d, up) in (0..D).flat_map(|d| [(d, false), (d, true)]) {
+                if !up && open_face[d][slot] <= 0.0 {
+                    continue;
+                }
+                let other = blocks.beside(slot / cells, slot % cells, d, up);
+                if other.is_some_and(|o| up && open_face[d][o] <= 0.0) {
+                    continue;
+                }
+                let Some(other) = other.filter(|o| region.len() <= POCKET && cuts[o / cells].is_some())
+                else {
+                    closed = false;
+                    break;
+                };
+                if !region.contains(&other) {
+                    // What is beside a region that is no pocket is in none.
+                    closed &= !seen[other];
+                    seen[other] = true;
+                    region.push(other);
+                }
+            }
+        }
+        if closed {
+            for &slot in &region {
+                (surface.kind[slot], surface.level[slot]) = (AIR, 0.5);
+            }
+            pockets.extend(region.iter().map(|slot| (*slot, start)));
+        }
+    }
+    pockets.sort_unstable();
+    pockets
+}
+
+/// Largest number of layers of cells from a pocket to the liquid that leaks into it.
+const LEAK: usize = 4;
+
+/// Liquid cell nearest to a cell of a pocket, whose pressure the pocket has, over the cells `through`; none if there is none near.
+pub(crate) fn host<const D: usize>(
+    blocks: &Blocks<D>,
+    kind: &[u8],
+    pocket: usize,
+    through: &dyn Fn(usize) -> bool,
+) -> Option<usize> {
+    let cells = Blocks::<D>::CELLS;
+    let (mut seen, mut from) = (vec![pocket], 0);
+    for _ in 0..LEAK {
+        let end = seen.len();
+        for n in from..end {
+            for (d, up) in (0..D).flat_map(|d| [(d, false), (d, true)]) {
+                let Some(other) = blocks.beside(seen[n] / cells, seen[n] % cells, d, up) else { continue };
+                if kind[other] == LIQUID {
+                    return Some(other);
+                }
+                if !seen.contains(&other) && through(other) {
+                    seen.push(other);
+                }
+            }
+        }
+        from = end;
+    }
+    None
+}
+
+/// Distance from the surface, in cells, from which the level set is not known.
+const FAR: f64 = 1.4;
+
+/// Correct the level set of cells in whose kernels a wall cuts cells. The open part of such a kernel has its centre beside that of the cell,
+/// by c; what the fraction tells is the distance there, phi + c . grad phi.
+fn centre<const D: usize>(
+    team: &Team,
+    blocks: &Blocks<D>,
+    (open_cell, uneven): (&[f64], &[Moments]),
+    surface: &mut Surface,
+) {
+    let cells = Blocks::<D>::CELLS;
+    let even = in_kernels::<D>(|_| 1.0);
+    let before = surface.level.clone();
+    let kinds = surface.kind.clone();
+    let mut pieces: Vec<&mut [u8]> = surface.kind.chunks_mut(cells).collect();
+    team.each_piece(&mut surface.level, cells, &mut pieces, |b, level, kind| {
+        let (mut open, mut tile) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
+        let corrected = |i: usize| uneven[b * cells + i] != [0.0; 4] && before[b * cells + i].abs() < FAR;
+        if !(0..cells).any(corrected) {
+            return;
+        }
+        blocks.load(b, open_cell, 1.0, &mut open);
+        blocks.load(b, &before, FAR, &mut tile);
+        let mut kinds_tile = [AIR; TILE_CELLS];
+        blocks.load(b, &kinds, AIR, &mut kinds_tile);
+        for i in (0..cells).filter(|i| corrected(*i)) {
+            if kind[i] == SOLID {
+                continue;
+            }
+            let at = in_tile(&local::<D>(i));
+            let mut sum = uneven[b * cells + i];
+            for (n, even) in even.iter().enumerate().take(Blocks::<D>::AROUND) {
+                let to = offset::<D>(n);
+                let place = (0..D).fold(at as isize, |place, d| place - to[d] as isize * stride(d) as isize);
+                (0..=D).for_each(|m| sum[m] += open[place as usize] * even[m]);
+            }
+            if sum[0] <= SLIVER || !beside_air::<D>(&kinds_tile, at) {
+                continue;
+            }
+            let slope: [f64; D] = std::array::from_fn(|d| slope(&tile, &open, at, d));
+            let length = slope.iter().map(|s| s * s).sum::<f64>().sqrt().max(1.0);
+            let by: f64 = (0..D).map(|d| sum[d + 1] / sum[0] * slope[d] / length).sum();
+            level[i] = (level[i] - by).clamp(-1.5, 1.5);
+            kind[i] = if level[i] < 0.0 { LIQUID } else { AIR };
+        }
+    });
+}
+
+/// True if one of the 3^D cells around the cell at this place of a tile is open and without liquid.
+pub(crate) fn beside_air<const D: usize>(kind: &[u8; TILE_CELLS], at: usize) -> bool {
+    (0..Blocks::<D>::AROUND).any(|n| {
+        let by = offset::<D>(n);
+        let place = (0..D).fold(at as isize, |place, d| place + by[d] as isize * stride(d) as isize);
+        kind[place as usize] == AIR
+    })
+}
+
+/// Slope of the level set along an axis, from the cells beside a cell that are not wholly in a wall.
+fn slope(level: &[f64; TILE_CELLS], open: &[f64; TILE_CELLS], at: usize, d: usize) -> f64 {
+    let (low, up) = (at - stride(d), at + stride(d));
+    match (open[low] > 0.0, open[up] > 0.0) {
+        (true, true) => 0.5 * (level[up] - level[low]),
+        (true, false) => level[at] - level[low],
+        (false, true) => level[up] - level[at],
+        (false, false) => 0.0,
+    }
 }
 
 #[cfg(test)]

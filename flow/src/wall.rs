@@ -5,6 +5,9 @@ use std::sync::Arc;
 
 use impactite_geometry::Shape;
 
+use crate::rigid::Floater;
+use crate::turn::{Motion, Pose, rotation};
+
 /// Displacement of a wall over time, m.
 pub type WallMotion<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
@@ -28,6 +31,10 @@ pub struct Wall<const D: usize> {
     sign: f64,
     no_slip: bool,
     motion: Option<WallMotion<D>>,
+    /// Point of the undisplaced shape about which it turns, m, and angular velocity, rad/s.
+    spin: Option<([f64; D], [f64; 3])>,
+    /// Index of the free body whose surface this is.
+    pub(crate) body: Option<usize>,
 }
 
 impl<const D: usize> fmt::Debug for Wall<D> {
@@ -35,14 +42,18 @@ impl<const D: usize> fmt::Debug for Wall<D> {
         let kind = if self.sign > 0.0 { "solid" } else { "container" };
         let slip = if self.no_slip { "no slip" } else { "slip" };
         let motion = if self.motion.is_some() { ", moving" } else { "" };
-        write!(f, "{kind} {}, {slip}{motion}", impactite_scene::constants::region(&*self.shape))
+        write!(f, "{kind} {}, {slip}{motion}", impactite_scene::constants::region(&*self.shape))?;
+        match &self.spin {
+            Some((about, spin)) => write!(f, ", turning about {about:?} m by {spin:?} rad/s"),
+            None => Ok(()),
+        }
     }
 }
 
 impl<const D: usize> Wall<D> {
     /// Create a solid wall: the liquid is outside of the shape.
     pub fn solid(shape: impl Shape<D> + 'static) -> Self {
-        Wall { shape: Arc::new(shape), sign: 1.0, no_slip: false, motion: None }
+        Wall { shape: Arc::new(shape), sign: 1.0, no_slip: false, motion: None, spin: None, body: None }
     }
     /// Create a container: the liquid is inside of the shape.
     pub fn container(shape: impl Shape<D> + 'static) -> Self {
@@ -60,13 +71,20 @@ impl<const D: usize> Wall<D> {
         self.motion = Some(Arc::new(displacement));
         self
     }
+    /// Set a constant angular velocity, rad/s, about a point of the shape, m, which moves by the displacement of the wall. In the plane the
+    /// axis is z.
+    #[must_use]
+    pub fn turning(mut self, about: [f64; D], spin: [f64; 3]) -> Self {
+        self.spin = Some((about, spin));
+        self
+    }
     /// True if the wall has the no-slip condition.
     pub fn is_no_slip(&self) -> bool {
         self.no_slip
     }
     /// True if the wall moves.
     pub fn is_moving(&self) -> bool {
-        self.motion.is_some()
+        self.motion.is_some() || self.spin.is_some() || self.body.is_some()
     }
     /// Displacement at the time `t`, s, in m.
     pub fn displacement(&self, t: f64) -> [f64; D] {
@@ -76,41 +94,81 @@ impl<const D: usize> Wall<D> {
     pub fn gap(&self, x: [f64; D], by: &[f64; D]) -> f64 {
         self.sign * self.shape.signed_distance(std::array::from_fn(|d| x[d] - by[d]))
     }
+    /// Angular velocity of a prescribed motion, rad/s, and the point of the shape about which it turns, m.
+    pub fn spin(&self) -> Option<([f64; D], [f64; 3])> {
+        self.spin
+    }
+    /// Largest speed of a prescribed rotation within the bounds of the shape, m/s.
+    pub(crate) fn turning_speed(&self) -> f64 {
+        let Some((about, spin)) = self.spin else { return 0.0 };
+        let bounds = self.shape.bounds();
+        let arm = |d: usize| (bounds.max[d] - about[d]).abs().max((bounds.min[d] - about[d]).abs());
+        let arm = (0..D).map(|d| arm(d).powi(2)).sum::<f64>().sqrt();
+        let speed = arm * spin.iter().map(|w| w * w).sum::<f64>().sqrt();
+        if speed.is_finite() { speed } else { 0.0 }
+    }
+    /// Place at the time `t`, s, of a wall that is not the surface of a free body.
+    fn pose(&self, t: f64) -> Pose<D> {
+        let turn = self.spin.map(|(about, spin)| (about, rotation(&spin.map(|w| w * t))));
+        Pose { by: self.displacement(t), turn }
+    }
 }
 
-/// All walls at a moment, with their displacements and velocities.
+/// All walls at a moment, with their places and velocities.
 pub(crate) struct Walls<'a, const D: usize> {
     pub list: &'a [Wall<D>],
-    /// Displacement of each wall at the end of the step, m.
-    pub displacements: Vec<[f64; D]>,
-    /// Mean velocity of each wall in the step, m/s.
-    pub velocities: Vec<[f64; D]>,
+    /// Place of each wall.
+    pub poses: Vec<Pose<D>>,
+    /// Mean motion of each wall in the step; of a free body that of its present velocity.
+    pub motions: Vec<Motion<D>>,
 }
 
 impl<'a, const D: usize> Walls<'a, D> {
     /// Walls at the time `t`, s, in a step of `dt` seconds.
-    pub fn at(list: &'a [Wall<D>], t: f64, dt: f64) -> Self {
-        let displacements: Vec<_> = list.iter().map(|w| w.displacement(t)).collect();
-        let velocities = list
-            .iter()
-            .zip(&displacements)
-            .map(|(w, x)| {
-                let next = if w.is_moving() { w.displacement(t + dt) } else { *x };
-                std::array::from_fn(|d| if dt > 0.0 { (next[d] - x[d]) / dt } else { 0.0 })
-            })
-            .collect();
-        Walls { list, displacements, velocities }
+    pub fn at(list: &'a [Wall<D>], bodies: &[Floater<D>], t: f64, dt: f64) -> Self {
+        let pose = |w: &Wall<D>| w.body.map_or_else(|| w.pose(t), |k| bodies[k].pose());
+        let poses: Vec<_> = list.iter().map(pose).collect();
+        let motion = |(w, pose): (&Wall<D>, &Pose<D>)| {
+            if let Some(body) = w.body {
+                return bodies[body].motion();
+            }
+            let x = pose.by;
+            let next = if w.motion.is_some() { w.displacement(t + dt) } else { x };
+            let velocity = std::array::from_fn(|d| if dt > 0.0 { (next[d] - x[d]) / dt } else { 0.0 });
+            let (about, spin) = w.spin.unwrap_or(([0.0; D], [0.0; 3]));
+            Motion { velocity, spin, about: std::array::from_fn(|d| about[d] + x[d]) }
+        };
+        let motions = list.iter().zip(&poses).map(motion).collect();
+        Walls { list, poses, motions }
+    }
+    /// Take the velocities of the free bodies.
+    pub fn follow(&mut self, bodies: &[Floater<D>]) {
+        for (wall, motion) in self.list.iter().zip(&mut self.motions) {
+            if let Some(body) = wall.body {
+                *motion = bodies[body].motion();
+            }
+        }
+    }
+    /// Distance to one wall, m.
+    pub fn gap_of(&self, n: usize, x: &[f64; D]) -> f64 {
+        let wall = &self.list[n];
+        wall.sign * wall.shape.signed_distance(self.poses[n].back(x))
     }
     /// Distance to the nearest wall, m, and its index; of walls at one place the last.
     pub fn gap(&self, x: [f64; D]) -> (f64, usize) {
         let mut nearest = (f64::INFINITY, 0);
-        for (n, (wall, by)) in self.list.iter().zip(&self.displacements).enumerate() {
-            let gap = wall.gap(x, by);
+        for n in 0..self.list.len() {
+            let gap = self.gap_of(n, &x);
             if gap <= nearest.0 {
                 nearest = (gap, n);
             }
         }
         nearest
+    }
+    /// Distance to the nearest wall that moves, m.
+    pub fn gap_of_moving(&self, x: &[f64; D]) -> f64 {
+        let moving = |n: &usize| self.list[*n].is_moving();
+        (0..self.list.len()).filter(moving).map(|n| self.gap_of(n, x)).fold(f64::INFINITY, f64::min)
     }
     /// True if a wall moves.
     pub fn moving(&self) -> bool {

@@ -1,8 +1,10 @@
 //! Incompressible flow against closed-form solutions, and the conformance suite of solvers.
 #![allow(missing_docs)]
 
+mod bodies;
 mod common;
 mod drops;
+mod inclined;
 mod solver;
 mod tension;
 mod viscous;

@@ -1,7 +1,7 @@
 //! Conformance of a scene as a solver.
 
-use flow::{Flow, FlowOptions, Fluid, Wall};
-use impactite_geometry::{Ball, Cuboid, HalfSpace, Lattice};
+use flow::{Flow, FlowOptions, Fluid, RigidBody, Wall};
+use impactite_geometry::{Ball, Compose, Cuboid, HalfSpace, Lattice};
 use impactite_scene::{Solver, solver_conforms};
 
 use crate::common::GRAVITY;
@@ -27,9 +27,25 @@ fn drop() -> impl Solver {
     flow
 }
 
+/// Rigid box that drops and turns in a pool, and a ball that falls on its floor, in space.
+fn raft() -> impl Solver {
+    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 3], 0.1).unwrap()));
+    flow.add_wall(Wall::container(Cuboid::new([0.0; 3], [1.0, 1.0, 2.0]).unwrap())).unwrap();
+    let ball = Ball::new([0.3, 0.4, 0.2], 0.18).unwrap();
+    let raft = Cuboid::new([0.35, 0.3, 0.55], [0.75, 0.7, 0.75]).unwrap();
+    let pool = Cuboid::new([0.0; 3], [1.0, 1.0, 0.6]).unwrap().minus(ball).minus(raft);
+    flow.add_shape("water", Fluid::new(1000.0).unwrap(), &pool, 2, |_| [0.0; 3]).unwrap();
+    flow.add_rigid("raft", RigidBody::new(raft, 400.0).unwrap().with_spin([0.3, 0.0, 0.5])).unwrap();
+    flow.add_rigid("ball", RigidBody::new(ball, 3000.0).unwrap()).unwrap();
+    flow.set_body_force(|_| [0.0, 0.0, -GRAVITY]);
+    flow
+}
+
 solver_conforms! {
     // Eight cells high, with an impact on the wall in front.
     plane: dam, SolverTests::until(0.6).energy_within(0.12);
     // The energy of the surface is in no balance.
+    // Ten cells high; an impact of a flat box on liquid loses energy.
+    bodies: raft, SolverTests::until(0.3).energy_within(0.35);
     space: drop, SolverTests::until(4e-3).energy_within(1.0);
 }

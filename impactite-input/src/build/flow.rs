@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use impactite::flow::{Flow as Scene, FlowOptions, Fluid, Wall};
-use impactite::geometry::{HalfSpace, Lattice};
+use impactite::flow::{Flow as Scene, FlowOptions, Fluid, RigidBody, Wall};
+use impactite::geometry::{HalfSpace, Lattice, Shape};
 use impactite::scene::Solver;
 
 use super::common::World;
@@ -73,8 +73,13 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
     };
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
-        if body.rigid.is_some() {
-            flow.add_wall(solid(world, &key, body)?).at(&key)?;
+        if let Some(spec) = &body.rigid {
+            if spec.prescribed {
+                flow.add_wall(solid(world, &key, body)?).at(&key)?;
+            } else {
+                let rigid = afloat(world, &key, body)?;
+                flow.add_rigid(name, rigid).at(format!("{key}.rigid"))?;
+            }
             continue;
         }
         let fluid = fluid(world, &key, body)?;
@@ -191,30 +196,81 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
     }))
 }
 
-/// Return the wall of a rigid body, whose motion is prescribed.
-fn solid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Wall<D>> {
+/// Return a rigid body that the liquid moves.
+fn afloat<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<RigidBody<D>> {
     let Some(spec) = &body.rigid else { return wrong(key, "is not rigid") };
-    if !spec.prescribed {
+    let at = format!("{key}.rigid");
+    if let Some((name, _)) = tense(world) {
         return Err(Wrong {
-            key: format!("{key}.rigid"),
-            message: "a rigid body that a liquid moves is not available in `flow`".into(),
-            help: Some("`rigid.prescribed = true` is a body that rests, or moves as `velocity` says".into()),
+            key: at,
+            message: format!(
+                "a rigid body that the liquid moves is not available beside the surface tension of `{name}`"
+            ),
+            help: Some("leave out `surface_tension`, or prescribe the motion of the body".into()),
         });
     }
+    if let Some(list) = &body.velocity {
+        for (n, formula) in formulas::<D, _>(list).at(format!("{key}.velocity"))?.iter().enumerate() {
+            formula.check(world.space().coordinates(), false, false).at(format!("{key}.velocity[{n}]"))?;
+            if formula.as_constant().is_none() {
+                let message = "of a rigid body that the liquid moves is a number: that of the start";
+                return wrong(format!("{key}.velocity[{n}]"), message);
+            }
+        }
+    }
+    // The spin comes from the body itself.
+    let mut plain = body.clone();
+    plain.spin = None;
+    let velocity = world.velocity(key, &plain, || Ok([0.0; D]))?([0.0; D]);
+    let mut rigid = RigidBody::new(world.shape(key, body)?, spec.density.value)
+        .at(&at)?
+        .with_velocity(velocity)
+        .with_spin(world.spin(key, body)?);
+    if !spec.hold.is_empty() {
+        let mut held = [false; D];
+        for (n, axis) in spec.hold.iter().enumerate() {
+            held[world.space().axis(*axis).at(format!("{at}.hold[{n}]"))?] = true;
+        }
+        rigid = rigid.holding(held);
+    }
+    Ok(if spec.no_turning { rigid.without_turning() } else { rigid })
+}
+
+/// Return the name of a material with surface tension, if there is one.
+fn tense<'a, const D: usize>(world: &World<'a, D>) -> Option<(&'a String, &'a Material)> {
+    let tension = |m: &Material| match &m.fluid {
+        Some(FluidLaw::Incompressible(k)) => k.surface_tension.value > 0.0,
+        _ => false,
+    };
+    world.scene.materials.iter().find(|(_, m)| tension(m))
+}
+
+/// Return the wall of a rigid body whose motion is prescribed: it turns about its centroid.
+fn solid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Wall<D>> {
+    let Some(spec) = &body.rigid else { return wrong(key, "is not rigid") };
     if !spec.hold.is_empty() || spec.no_turning {
         return wrong(format!("{key}.rigid"), "`hold` and `no_turning` are of bodies that others move");
     }
-    if world.spin(key, body)? != [0.0; 3] {
-        return wrong(format!("{key}.spin"), "a rigid body of `flow` moves without turning");
+    let shape = world.shape(key, body)?;
+    let spin = world.spin(key, body)?;
+    let turns = (spin != [0.0; 3]).then(|| shape.centroid());
+    let mut wall = Wall::solid(shape);
+    if let Some(centre) = turns {
+        let Some(centre) = centre else {
+            let message = "needs a shape whose centroid is known: a body of `flow` turns about it";
+            return wrong(format!("{key}.spin"), message);
+        };
+        wall = wall.turning(centre, spin);
     }
-    let wall = Wall::solid(world.shape(key, body)?);
     match &body.velocity {
         Some(list) => {
             let moved = displacement(world, &format!("{key}.velocity"), list)?;
             Ok(wall.moving(move |t| moved(t)))
         }
         None => {
-            let velocity = world.velocity(key, body, || Ok([0.0; D]))?([0.0; D]);
+            let mut plain = body.clone();
+            plain.spin = None;
+            let velocity = world.velocity(key, &plain, || Ok([0.0; D]))?([0.0; D]);
             Ok(if velocity == [0.0; D] { wall } else { wall.moving(move |t| velocity.map(|v| v * t)) })
         }
     }

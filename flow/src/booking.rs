@@ -1,0 +1,98 @@
+//! Balances of a step.
+
+use crate::blocks::Blocks;
+use crate::gather::Sums;
+use crate::solver::{Flow, add_to};
+use crate::surface::LIQUID;
+use crate::transfer::face_centre;
+use crate::wall::Walls;
+
+impl<const D: usize> Flow<D> {
+    /// Book the impulse and the work of the walls: that of the pressure in the cells, and that on the mass at closed faces, which gets the
+    /// velocity of the wall. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
+    pub(crate) fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        let area = self.frame.h.powi(D as i32 - 1);
+        let beside = |slot: Option<usize>| slot.is_some_and(|s| grid.surface.kind[s] == LIQUID);
+        for (b, cut) in grid.cuts.iter().enumerate() {
+            let Some(cut) = cut else { continue };
+            for (i, d) in (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))) {
+                let slot = b * cells + i;
+                if grid.open[d][slot] <= 0.0
+                    && grid.volume[d][slot] > 0.0
+                    && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
+                {
+                    let wall = if walls.moving() {
+                        let at = face_centre::<D>(i, d);
+                        let n = cut.sample(&at).2;
+                        if walls.list[n].body.is_some() {
+                            continue;
+                        }
+                        walls.motions[n].component(&self.frame.place(&grid.blocks.keys[b], &at), d)
+                    } else {
+                        0.0
+                    };
+                    let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
+                    self.exchange.impulse[d] += impulse;
+                    self.exchange.work += impulse * wall;
+                }
+            }
+            for i in (0..cells).filter(|i| grid.surface.kind[b * cells + i] == LIQUID) {
+                let impulse = (grid.pressure[b * cells + i] * scale) * area;
+                for d in 0..D {
+                    let low = b * cells + i;
+                    let Some(up) = grid.blocks.beside(b, i, d, true) else { continue };
+                    let open = &grid.open[d];
+                    if !self.rigid.is_empty() {
+                        // Closed parts of walls that are no free bodies.
+                        for (slot, sign) in [(low, -1.0), (up, 1.0)] {
+                            let Some(cut) = &grid.cuts[slot / cells] else { continue };
+                            let n = cut.sample(&face_centre::<D>(slot % cells, d)).2;
+                            if open[slot] < 1.0 && walls.list[n].body.is_none() {
+                                let closed = impulse * sign * (1.0 - open[slot]);
+                                let wall = grid.wall[d].get(slot).copied().unwrap_or(0.0);
+                                self.exchange.impulse[d] -= closed;
+                                self.exchange.work -= closed * wall;
+                            }
+                        }
+                        continue;
+                    }
+                    self.exchange.impulse[d] += impulse * (open[up] - open[low]);
+                    if let (Some(a), Some(b)) = (grid.wall[d].get(low), grid.wall[d].get(up)) {
+                        self.exchange.work += impulse * ((1.0 - open[low]) * a - (1.0 - open[up]) * b);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Book the body force, and the momentum that the transfer lost.
+    pub(crate) fn book(&mut self, sums: &[Sums<D>], kick: f64) {
+        let force = self.force(self.clock.time);
+        self.speed = sums.iter().fold(0.0, |speed, s| speed.max(s.speed));
+        let walls = self.exchange.impulse;
+        let mut change = [0.0; 3];
+        for (liquid, sum) in self.liquids.iter_mut().zip(sums) {
+            let volume: f64 = liquid.particles.iter().map(|p| p.volume).sum();
+            let mass = liquid.density * volume;
+            liquid.acceleration = liquid.density * sum.change / (kick * kick);
+            let mut load = [0.0; D];
+            for d in 0..D {
+                let gained = liquid.density * (sum.after[d] - sum.before[d]);
+                liquid.momentum_rate[d] = gained / kick;
+                change[d] += gained;
+                load[d] = mass * force[d] * kick;
+                self.exchange.work += liquid.density * sum.moved[d] * force[d];
+            }
+            add_to(&mut self.exchange.load, &load);
+            (0..D).for_each(|d| change[d] -= load[d]);
+        }
+        let bodies = self.change_of_bodies(kick);
+        for d in 0..D {
+            change[d] += bodies[d];
+            self.speed = self.rigid.iter().fold(self.speed, |speed, body| speed.max(body.speed()));
+            self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);
+        }
+        self.booked_walls = walls;
+    }
+}
