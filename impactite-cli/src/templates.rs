@@ -25,6 +25,7 @@ templates! {
     "elastic_bar" in "scenes": "pcmm: an elastic bar on a wall",
     "copper_bar" in "scenes": "pcmm: a copper bar on a wall",
     "taylor_bar" in "scenes": "mpm: a copper bar hits a wall; a quarter in three dimensions",
+    "refined_bar" in "scenes": "mpm: a copper bar hits a wall; cells are halved near the wall",
     "rings" in "scenes": "mpm: two rubber rings collide",
     "rolling_cylinder" in "scenes": "mpm: a cylinder rolls down an incline: friction, gravity over time",
     "pressed_balls" in "scenes": "mpm: balls in a container are pressed: repeated bodies, traction",

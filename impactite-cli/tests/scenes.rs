@@ -8,6 +8,7 @@ use impactite_cli::templates;
 /// Name of a scene, keys for coarser cells or a shorter time, and true if its checks are evaluated with these keys.
 const SCENES: &[(&str, &[&str], bool)] = &[
     ("taylor_bar", &["parameters.cells=5"], true),
+    ("refined_bar", &[], true),
     ("rings", &[], true),
     ("rolling_cylinder", &[], true),
     ("granular_column", &["parameters.cells=10"], false),

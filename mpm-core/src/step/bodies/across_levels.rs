@@ -11,7 +11,7 @@ use crate::grid::Levels;
 use crate::grid::levels::{Crossing, pack, unpack_block};
 use crate::particles::{Columns, Masses, Outbox, Sent, split};
 use crate::step::passes::migrate::MigrationPayload;
-use crate::step::passes::slot::{Common, Slot};
+use crate::step::passes::slot::{Commons, Slot};
 use crate::step::passes::spread::Maps;
 use impactite_simd::{Float, Team};
 use std::sync::Arc;
@@ -204,7 +204,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// Insert the particles that entered blocks of another level, and add their contributions.
-    pub(super) fn take_in_crossers(&mut self, common: &[Common<T>], payload: &MigrationPayload, maps: Maps) {
+    pub(super) fn take_in_crossers(&mut self, common: &Commons<T>, payload: &MigrationPayload, maps: Maps) {
         let crossers = std::mem::take(&mut self.crossers);
         let mut outbox = Outbox::default();
         for same in crossers.list.chunk_by(|a, b| a.0 == b.0) {
@@ -214,7 +214,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             for (_, bin, numbers) in same {
                 outbox.post(0, *bin).copy_from_slice(numbers);
             }
-            let common = &common[self.lattices.level(&block)];
+            let common = common.of(self.lattices.level(&block));
             let Slot { block, tile, rows, affine, .. } = &mut self.slots[self.index[place].1 as usize];
             let sums = (tile.all_mut(), &mut *rows, &mut affine[..]);
             let from = (&outbox, outbox.since(0, 0), 0);

@@ -25,7 +25,7 @@ use crate::particles::{Block, Columns, Masses, Outbox, Sent};
 use crate::step::between_steps::rest::TakenMotion;
 use crate::step::between_steps::splitting::{SplitBook, Splitter, Splitting};
 use crate::step::nodes::wrap::Wrap;
-use crate::step::passes::slot::{Common, Domains, Outline, Report, Scratch, Slot, Task, Trouble};
+use crate::step::passes::slot::{Common, Commons, Domains, Outline, Report, Scratch, Slot, Task, Trouble};
 use crate::step::passes::total;
 use impactite_geometry::Lattice;
 use impactite_scene::Cause;
@@ -152,9 +152,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// Parameters of a pass for the blocks of each level of cells.
-    pub(super) fn common(&self, steps: Steps<T>) -> Vec<Common<T>> {
+    pub(super) fn common(&self, steps: Steps<T>) -> Commons<T> {
         let count = self.levels.as_ref().map_or(1, |levels| levels.count());
-        (0..count).map(|level| self.common_on(steps, level)).collect()
+        let finer = (1..count).map(|level| self.common_on(steps, level)).collect();
+        Commons { coarsest: self.common_on(steps, 0), finer }
     }
 
     fn common_on(&self, steps: Steps<T>, level: usize) -> Common<T> {
@@ -223,7 +224,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
             let next = outlines.get(s + 1);
-            let common = &common[lattices.level(&slot.block.coordinates)];
+            let common = common.of(lattices.level(&slot.block.coordinates));
             kernels.sweep(which, Task { material, nodes, around, slot, next, sent, dummy, scratch, common });
         });
         self.hand_outboxes();
@@ -304,7 +305,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let payload = &MigrationPayload::of::<D>(maps, self.splitter.is_on());
         team.each(&mut self.slots, |_, slot| {
             let Slot { block, tile, rows, slots_around, affine, .. } = slot;
-            let common = &common[lattices.level(&block.coordinates)];
+            let common = common.of(lattices.level(&block.coordinates));
             for (from, &s) in slots_around.iter().enumerate() {
                 // The slot in direction `from` sent particles in the opposite direction. Particles that stayed were
                 // stored by their own pass.

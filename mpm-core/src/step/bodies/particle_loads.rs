@@ -73,7 +73,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.powers.resize(self.slots.len(), T::default());
         team.each_piece(&mut self.slots, 1, &mut self.powers, |s, slot, power| {
             let slot = &mut slot[0];
-            let common = &common[lattices.level(&slot.block.coordinates)];
+            let common = common.of(lattices.level(&slot.block.coordinates));
             let mut own = team.own(scratch);
             let tile_in = own.tile_in();
             let around = around.get(s * neighbours(D)..).unwrap_or_default();

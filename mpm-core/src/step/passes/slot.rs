@@ -194,6 +194,23 @@ pub struct Common<T> {
     pub splitter: Splitter<T>,
 }
 
+/// Parameters of a pass for the blocks of each level of cells.
+#[derive(Clone, Debug)]
+pub struct Commons<T> {
+    /// Level of the largest cells.
+    pub coarsest: Common<T>,
+    /// Further levels.
+    pub finer: Vec<Common<T>>,
+}
+
+impl<T> Commons<T> {
+    /// Return the parameters for the blocks of a level.
+    #[inline(always)]
+    pub(in crate::step) fn of(&self, level: usize) -> &Common<T> {
+        level.checked_sub(1).and_then(|finer| self.finer.get(finer)).unwrap_or(&self.coarsest)
+    }
+}
+
 /// Input of a pass over a block.
 pub struct Task<'a, T: Float, const D: usize> {
     /// Constitutive law of the body.
