@@ -105,6 +105,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                        reproduce a uniform velocity gradient at the border of a region";
             return Err(self.not_with(what, why));
         }
+        if self.between_steps.filter.is_some() {
+            return Err(self.not_with(what, "leave out the null-space filter (`Mpm::set_null_space_filter`)"));
+        }
         if facts.total {
             return Err(self.not_with(what, "take the updated Lagrangian frame"));
         }
@@ -152,7 +155,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// Sizes of the cells, m, those included that criteria may ask for.
-    pub(super) fn all_cell_sizes(&self) -> Vec<f64> {
+    pub(in crate::step) fn all_cell_sizes(&self) -> Vec<f64> {
         let now = self.grid.fields.levels().map_or(1, |levels| levels.count());
         self.sizes_of(now.max(self.most_halvings() + 1))
     }

@@ -362,6 +362,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(SceneError::Unequal { body: name.into(), positions, volumes });
         }
         let lattice = self.grid.lattice();
+        let finest = lattice.spacing() / self.all_cell_sizes().last().copied().unwrap_or(1.0);
+        let leveled = self.grid.fields.levels().is_some();
         for (particle, (x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
             let refuse = |field, value, allowed| {
                 Err(SceneError::Seed { body: name.into(), particle, field, value, allowed })
@@ -375,6 +377,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 let countable = cells.abs() < f64::from(1 << 30); // false for a value that is not a number
                 if !countable {
                     return refuse("position", x[d], "finite and within 2^30 cells of the lattice's origin");
+                }
+                if leveled && cells.abs() * finest > f64::from(1 << 26) {
+                    let allowed = "within 2^26 of the smallest cells of the lattice's origin";
+                    return refuse("position", x[d], allowed);
                 }
             }
             let behind = self

@@ -136,9 +136,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 let place = index.binary_search_by_key(&beside, |entry| entry.0);
                 *around = place.map_or(NONE, |place| index[place].1);
                 // Particles enter and leave blocks of another level on their own way.
-                if *around != NONE
-                    && (crosses(levels, &c, n).is_some() || crosses(levels, &c, here).is_some())
-                {
+                if levels.is_some() && [n, here].iter().any(|&to| crosses(levels, &c, to).is_some()) {
                     *around = NONE;
                 }
             }
