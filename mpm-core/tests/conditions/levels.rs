@@ -259,6 +259,35 @@ fn a_criterion_of_ones_own_marks_blocks() {
     assert_eq!(wrong, 0);
 }
 
+/// A traction on smaller particles, and on particles that are divided, is the same force.
+#[test]
+fn tractions_act_on_particles_of_any_size() {
+    for (regions, flies) in
+        [(&[][..], 0.0), (&[([1.6, -1.0], [3.0, 2.0], 2)], 0.0), (&[([2.1, -1.0], [3.0, 2.0], 2)], 4.0)]
+    {
+        let mut mpm = scene(regions);
+        let seeds = fill_box(&mpm, [0.0, 0.0], [2.0, 0.8]);
+        let finest = H * 0.5f64.powi(mpm.cell_sizes().len() as i32 - 1);
+        let layer = if flies > 0.0 { 0.4 * H } else { 0.4 * finest };
+        let traction = mpm_core::Traction {
+            region: std::sync::Arc::new(Cuboid::new([2.0 - layer, -1.0], [2.1, 2.0]).unwrap()),
+            axis: 0,
+            history: std::sync::Arc::new(|_| [500.0, 0.0]),
+            revolved: false,
+        };
+        let bar = mpm_core::Deformable::new("bar", law(), &seeds)
+            .moving(move |_| [flies, 0.0])
+            .with_traction(traction);
+        mpm.add_body(bar).unwrap();
+        let before = mpm.bodies()[0].totals();
+        mpm.run_until(0.2).unwrap();
+        let after = mpm.bodies()[0].totals();
+        let gained = after.momentum[0] - before.momentum[0];
+        assert!((gained / (500.0 * 0.8 * 0.2) - 1.0).abs() < 0.01, "{regions:?}: {gained}");
+        assert_eq!(after.particles > before.particles, flies > 0.0);
+    }
+}
+
 #[test]
 fn what_levels_do_not_support_is_refused() {
     let region = || [Refinement::new(Cuboid::new([0.0; 2], [0.4; 2]).unwrap(), 1)];

@@ -136,8 +136,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 numbers[row] = mass;
             }
             self.loaded_areas.resize(self.loads.tractions.len(), 0.0);
+            let size = if self.levels.is_some() { self.relative_size(mass, 0, x[0]) } else { 1.0 };
+            let half_size = seeds.half_size.map(|half| half * size);
             for (t, traction) in self.loads.tractions.iter().enumerate() {
-                let area = traction.area(&x, &seeds.half_size);
+                let area = traction.area(&x, &half_size);
                 self.loaded_areas[t] += area;
                 numbers[self.columns.load() + t] = T::of(area);
             }
