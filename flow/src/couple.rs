@@ -12,10 +12,8 @@
 //! of M. What else the body takes from the liquid follows from the change of momentum at the faces near its surface, and acts in the next
 //! step.
 
-use impactite_simd::Team;
-use impactite_solve::Operator;
-
 use crate::blocks::{Blocks, NONE};
+use crate::coupled::Column;
 use crate::grid::Grid;
 use crate::particles::Frame;
 use crate::rigid::{Floater, Twist};
@@ -28,37 +26,6 @@ const REACH: f64 = 1.25;
 
 /// Depth in a body, in cells, from which faces have no part in its motion.
 const DEEP: f64 = 2.0;
-
-/// Sparse column c of the term c c^T of an operator: places and values.
-pub(crate) type Column = Vec<(u32, f64)>;
-
-/// Operator A + sum c c^T.
-pub(crate) struct Coupled<'a, A> {
-    pub alone: &'a A,
-    pub columns: &'a [Column],
-}
-
-impl<A: Operator> Operator for Coupled<'_, A> {
-    fn len(&self) -> usize {
-        self.alone.len()
-    }
-    fn apply(&self, team: &Team, x: &[f64], y: &mut [f64]) {
-        self.alone.apply(team, x, y);
-        for column in self.columns {
-            let sum: f64 = column.iter().map(|(at, c)| c * x[*at as usize]).sum();
-            column.iter().for_each(|(at, c)| y[*at as usize] += c * sum);
-        }
-    }
-    fn nullity(&self) -> usize {
-        self.alone.nullity()
-    }
-    fn unreachable(&self, team: &Team, b: &[f64]) -> Option<usize> {
-        self.alone.unreachable(team, b)
-    }
-    fn project(&self, team: &Team, x: &mut [f64]) {
-        self.alone.project(team, x);
-    }
-}
 
 /// Face near the surface of a body.
 #[derive(Clone, Copy)]

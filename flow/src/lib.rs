@@ -80,7 +80,9 @@ mod blocks;
 mod booking;
 mod contact;
 mod couple;
+mod coupled;
 mod cuts;
+mod error;
 mod extrapolate;
 #[cfg(test)]
 mod gates;
@@ -100,7 +102,8 @@ mod view;
 mod viscosity;
 mod wall;
 
+pub use error::FluidError;
 pub use options::{FlowOptions, Fluid};
 pub use rigid::RigidBody;
-pub use solver::{Flow, FluidError, StepTimes};
+pub use solver::{Flow, StepTimes};
 pub use wall::{Wall, WallMotion};

@@ -18,7 +18,7 @@ use impactite_solve::{
 };
 
 use crate::blocks::{Blocks, NONE, TILE_CELLS, in_tile, local, stride};
-use crate::couple::{Column, Coupled};
+use crate::coupled::{Column, Coupled};
 use crate::surface::{AIR, LIQUID, SOLID};
 
 /// Smallest theta of a surface.

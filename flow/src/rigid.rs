@@ -6,8 +6,8 @@ use std::sync::Arc;
 use impactite_geometry::{Filling, Lattice, Shape, fill};
 use impactite_scene::{Archive, Body, CheckpointError, Exchange, Parts, PointView, SceneError, Totals};
 
+use crate::error::FluidError;
 use crate::options::parameter;
-use crate::solver::FluidError;
 use crate::turn::{IDENTITY, Matrix, Motion, Pose, apply, cross, dot, inverse, rotation, times, transposed};
 use crate::view::wide;
 

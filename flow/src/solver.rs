@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use impactite_geometry::{Filling, GeometryError, Seeds, Shape, fill};
+use impactite_geometry::{Filling, Seeds, Shape, fill};
 use impactite_scene::boundary::BodyForce;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
@@ -14,6 +14,7 @@ use impactite_scene::{
 use impactite_simd::Team;
 
 use crate::couple::{Coupling, Surroundings};
+use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::options::{FlowOptions, Fluid, parameter};
 use crate::particles::{Frame, Liquid, Particle};
@@ -28,18 +29,6 @@ const COURANT: f64 = 0.5;
 const GROWTH: f64 = 1.1;
 /// Largest number of walls.
 const MOST_WALLS: usize = 1 << 15;
-
-/// Error in the set-up of a liquid from a shape.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum FluidError {
-    /// Invalid shape or filling.
-    #[error(transparent)]
-    Geometry(#[from] GeometryError),
-    /// Invalid scene.
-    #[error(transparent)]
-    Scene(#[from] SceneError),
-}
 
 /// Scene of incompressible free-surface flow in `D` = 2 or 3 dimensions.
 ///

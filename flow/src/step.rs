@@ -6,7 +6,7 @@ use impactite_scene::{Cause, PointKind, StepError, Stopped};
 use impactite_solve::Stop;
 
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
-use crate::couple::Column;
+use crate::coupled::Column;
 use crate::cuts::{Cuts, cut};
 use crate::extrapolate::{CLOSED, Reach, constrain, extrapolate, mark};
 use crate::gather::{Gather, Sums};

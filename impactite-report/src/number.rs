@@ -91,11 +91,11 @@ pub fn percent(share: f64) -> String {
 /// ```
 /// use impactite_report::energy_error;
 /// assert_eq!(energy_error(Some(0.01)), "+1.00 %");
-/// assert_eq!(energy_error(None), "none: nothing moves");
+/// assert_eq!(energy_error(None), "none: nothing moves, or the method has no balance");
 /// ```
 #[must_use]
 pub fn energy_error(error: Option<f64>) -> String {
-    error.map_or_else(|| "none: nothing moves".into(), percent)
+    error.map_or_else(|| "none: nothing moves, or the method has no balance".into(), percent)
 }
 
 /// Format the numbers of checks passed and judged, in words.

@@ -52,8 +52,20 @@ pub const REMEDIES: &[Remedy] = &[
         "take `method.mpm.for = \"impact\"` or `method.mpm.parts.transfer = \"apic\"`",
     ),
     remedy("take `BlockGrid`", "remove `method.mpm.grid`"),
-    remedy("remove the refined regions", "remove `method.mpm.refine`, and `fine` from `method.mpm.cell`"),
-    remedy("or the refined regions", "or `method.mpm.refine` and `method.mpm.cell.fine`"),
+    remedy(
+        "remove the refined regions",
+        "remove `method.mpm.refine`, and write one length for `method.mpm.cell`",
+    ),
+    remedy("or the refined regions", "or `method.mpm.refine` and the smaller length of `method.mpm.cell`"),
+    remedy(
+        "leave out the null-space filter (`Mpm::set_null_space_filter`)",
+        "remove `method.mpm.null_space_filter`",
+    ),
+    remedy(" (`Material::state_names`)", ""),
+    remedy(
+        "return false from `Hook::needs_nodes`, or remove the refined regions",
+        "scene files have no such part: please report it as an error of the program",
+    ),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(
         "or filter it (`Mpm::set_null_space_filter`)",

@@ -78,6 +78,9 @@ pub fn below(prefix: &str) -> Vec<Key> {
     all().into_iter().filter(|key| key.is_below(prefix)).collect()
 }
 
+/// Types that are described at a key other than the first one that has them, and that key.
+const HOMES: [(&str, &str); 1] = [("Shape", "bodies.NAME.shape")];
+
 /// Step from the whole scene down to a key, with its surroundings.
 #[derive(Clone)]
 enum Frame {
@@ -280,8 +283,8 @@ impl<'a> Walk<'a> {
         };
         let list = alternatives(of_words);
         let plain = list.iter().filter(|a| a.2.is_none());
-        let kind = self.kind(of);
-        let known = name.is_empty() || self.seen.contains_key(name);
+        let kind = self.kind(of, path);
+        let known = name.is_empty() || self.described(name, path).is_some();
         if !known {
             self.seen.insert(name.into(), path.into());
         }
@@ -319,7 +322,13 @@ impl<'a> Walk<'a> {
         });
     }
 
-    fn kind(&self, of: &'a Value) -> String {
+    /// Return the path at which a type is described, unless that is this one.
+    fn described(&self, name: &str, path: &str) -> Option<&str> {
+        let home = HOMES.iter().find(|(of, home)| *of == name && *home != path);
+        self.seen.get(name).map(String::as_str).or(home.map(|(_, home)| *home))
+    }
+
+    fn kind(&self, of: &'a Value, path: &str) -> String {
         let (target, name) = resolved(self.schema, of);
         if let Some((name, unit, more)) = measure(name) {
             return if unit.is_empty() { format!("number{more}") } else { format!("{name}, {unit}{more}") };
@@ -328,7 +337,7 @@ impl<'a> Walk<'a> {
         if !list.is_empty() {
             let tables: Vec<String> =
                 list.iter().filter(|a| a.2.is_some()).map(|a| format!("`{}`", a.0)).collect();
-            return match self.seen.get(name) {
+            return match self.described(name, path) {
                 _ if tables.is_empty() => String::new(),
                 Some(path) => format!("as `{path}`"),
                 None => format!("one of {}", tables.join(", ")),
@@ -362,7 +371,7 @@ impl<'a> Walk<'a> {
                     format!("list of {count}{many}, {unit}{more}")
                 }
                 None if is_type(inner, "array") => {
-                    let inner = self.kind(inner);
+                    let inner = self.kind(inner, "");
                     let more = inner.strip_prefix("list of ").map(String::from);
                     format!("list of lists of {}", more.unwrap_or(inner))
                 }
@@ -411,7 +420,7 @@ impl<'a> Walk<'a> {
     fn value(&mut self, of: &'a Value, path: &str, place: Place, frames: &[Frame]) {
         let (target, name) = resolved(self.schema, of);
         let example = self.example(of, path);
-        let first = !self.seen.contains_key(name);
+        let first = self.described(name, path).is_none();
         self.push(path, of, place, frames, &example);
         self.inside(target, name, path, frames, first);
     }

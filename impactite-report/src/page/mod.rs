@@ -158,7 +158,7 @@ mod tests {
             "<p>First paragraph.</p>",
             "a\\u{1b}[31m run\\u{0}",
             "<p>\\u{202e}Second.</p>",
-            "none: nothing moves",
+            "none: nothing moves, or the method has no balance",
             "no checks",
             "3 files beside this page",
             "<a href=\"./pictures/\">pictures/</a>, 2 files",

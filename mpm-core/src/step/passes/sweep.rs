@@ -303,7 +303,8 @@ where
                         if const { P::DOES.moves && !P::TOTAL } && common.splitter.is_on() {
                             long = too_long::<T, D>(&groups, material, common, part, x.lane(0));
                         }
-                        let gone = gone | if *evacuated { all_lanes(part.here) } else { 0 };
+                        let gone = gone
+                            | if const { P::MAPS.affine } && *evacuated { all_lanes(part.here) } else { 0 };
                         if gone | long != 0 {
                             let mut gradient = [[T::default(); MAX_LANES]; 9];
                             if long != 0 {
@@ -383,7 +384,8 @@ where
                         let part = Part { members: entry.members, here };
                         long = too_long::<T, D>(&groups, material, common, part, x.lane(0));
                     }
-                    let gone = gone | if *evacuated { all_lanes(here) } else { 0 };
+                    let gone =
+                        gone | if const { P::MAPS.affine } && *evacuated { all_lanes(here) } else { 0 };
                     if gone | long != 0 {
                         let mut gradient = [[T::default(); MAX_LANES]; 9];
                         if long != 0 {
@@ -413,7 +415,7 @@ where
         if does.moves && !P::TOTAL {
             let here = neighbours(D) / 2;
             let stayed = movers.within.since(0, 0);
-            if *evacuated {
+            if const { P::MAPS.affine } && *evacuated {
                 movers.out.append(&movers.within);
             } else if stayed.goes(here) {
                 shapes.take_in(
