@@ -122,6 +122,12 @@ fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
     (of, "")
 }
 
+/// Return the table among the alternatives of a type that also accepts others.
+fn table_beside<'a>(schema: &'a Value, of: &'a Value) -> Option<(&'a Value, &'a str)> {
+    let list = of["anyOf"].as_array()?;
+    list.iter().map(|one| resolved(schema, one)).find(|(one, _)| one["properties"].is_object())
+}
+
 /// Return the alternatives of a type: word, description, and the schema below the word, `None` for plain words.
 fn alternatives(of: &Value) -> Vec<(String, String, Option<&Value>, &Value)> {
     let mut list = Vec::new();
@@ -344,12 +350,18 @@ impl<'a> Walk<'a> {
             };
         }
         if let Some(list) = target["anyOf"].as_array() {
-            let one = |of: &Value| match of["type"].as_str() {
+            let of_measure = |of| {
+                let (name, unit, more) = measure(resolved(self.schema, of).1)?;
+                Some(if unit.is_empty() { format!("number{more}") } else { format!("{name}, {unit}{more}") })
+            };
+            let of_type = |of| match resolved(self.schema, of).0["type"].as_str() {
+                Some("object") => "table".to_string(),
                 Some("boolean") => "`true` or `false`".to_string(),
                 Some("array") => "list".into(),
                 Some("string") => "text with a unit".into(),
                 _ => "number".into(),
             };
+            let one = |of| of_measure(of).unwrap_or_else(|| of_type(of));
             return list.iter().map(one).collect::<Vec<_>>().join(", or ");
         }
         if target["properties"].is_object() {
@@ -453,6 +465,8 @@ impl<'a> Walk<'a> {
             }
         } else if target["properties"].is_object() {
             self.object(target, name, path, frames);
+        } else if let Some((table, name)) = table_beside(self.schema, target) {
+            self.object(table, name, path, frames);
         } else if target["additionalProperties"].is_object() {
             let below = with(Frame::Name(sample(path)));
             let path = join(path, "NAME");

@@ -47,6 +47,7 @@ parts! {
     Mpm {
         /// Edge of a cell of the background grid; or `{ coarse, fine }`: cells of `coarse`, halved down to `fine` near walls and other bodies
         /// while the scene runs.
+        #[schemars(example = &"5 mm")]
         cell: CellSize,
         /// Purpose, which chooses the parts of the method. Instead of it `parts`.
         #[serde(default, rename = "for")]
@@ -94,8 +95,10 @@ parts! {
     /// Edges of the largest and the smallest cells. Halved cells are for B-splines with `apic` or `aflip`, as `for = "impact"` has them.
     CellRange {
         /// Edge of the largest cells.
+        #[schemars(example = &"0.8 mm")]
         coarse: Quantity<Length>,
         /// Largest edge of the smallest cells: cells of `coarse` are halved as often as needed, 7 times at most.
+        #[schemars(example = &"0.2 mm")]
         fine: Quantity<Length>,
     }
     /// Incompressible flow of a liquid with a free surface.

@@ -263,7 +263,7 @@ fn a_criterion_of_ones_own_marks_blocks() {
 #[test]
 fn tractions_act_on_particles_of_any_size() {
     for (regions, flies) in
-        [(&[][..], 0.0), (&[([1.6, -1.0], [3.0, 2.0], 2)], 0.0), (&[([2.4, -1.0], [3.2, 2.0], 2)], 4.0)]
+        [(&[][..], 0.0), (&[([1.6, -1.0], [3.0, 2.0], 2)], 0.0), (&[([2.4, -1.0], [3.2, 2.0], 1)], 4.0)]
     {
         let mut mpm = scene(regions);
         let seeds = fill_box(&mpm, [0.0, 0.0], [2.0, 0.8]);
