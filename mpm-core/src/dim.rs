@@ -106,3 +106,19 @@ pub(crate) fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
     }
     r
 }
+
+/// Return the index of node (or bin) `n` of a block in its lattice.
+pub(crate) fn node_of<const D: usize>(block: &[i32; D], n: usize) -> [i32; D] {
+    let mut rest = n;
+    std::array::from_fn(|d| {
+        let within = rest % BLOCK;
+        rest /= BLOCK;
+        block[d] * BLOCK as i32 + within as i32
+    })
+}
+
+/// Return the block of a node (or bin) of a lattice, and its number there.
+pub(crate) fn block_of<const D: usize>(node: &[i32; D]) -> ([i32; D], usize) {
+    let within = (0..D).rev().fold(0, |n, d| n * BLOCK + node[d].rem_euclid(BLOCK as i32) as usize);
+    (node.map(|x| x.div_euclid(BLOCK as i32)), within)
+}

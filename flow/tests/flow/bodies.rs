@@ -298,6 +298,8 @@ fn bodies_do_not_pass_through_each_other() {
     flow.add_rigid("heavy", RigidBody::new(high, 4000.0).unwrap()).unwrap();
     flow.set_body_force(|_| [0.0, -GRAVITY]);
     let mut nearest = f64::INFINITY;
+    // At 1.55 s the heavy ball lies on the floor beside the light one, and the watch stops the run: water in the gaps, narrower than a cell,
+    // has gained 13 % of the energy (book, "Water", limits).
     for n in 1..=20 {
         flow.run_until(0.05 * f64::from(n)).unwrap();
         let [a, b] = [0, 1].map(|n| flow.rigid_centre(n).unwrap());
@@ -306,7 +308,7 @@ fn bodies_do_not_pass_through_each_other() {
             nearest = nearest.min(x[0] - 0.12).min(0.88 - x[0]).min(x[1] - 0.12);
         }
     }
-    println!("nearest {:.4} cells", nearest / 0.05);
+    println!("nearest {:.4} cells, light ball at {:.3}", nearest / 0.05, flow.rigid_centre(0).unwrap()[1]);
     assert!(nearest > -0.05 * 0.05, "{nearest}");
     assert!(flow.rigid_centre(1).unwrap()[1] < 0.13);
 }

@@ -16,7 +16,7 @@ use std::collections::HashMap;
 
 use impactite_geometry::{Lattice, Seeds};
 
-use crate::dim::{BLOCK, block_nodes, first_node};
+use crate::dim::{BLOCK, block_nodes, block_of, first_node, neighbours, node_of, offset, shifted};
 
 /// Distance of the levels along the last axis, blocks and cells.
 const APART: i32 = 1 << 26;
@@ -207,22 +207,6 @@ pub(crate) struct ParentAt<const D: usize> {
     pub(crate) offset: [f64; D],
 }
 
-/// Return the index of node `n` of a block in its lattice.
-pub(crate) fn node_of<const D: usize>(block: &[i32; D], n: usize) -> [i32; D] {
-    let mut rest = n;
-    std::array::from_fn(|d| {
-        let within = rest % BLOCK;
-        rest /= BLOCK;
-        block[d] * BLOCK as i32 + within as i32
-    })
-}
-
-/// Return the block of a node of a lattice, and its number there.
-pub(crate) fn block_of<const D: usize>(node: &[i32; D]) -> ([i32; D], usize) {
-    let within = (0..D).rev().fold(0, |n, d| n * BLOCK + node[d].rem_euclid(BLOCK as i32) as usize);
-    (node.map(|x| x.div_euclid(BLOCK as i32)), within)
-}
-
 /// Particle in a block whose level differs from its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Crossing {
@@ -243,14 +227,11 @@ impl<const D: usize> Levels<D> {
             refined[level].sort_unstable();
             refined[level].dedup();
             if level > 0 {
-                // Two blocks around every refined one: the stencils of two borders do not meet.
+                // A block of the level around every refined one: the stencils of two borders do not meet.
                 let around: Vec<[i32; D]> = refined[level]
                     .iter()
-                    .flat_map(|block| (0..3usize.pow(D as u32)).map(move |n| (block, n)))
-                    .map(|(block, n)| {
-                        let o = crate::dim::offset::<D>(n);
-                        std::array::from_fn(|d| (block[d] + o[d]).div_euclid(2))
-                    })
+                    .flat_map(|block| (0..neighbours(D)).map(move |n| shifted(block, &offset(n))))
+                    .map(|block| block.map(|b| b.div_euclid(2)))
                     .collect();
                 refined[level - 1].extend(around);
             }
@@ -270,15 +251,9 @@ impl<const D: usize> Levels<D> {
     /// Find the dependent nodes of a level in and around its blocks.
     fn find_borders(&self, level: usize) -> HashMap<[i32; D], Border<D>> {
         let mut found = HashMap::new();
-        let around = |block: &[i32; D]| {
-            let block = *block;
-            (0..3usize.pow(D as u32)).map(move |n| {
-                let o = crate::dim::offset::<D>(n);
-                std::array::from_fn(|d| block[d] + o[d])
-            })
-        };
         for refined in &self.refined[level - 1] {
-            if around(refined).all(|block| self.is_refined(level - 1, &block)) {
+            let within = |n: usize| self.is_refined(level - 1, &shifted(refined, &offset(n)));
+            if (0..neighbours(D)).all(within) {
                 continue;
             }
             for n in 0..4usize.pow(D as u32) {
@@ -402,11 +377,8 @@ impl<const D: usize> Levels<D> {
     }
     /// Return the bins of a block of a level from which particles reach a dependent node, one bit each.
     pub(crate) fn bins_at_border(&self, level: usize, block: &[i32; D]) -> u64 {
-        let none = |n: usize| {
-            let o = crate::dim::offset::<D>(n);
-            self.dependent(level, &std::array::from_fn(|d| block[d] + o[d])) == 0
-        };
-        if level == 0 || (0..3usize.pow(D as u32)).all(none) {
+        let none = |n: usize| self.dependent(level, &shifted(block, &offset(n))) == 0;
+        if level == 0 || (0..neighbours(D)).all(none) {
             return 0;
         }
         let reaches = |bin: &usize| {
@@ -502,8 +474,8 @@ impl<'a, const D: usize> Near<'a, D> {
     fn nearest(&self, x: &[f64; D]) -> Option<[f64; D]> {
         let middle = self.cell(x);
         let mut best: Option<(f64, u32)> = None;
-        for n in 0..3usize.pow(D as u32) {
-            let o = crate::dim::offset::<D>(n);
+        for n in 0..neighbours(D) {
+            let o = offset::<D>(n);
             let cell = std::array::from_fn(|d| middle[d] + i64::from(o[d]));
             for &n in self.cells.get(&cell).into_iter().flatten() {
                 let y = &self.seeds.positions[n as usize];

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Columns, Masses};
-use crate::dim::{BLOCK, block_nodes};
+use crate::dim::{BLOCK, block_nodes, node_of};
 use crate::step::RowsMut;
 use crate::step::between_steps::rest::TakenMotion;
 use impactite_scene::{Archive, CheckpointError};
@@ -475,13 +475,7 @@ impl<T: Float, const D: usize> Block<T, D> {
 
     /// Coordinates of a bin.
     pub fn bin_coordinates(&self, bin: usize) -> [i32; D] {
-        let mut c = self.coordinates;
-        let mut rest = bin;
-        for x in &mut c {
-            *x = *x * BLOCK as i32 + (rest % BLOCK) as i32;
-            rest /= BLOCK;
-        }
-        c
+        node_of(&self.coordinates, bin)
     }
 
     /// Iterate over all particles in order: bin and place.

@@ -9,9 +9,6 @@ use crate::grid::Levels;
 use impactite_scene::boundary::Boundary;
 use impactite_simd::{Float, Team};
 
-/// Default number of steps between two decisions.
-pub(super) const EVERY: u64 = 10;
-
 /// Block of particles, for criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OccupiedBlock<const D: usize> {
@@ -170,7 +167,6 @@ impl<T: Float, const D: usize> Criterion<T, D> for StateAbove {
 pub(super) struct Adaptive<T: Float, const D: usize> {
     pub(super) criteria: Vec<Box<dyn Criterion<T, D>>>,
     pub(super) halvings: usize,
-    pub(super) every: u64,
     /// True if the last decision changed the cells, so that the next step decides again.
     pub(super) again: bool,
     /// Levels from the next pass on.

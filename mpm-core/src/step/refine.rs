@@ -108,6 +108,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if self.between_steps.filter.is_some() {
             return Err(self.not_with(what, "leave out the null-space filter (`Mpm::set_null_space_filter`)"));
         }
+        if size_of::<T>() < size_of::<f64>() {
+            return Err(
+                self.not_with(what, "take double precision, which counts the parts of divided particles")
+            );
+        }
         if facts.total {
             return Err(self.not_with(what, "take the updated Lagrangian frame"));
         }

@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use super::criteria::{Adaptive, Criterion, EVERY, OccupiedBlock, RegridView};
+use super::criteria::{Adaptive, Criterion, OccupiedBlock, RegridView};
 use super::mpm::Mpm;
 use super::nodes::layout::numbers;
 use crate::dim::{BLOCK, centre};
@@ -14,6 +14,9 @@ use crate::grid::levels::{Levels, MOST_LEVELS, unpack_block};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_simd::Float;
+
+/// Number of steps between two decisions.
+const EVERY: u64 = 10;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Halve the cells of blocks that a criterion marks, at most `halvings` times, decided every ten steps while the scene
@@ -36,7 +39,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let levels = Levels::new(*self.grid.lattice(), (halving, self.facts().nodes), Vec::new());
             self.grid.fields.set_levels(Arc::new(levels));
         }
-        self.adaptive = Some(Adaptive { criteria, halvings, every: EVERY, again: true, pending: None });
+        self.adaptive = Some(Adaptive { criteria, halvings, again: true, pending: None });
         Ok(())
     }
 
@@ -46,7 +49,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// A criterion whose parameters do not fit the scene.
     pub(super) fn plan_regrid(&mut self) -> Result<(), StepError> {
         let Some(adaptive) = &self.adaptive else { return Ok(()) };
-        let due = adaptive.again || self.clock.steps.is_multiple_of(adaptive.every);
+        let due = adaptive.again || self.clock.steps.is_multiple_of(EVERY);
         let Some(levels) = self.grid.fields.levels().filter(|_| due) else { return Ok(()) };
         let offset = centre(self.facts().nodes) - 0.5;
         let mut blocks = Vec::new();

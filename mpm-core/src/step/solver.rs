@@ -392,7 +392,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let force = CentreLead::along(&force, boundaries, self.facts().hoop);
         let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time, force };
         // Only particles read the nodes that depend on others.
-        self.grid.planes.extend_ties(self.grid.storage.nodes_mut(), &self.team);
+        self.grid.planes.ties.extend(self.grid.storage.nodes_mut(), &self.team);
         let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
         let team = &self.team;
         self.stepper.passed.resize_with(self.scene.bodies.len(), || Ok(T::default()));

@@ -6,10 +6,10 @@
 
 use super::crossing::Crossers;
 use super::particle_body::ParticleBody;
-use crate::dim::{BLOCK, neighbours, offset, shifted};
+use crate::dim::{block_of, neighbours, node_of, offset, shifted};
 use crate::grid::Levels;
 use crate::grid::levels::{Crossing, pack, unpack_block};
-use crate::particles::{Columns, Masses, Outbox, Sent, split};
+use crate::particles::{Columns, Masses, Outbox, Sent};
 use crate::step::passes::migrate::MigrationPayload;
 use crate::step::passes::slot::{Commons, Slot};
 use crate::step::passes::spread::Maps;
@@ -116,12 +116,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     ) {
         let outboxes = std::mem::take(&mut self.outboxes);
         for (bin, numbers) in outboxes[sent.outbox as usize].going(sent, to) {
-            let mut rest = bin;
-            let bin = std::array::from_fn(|d| {
-                let within = rest % BLOCK;
-                rest /= BLOCK;
-                block[d] * BLOCK as i32 + within as i32
-            });
+            let bin = node_of(block, bin);
             let xi = std::array::from_fn(|d| numbers[Columns::position() + d]);
             let at = At { level, bin, xi };
             let mass = self.masses.of(numbers);
@@ -143,8 +138,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             + lattice.spacing() * (f64::from(at.bin[0]) + self.bin_centre() + at.xi[0].to_double())
     }
 
-    /// Divide a particle along every axis, in an axisymmetric body by the volumes of its parts. Its parts move with its affine velocity field, so that momentum and angular
-    /// momentum are those of the particle; the kinetic energy of their motion relative to its centre is booked.
+    /// Divide a particle along every axis, in an axisymmetric body by the volumes of its parts. The parts move with its affine
+    /// velocity field, so that momentum and angular momentum are those of the particle; the kinetic energy of their motion
+    /// relative to its centre is booked.
     fn divide(
         &mut self,
         levels: &Levels<D>,
@@ -209,7 +205,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let mut outbox = Outbox::default();
         for same in crossers.list.chunk_by(|a, b| a.0 == b.0) {
             let block = same[0].0;
-            let Ok(place) = self.index.binary_search_by_key(&block, |entry| entry.0) else { continue };
+            let Ok(place) = self.index.binary_search_by_key(&block, |entry| entry.0) else {
+                debug_assert!(false, "the block was made when its particles were found");
+                continue;
+            };
             outbox.clear(self.columns.count() + payload.count());
             for (_, bin, numbers) in same {
                 outbox.post(0, *bin).copy_from_slice(numbers);
@@ -242,8 +241,7 @@ fn convert<T: Float, const D: usize>(
         at.xi[d] -= cells;
     }
     payload.change_cells::<T, D>(&mut numbers[first..], &turn, T::of(1.0));
-    let block_of = |bin: &[i32; D]| bin.map(|b| b.div_euclid(BLOCK as i32));
-    match levels.crossing(at.level, &block_of(&at.bin)) {
+    match levels.crossing(at.level, &block_of(&at.bin).0) {
         Some(Crossing::Finer) => {
             for d in 0..D {
                 let upper = at.xi[d] >= T::default();
@@ -265,13 +263,7 @@ fn convert<T: Float, const D: usize>(
         }
         None => {}
     }
-    let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
-    for d in 0..D {
-        let (b, place) = split(at.bin[d]);
-        block[d] = b;
-        bin += place * stride;
-        stride *= BLOCK;
-        numbers[Columns::position() + d] = at.xi[d];
-    }
+    numbers[Columns::position()..][..D].copy_from_slice(&at.xi);
+    let (block, bin) = block_of(&at.bin);
     (pack(at.level, block), bin, numbers)
 }

@@ -11,7 +11,7 @@ use super::fields::Fields;
 use super::footprint::{Folds, NodeWeight};
 use super::planes::Planes;
 use super::stages::{GridStages, StageOf, mass_cutoff};
-use crate::dim::BLOCK;
+use crate::dim::block_of;
 use crate::grid::{GridStorage, Node, OutsideGrid};
 use crate::step::bodies::capability::MeetsSurfaces;
 use crate::step::clients::near_particles::{NearNode, NearParticles};
@@ -181,9 +181,8 @@ impl<T: Float, const D: usize> Background<T, D> {
         // Consecutive nodes are mostly in one block.
         let last = Cell::new(None);
         move |at: &[i32; D]| {
-            let block = at.map(|c| c.div_euclid(BLOCK as i32));
+            let (block, within) = block_of(at);
             let lattices = self.fields.lattices();
-            let within = (0..D).rev().fold(0, |n, d| n * BLOCK + at[d].rem_euclid(BLOCK as i32) as usize);
             let found = match last.get() {
                 Some((known, found)) if known == block => found,
                 _ => self.fields.find(&*self.storage, &block, body),

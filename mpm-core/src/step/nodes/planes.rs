@@ -7,9 +7,8 @@ use super::ties::Ties;
 use crate::dim::{BLOCK, block_nodes};
 use crate::grid::levels::pack;
 use crate::grid::{GridStorage, Node};
-use crate::step::bodies::body::GridBody;
 use impactite_scene::boundary::{Boundary, Plane};
-use impactite_simd::{Float, Team};
+use impactite_simd::Float;
 
 /// Indices of a node in front of a plane, one on it and one behind it; [`NOWHERE`] if there is none.
 type Column = [u32; 3];
@@ -46,7 +45,7 @@ pub struct Planes<T> {
     /// Nodes with a share of a surface: node, condition, and thickness of its mass, m. Sorted.
     depths: Vec<(u32, u32, f64)>,
     /// Nodes at the borders of levels of cells, which depend on those of larger cells.
-    ties: Ties<T>,
+    pub(in crate::step) ties: Ties<T>,
 }
 
 /// Node in front of or behind a symmetry plane.
@@ -139,18 +138,6 @@ impl<T: Float> Planes<T> {
             && self.edges.is_empty()
             && self.surfaces.is_empty()
             && self.ties.is_empty()
-    }
-
-    /// Move the sums of nodes that depend on those of larger cells to these.
-    pub(super) fn fold_ties<const D: usize>(
-        &mut self,
-        nodes: &mut [Node<T>],
-        sums: NodeSums,
-        bodies: &[Box<dyn GridBody<T, D>>],
-        fields: &Fields<D>,
-        team: &Team,
-    ) {
-        self.ties.fold(nodes, sums, bodies, fields, team);
     }
 
     /// Return the thickness of a node's mass at the surface of a condition, by the indices of both, m; none without a
@@ -370,11 +357,6 @@ impl<T: Float> Planes<T> {
                 nodes[back].second[d] = two * nodes[on].second[d] - nodes[front].second[d];
             }
         }
-    }
-
-    /// Set the vectors of nodes that depend on those of larger cells.
-    pub(in crate::step) fn extend_ties(&mut self, nodes: &mut [Node<T>], team: &Team) {
-        self.ties.extend(nodes, team);
     }
 
     /// Return the masses mapped by the body's own particles to the nodes `start..start + count` that also represent its

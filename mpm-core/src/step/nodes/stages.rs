@@ -125,7 +125,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         if at_once {
             return;
         }
-        self.planes.fold_ties(self.grid.nodes_mut(), sums, bodies, fields, self.team);
+        self.planes.ties.fold(self.grid.nodes_mut(), sums, bodies, fields, self.team);
         let all = self.moves(sums);
         // Particles of other scenes receive no part of their nodes' velocity.
         let elsewhere = |node: u32| {

@@ -123,7 +123,7 @@ impl<T: Float> Ties<T> {
     }
 
     /// Move the sums of dependent nodes to their parents.
-    pub(super) fn fold<const D: usize>(
+    pub(in crate::step) fn fold<const D: usize>(
         &mut self,
         nodes: &mut [Node<T>],
         sums: NodeSums,
@@ -175,7 +175,7 @@ impl<T: Float> Ties<T> {
     }
 
     /// Set the vectors of dependent nodes from those of their parents, those of coarser levels first.
-    pub(super) fn extend(&mut self, nodes: &mut [Node<T>], team: &Team) {
+    pub(in crate::step) fn extend(&mut self, nodes: &mut [Node<T>], team: &Team) {
         let Ties { ties, parents, ends } = self;
         for level in (0..ends.len()).rev() {
             let start = level.checked_sub(1).map_or(0, |finer| ends[finer]);

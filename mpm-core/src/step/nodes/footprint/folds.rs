@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use super::NodeWeight;
-use crate::grid::levels::{block_of, pack_node, unpack_node};
+use crate::dim::block_of;
+use crate::grid::levels::{pack_node, unpack_node};
 use crate::grid::{Lattices, Levels};
 use crate::step::nodes::fields::Fields;
 use crate::step::nodes::wrap::Wrap;
