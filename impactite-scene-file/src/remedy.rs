@@ -56,6 +56,10 @@ pub const REMEDIES: &[Remedy] = &[
         "remove the refined regions",
         "remove `method.mpm.refine`, and write one length for `method.mpm.cell`",
     ),
+    remedy(
+        "prescribe its motion, or halve cells by criteria (`Mpm::refine_where`) instead of regions",
+        "write `bodies.NAME.rigid.prescribed = true`, or give `method.mpm.cell` as a range instead of `method.mpm.refine`",
+    ),
     remedy("or the refined regions", "or `method.mpm.refine` and the smaller length of `method.mpm.cell`"),
     remedy(
         "leave out the null-space filter (`Mpm::set_null_space_filter`)",

@@ -184,6 +184,16 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Err(self.not_with(what, "the scene has cells of several sizes: remove the refined regions"))
     }
 
+    /// Refuse a rigid body whose surface and inertia would be those of particles of one size, with regions of smaller ones.
+    pub(in crate::step) fn check_rigid_levels(&self, prescribed: bool) -> Result<(), SceneError> {
+        if prescribed || self.grid.fields.levels().is_none_or(|levels| levels.count() == 1) {
+            return Ok(());
+        }
+        let why = "its surface is that of particles of one size: prescribe its motion, or halve cells by criteria \
+                   (`Mpm::refine_where`) instead of regions";
+        Err(self.not_with("a free rigid body beside refined regions", why))
+    }
+
     /// Refuse conditions that are not available with cells of several sizes.
     pub(in crate::step) fn check_boundaries_of_levels<'a>(
         &self,

@@ -317,6 +317,19 @@ fn what_levels_do_not_support_is_refused() {
     mpm.refine(&region()).unwrap();
     let periodic = Boundary::Periodic { axis: 0, low: 0.0, high: 16.0 * H };
     refused(mpm.bound(periodic).unwrap_err(), "periodic");
+    let contact = || {
+        mpm_core::GridContact::new(
+            mpm_contact::SurfaceDistance::default(),
+            mpm_contact::Pairs::new(mpm_contact::Frictionless),
+        )
+    };
+    let mut rigid = Mpm::with_contact(apic(), BlockGrid::new(lattice), contact());
+    rigid.refine(&region()).unwrap();
+    let seeds = fill_box(&rigid, [0.0; 2], [0.4; 2]);
+    let error = rigid.add_rigid("ram", &mpm_core::Rigid::free(1.0).unwrap(), &seeds).unwrap_err();
+    refused(error, "`Mpm::refine_where`");
+    let still = mpm_core::Twist { velocity: [0.0; 2], spin: [0.0; 3] };
+    rigid.add_rigid("ram", &mpm_core::Rigid::prescribed(1.0, move |_| still).unwrap(), &seeds).unwrap();
     let unknown = StateAbove { state: "love".into(), least: 1.0 };
     let mut other = scene(&[]);
     other.refine_where(vec![Box::new(unknown)], 1).unwrap();

@@ -11,7 +11,7 @@ use super::load::Loads;
 use super::particle_body::ParticleBody;
 use crate::step::between_steps::splitting::{Splitter, Splitting};
 use crate::step::mpm::Mpm;
-use crate::step::rigid::motion::Rigid;
+use crate::step::rigid::motion::{Rigid, RigidState};
 use crate::step::rigid::proxies::RigidBody;
 use impactite_geometry::Seeds;
 use impactite_scene::Boundary;
@@ -136,6 +136,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let cells = (*self.grid.lattice(), self.grid.fields.levels());
             RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), cells, seeds)?
         };
+        self.check_rigid_levels(body.rigid().is_some_and(RigidState::is_prescribed))?;
         // Registered as rigid first: the arrangement of nodes at planes depends on it.
         self.scene.rigid.push(self.scene.bodies.len());
         let entered = self.enter(name, Box::new(body));
