@@ -119,20 +119,82 @@ pub fn mean_radius<const D: usize>(x: &Corners<D>) -> f64 {
     x[..=D].iter().map(|c| c[0]).sum::<f64>() / (D + 1) as f64
 }
 
+/// Pairs of the corners of a triangle, then those with the fourth corner.
+const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
+
+/// Return the number of pairs of facets.
+const fn pairs(d: usize) -> usize {
+    if d == 2 { 3 } else { 6 }
+}
+
+/// Signed size of a simplex and its angles between facets, for comparisons without roots and divisions.
+#[derive(Clone, Copy, Debug)]
+pub struct Form<const D: usize> {
+    /// Signed area, m^2, or volume, m^3.
+    pub measure: f64,
+    /// For each pair of facets with inner normals n_a, n_b of any common scale: -(n_a . n_b) |n_a . n_b| and n_a^2 n_b^2, whose ratio is the
+    /// cosine of the angle times its absolute value.
+    cosines: [[f64; 2]; 6],
+}
+
+impl<const D: usize> Form<D> {
+    /// Compute the form of the simplex with these corners.
+    #[inline]
+    pub fn of(x: &Corners<D>) -> Self {
+        let edge = |k: usize, i: usize| x[k][i] - x[0][i];
+        let mut normals = [[0.0; 3]; 4];
+        let measure;
+        if D == 2 {
+            normals[1] = [edge(2, 1), -edge(2, 0), 0.0];
+            normals[2] = [-edge(1, 1), edge(1, 0), 0.0];
+            measure = 0.5 * (edge(1, 0) * edge(2, 1) - edge(1, 1) * edge(2, 0));
+        } else {
+            let e = |k: usize| [edge(k, 0), edge(k, 1), edge(k, 2)];
+            normals[1] = cross(&e(2), &e(3));
+            normals[2] = cross(&e(3), &e(1));
+            normals[3] = cross(&e(1), &e(2));
+            measure = dot(&e(1), &normals[1]) / 6.0;
+        }
+        for i in 0..D {
+            normals[0][i] = -(1..=D).map(|k| normals[k][i]).sum::<f64>();
+        }
+        let squares = normals.map(|n| dot(&n, &n));
+        let mut cosines = [[0.0; 2]; 6];
+        for (cosine, &[a, b]) in cosines.iter_mut().zip(&PAIRS[..pairs(D)]) {
+            let product = -dot(&normals[a], &normals[b]);
+            *cosine = [product * product.abs(), squares[a] * squares[b]];
+        }
+        Form { measure, cosines }
+    }
+    /// True if no angle has a cosine above `cosine`; false for a simplex without angles.
+    #[inline]
+    pub fn none_above(&self, cosine: f64) -> bool {
+        let signed = cosine * cosine.abs();
+        self.measure != 0.0 && self.cosines[..pairs(D)].iter().all(|[c, s]| *c <= signed * s)
+    }
+    /// True if no angle has a cosine below `cosine`.
+    #[inline]
+    pub fn none_below(&self, cosine: f64) -> bool {
+        let signed = cosine * cosine.abs();
+        self.cosines[..pairs(D)].iter().all(|[c, s]| *c >= signed * s)
+    }
+}
+
+#[inline(always)]
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
 /// Cosines of the smallest and of the largest angle between facets: in two dimensions the inner angles, in three
 /// the dihedral ones. NaN for a flat simplex.
 pub fn angles<const D: usize>(x: &Corners<D>) -> (f64, f64) {
     let Slopes { of, .. } = slopes(x);
-    let dot = |a: &[f64; 3], b: &[f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let squares = of.map(|slope| dot(&slope, &slope));
-    // Pairs of the corners of a triangle, then those with the fourth corner.
-    const PAIRS: [[usize; 2]; 6] = [[1, 0], [2, 0], [2, 1], [3, 0], [3, 1], [3, 2]];
-    let pairs = &PAIRS[..if D == 2 { 3 } else { 6 }];
     let mut cosines = [0.0; 6];
-    for (cosine, &[a, b]) in cosines.iter_mut().zip(pairs) {
+    for (cosine, &[a, b]) in cosines.iter_mut().zip(&PAIRS[..pairs(D)]) {
         *cosine = -dot(&of[a], &of[b]) / (squares[a] * squares[b]).sqrt();
     }
-    let cosines = &cosines[..pairs.len()];
+    let cosines = &cosines[..pairs(D)];
     if cosines.iter().any(|cosine| cosine.is_nan()) {
         return (f64::NAN, f64::NAN);
     }
@@ -272,6 +334,32 @@ mod tests {
         assert!((small - 1.0 / 3f64.sqrt()).abs() < 1e-15 && large.abs() < 1e-15);
         // Centroid (1/3, 1/3): the volume of revolution per radian is area times 1/3.
         assert!((volume(&UNIT, true) - 0.5 / 3.0).abs() < 1e-16);
+    }
+
+    #[test]
+    fn comparisons_without_roots_agree_with_the_angles() {
+        fn check<const D: usize>(seed: u64) {
+            let mut random = seed;
+            let mut next = || {
+                random =
+                    random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (random >> 11) as f64 / (1u64 << 53) as f64 - 0.5
+            };
+            for _ in 0..2000 {
+                let mut x = [[0.0; D]; 4];
+                x[..=D].iter_mut().flatten().for_each(|c| *c = next());
+                let (form, (small, large)) = (Form::of(&x), angles(&x));
+                assert!((form.measure - measure(&x)).abs() < 1e-15);
+                for limit in [-0.9, -0.2, 0.0, 0.4, 0.95].map(|c: f64| c + 1e-3 * next()) {
+                    assert_eq!(form.none_above(limit), small <= limit);
+                    assert_eq!(form.none_below(limit), large >= limit);
+                }
+            }
+        }
+        check::<2>(1);
+        check::<3>(2);
+        // A flat simplex has no angles.
+        assert!(!Form::of(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 0.0]]).none_above(1.0));
     }
 
     #[test]

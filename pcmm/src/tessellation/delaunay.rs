@@ -122,12 +122,19 @@ impl LocalDelaunay {
         }
     }
 
-    /// Return elements with an empty circumsphere among particles that are `open`, smallest sphere first.
-    fn candidates<const D: usize>(&self, view: &View<'_, D>, open: &[bool]) -> Vec<(f64, [u32; 4])> {
+    /// Return elements with an empty circumsphere among particles that are `open`, smallest sphere first, but for present ones that are not
+    /// `dead`.
+    fn candidates<const D: usize>(
+        &self,
+        view: &View<'_, D>,
+        open: &[bool],
+        dead: &[u32],
+    ) -> Vec<(f64, [u32; 4])> {
         const CHUNK: usize = 128;
         let particles = view.particles.len();
         let mut parts: Vec<Vec<(f64, [u32; 4])>> = vec![Vec::new(); particles.div_ceil(CHUNK)];
         view.team.each(&mut parts, |chunk, found| {
+            let mut partners = Vec::new();
             for a in chunk * CHUNK..((chunk + 1) * CHUNK).min(particles) {
                 if open[a] {
                     let near = |&n: &u32| {
@@ -135,10 +142,16 @@ impl LocalDelaunay {
                             && open[n as usize]
                             && self.create.touch(&view.particles[a], &view.particles[n as usize])
                     };
-                    let partners: Vec<u32> = view.neighbours.of(a).iter().copied().filter(near).collect();
+                    partners.clear();
+                    partners.extend(view.neighbours.of(a).iter().copied().filter(near));
                     let mut nodes = [u32::MAX; 4];
                     nodes[0] = a as u32;
-                    self.choose(view, &partners, &mut nodes, 1, found);
+                    self.choose(view, &partners, &mut nodes, 1, &mut |element: &[u32; 4]| {
+                        let there = view.find(&element[..=D]);
+                        if there.is_none_or(|e| dead.binary_search(&(e as u32)).is_ok()) {
+                            found.extend(self.sound(view, element));
+                        }
+                    });
                 }
             }
         });
@@ -147,33 +160,37 @@ impl LocalDelaunay {
         found
     }
 
-    /// Complete `nodes`, of which `chosen` are set, by partners in ascending order.
+    /// Complete `nodes`, of which `chosen` are set, by partners in ascending order that touch each other.
     fn choose<const D: usize>(
         &self,
         view: &View<'_, D>,
         partners: &[u32],
         nodes: &mut [u32; 4],
         chosen: usize,
-        found: &mut Vec<(f64, [u32; 4])>,
+        found: &mut impl FnMut(&[u32; 4]),
     ) {
         if chosen == D + 1 {
-            let mut element = *nodes;
-            orient(view.particles, &mut element[..=D]);
-            if self.create.flaw(view.particles, &element[..=D]).is_none()
-                && let Some(squared) = empty_sphere(view, &element[..=D])
-            {
-                found.push((squared, element));
-            }
-            return;
+            return found(nodes);
         }
         for (k, &n) in partners.iter().enumerate() {
             let touches =
                 |&m: &u32| self.create.touch(&view.particles[m as usize], &view.particles[n as usize]);
-            if nodes[..chosen].iter().all(touches) {
+            // All partners touch the first one.
+            if nodes[1..chosen].iter().all(touches) {
                 nodes[chosen] = n;
                 self.choose(view, &partners[k + 1..], nodes, chosen + 1, found);
             }
         }
+    }
+
+    /// Return an element, oriented, and the squared radius of its circumsphere, if that is empty and the element passes the limits.
+    fn sound<const D: usize>(&self, view: &View<'_, D>, nodes: &[u32; 4]) -> Option<(f64, [u32; 4])> {
+        let mut element = *nodes;
+        orient(view.particles, &mut element[..=D]);
+        if self.create.flaw(view.particles, &element[..=D]).is_some() {
+            return None;
+        }
+        Some((empty_sphere(view, &element[..=D])?, element))
     }
 }
 
@@ -252,7 +269,7 @@ impl<const D: usize> Tessellation<D> for LocalDelaunay {
                 open.to_mut()[n as usize] = true;
             }
         }
-        let candidates = self.candidates(view, &open);
+        let candidates = self.candidates(view, &open, &revision.dead);
         if candidates.is_empty() {
             return revision;
         }

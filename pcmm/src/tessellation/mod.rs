@@ -13,7 +13,7 @@ pub use fan::AzimuthFan;
 use crate::elements::Incidence;
 use crate::particles::Particle;
 use crate::search::Neighbours;
-use crate::simplex::{Corners, angles, distance_squared, measure};
+use crate::simplex::{Corners, Form, distance_squared, measure};
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
@@ -83,11 +83,12 @@ impl<const D: usize> View<'_, D> {
     }
     /// True if there is an element of these particles, in any order.
     pub fn has(&self, nodes: &[u32]) -> bool {
-        let wanted = sorted(nodes);
-        self.incidence
-            .of(nodes[0] as usize)
-            .iter()
-            .any(|&at| sorted(self.element(at as usize / (D + 1))) == wanted)
+        self.find(nodes).is_some()
+    }
+    /// Return the element of these particles, in any order.
+    pub fn find(&self, nodes: &[u32]) -> Option<usize> {
+        let of_first = self.incidence.of(nodes[0] as usize).iter().map(|&at| at as usize / (D + 1));
+        of_first.into_iter().find(|&e| nodes[1..].iter().all(|n| self.element(e).contains(n)))
     }
 }
 
@@ -215,23 +216,25 @@ impl Limits {
 
     /// True if two particles are in contact.
     pub fn touch<const D: usize>(&self, a: &Particle<D>, b: &Particle<D>) -> bool {
-        let range = a.radius + b.radius + self.tolerance;
-        distance_squared(&a.position, &b.position) <= range * range
+        distance_squared(&a.position, &b.position) <= self.range(a, b).powi(2)
+    }
+
+    /// Largest distance of two particles in contact, m.
+    fn range<const D: usize>(&self, a: &Particle<D>, b: &Particle<D>) -> f64 {
+        a.radius + b.radius + self.tolerance
     }
 
     /// Return the first condition that the element of the particles `nodes` fails, if any. An inverted element has a [`Flaw::SmallAngle`].
     pub fn flaw<const D: usize>(&self, particles: &[Particle<D>], nodes: &[u32]) -> Option<Flaw> {
-        let x = corners(particles, nodes);
-        self.flaw_of(particles, nodes, &x, angles(&x))
+        self.flaw_of(particles, nodes, &Form::of(&corners(particles, nodes)))
     }
 
-    /// Return the first failed condition, from the element's corners and angles.
+    /// Return the first failed condition, with the element's angles.
     fn flaw_of<const D: usize>(
         &self,
         particles: &[Particle<D>],
         nodes: &[u32],
-        x: &Corners<D>,
-        (small, large): (f64, f64),
+        form: &Form<D>,
     ) -> Option<Flaw> {
         let mean = nodes.iter().map(|&n| particles[n as usize].radius).sum::<f64>() / nodes.len() as f64;
         let shortest = (self.shortest_edge * mean).powi(2);
@@ -239,17 +242,18 @@ impl Limits {
         for (k, &a) in nodes.iter().enumerate() {
             for &b in &nodes[..k] {
                 let (a, b) = (&particles[a as usize], &particles[b as usize]);
-                if !self.touch(a, b) {
+                let squared = distance_squared(&a.position, &b.position);
+                if squared > self.range(a, b).powi(2) {
                     return Some(Flaw::Contact);
                 }
-                short |= distance_squared(&a.position, &b.position) < shortest;
+                short |= squared < shortest;
             }
         }
-        // The angles of a flat simplex are NaN.
-        if !(small <= self.cosine_small && measure(x) > 0.0) {
+        // A flat simplex has no angles.
+        if !(form.measure > 0.0 && form.none_above(self.cosine_small)) {
             return Some(Flaw::SmallAngle);
         }
-        if large < self.cosine_large {
+        if !form.none_below(self.cosine_large) {
             return Some(Flaw::LargeAngle);
         }
         short.then_some(Flaw::ShortEdge)
@@ -279,12 +283,11 @@ pub(crate) fn inspect<const D: usize>(view: &View<'_, D>, limits: &Limits, poor:
     let mut parts: Vec<Inspected> = (0..elements.div_ceil(CHUNK)).map(|_| none()).collect();
     view.team.each(&mut parts, |chunk, part| {
         for e in chunk * CHUNK..((chunk + 1) * CHUNK).min(elements) {
-            let x = view.corners(view.element(e));
-            let angles = angles(&x);
-            if angles.0.is_nan() || angles.0 > poor {
+            let form = Form::of(&view.corners(view.element(e)));
+            if !form.none_above(poor) {
                 part.poor.push(e as u32);
             }
-            if let Some(flaw) = limits.flaw_of(view.particles, view.element(e), &x, angles) {
+            if let Some(flaw) = limits.flaw_of(view.particles, view.element(e), &form) {
                 part.failing.dead.push(e as u32);
                 part.failing.flaws[flaw as usize] += 1;
             }
