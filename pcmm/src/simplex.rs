@@ -166,6 +166,11 @@ impl<const D: usize> Form<D> {
         }
         Form { measure, cosines }
     }
+    /// Cosine of the smallest angle of a simplex that has angles.
+    pub fn largest_cosine(&self) -> f64 {
+        let signed = self.cosines[..pairs(D)].iter().map(|[c, s]| c / s).fold(-1.0, f64::max);
+        signed.abs().sqrt().copysign(signed)
+    }
     /// True if no angle has a cosine above `cosine`; false for a simplex without angles.
     #[inline]
     pub fn none_above(&self, cosine: f64) -> bool {
@@ -183,24 +188,6 @@ impl<const D: usize> Form<D> {
 #[inline(always)]
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Cosines of the smallest and of the largest angle between facets: in two dimensions the inner angles, in three
-/// the dihedral ones. NaN for a flat simplex.
-pub fn angles<const D: usize>(x: &Corners<D>) -> (f64, f64) {
-    let Slopes { of, .. } = slopes(x);
-    let squares = of.map(|slope| dot(&slope, &slope));
-    let mut cosines = [0.0; 6];
-    for (cosine, &[a, b]) in cosines.iter_mut().zip(&PAIRS[..pairs(D)]) {
-        *cosine = -dot(&of[a], &of[b]) / (squares[a] * squares[b]).sqrt();
-    }
-    let cosines = &cosines[..pairs(D)];
-    if cosines.iter().any(|cosine| cosine.is_nan()) {
-        return (f64::NAN, f64::NAN);
-    }
-    cosines
-        .iter()
-        .fold((-1.0, 1.0), |(small, large), &cosine| (f64::max(small, cosine), f64::min(large, cosine)))
 }
 
 /// Squared distance.
@@ -323,6 +310,24 @@ mod tests {
     const UNIT: Corners<2> = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.0, 0.0]];
     const TET: Corners<3> = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+    /// Cosines of the smallest and of the largest angle between facets: in two dimensions the inner angles, in three
+    /// the dihedral ones. NaN for a flat simplex.
+    fn angles<const D: usize>(x: &Corners<D>) -> (f64, f64) {
+        let Slopes { of, .. } = slopes(x);
+        let squares = of.map(|slope| dot(&slope, &slope));
+        let mut cosines = [0.0; 6];
+        for (cosine, &[a, b]) in cosines.iter_mut().zip(&PAIRS[..pairs(D)]) {
+            *cosine = -dot(&of[a], &of[b]) / (squares[a] * squares[b]).sqrt();
+        }
+        let cosines = &cosines[..pairs(D)];
+        if cosines.iter().any(|cosine| cosine.is_nan()) {
+            return (f64::NAN, f64::NAN);
+        }
+        cosines
+            .iter()
+            .fold((-1.0, 1.0), |(small, large), &cosine| (f64::max(small, cosine), f64::min(large, cosine)))
+    }
+
     #[test]
     fn measures_and_angles() {
         assert_eq!(measure(&UNIT), 0.5);
@@ -350,6 +355,7 @@ mod tests {
                 x[..=D].iter_mut().flatten().for_each(|c| *c = next());
                 let (form, (small, large)) = (Form::of(&x), angles(&x));
                 assert!((form.measure - measure(&x)).abs() < 1e-15);
+                assert!((form.largest_cosine() - small).abs() < 1e-12);
                 for limit in [-0.9, -0.2, 0.0, 0.4, 0.95].map(|c: f64| c + 1e-3 * next()) {
                     assert_eq!(form.none_above(limit), small <= limit);
                     assert_eq!(form.none_below(limit), large >= limit);

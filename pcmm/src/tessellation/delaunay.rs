@@ -1,8 +1,7 @@
 //! Tessellation with single coverage.
 
 use super::{Inspected, Limits, Revision, Tessellation, View, corners, inspect, orient, sorted};
-use crate::particles::Particle;
-use crate::simplex::{Corners, angles, circumsphere, distance_squared, measure, overlap};
+use crate::simplex::{Corners, Form, circumsphere, distance_squared, measure, overlap};
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
@@ -75,9 +74,8 @@ impl LocalDelaunay {
 }
 
 /// Cosine of the smallest angle of a triangle; one for a triangle that is not positively oriented.
-fn cosine<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f64 {
-    let x = corners(particles, nodes);
-    if measure(&x) > 0.0 { angles(&x).0 } else { 1.0 }
+fn cosine<const D: usize>(form: &Form<D>) -> f64 {
+    if form.measure > 0.0 { form.largest_cosine() } else { 1.0 }
 }
 
 impl LocalDelaunay {
@@ -92,8 +90,11 @@ impl LocalDelaunay {
                 continue;
             }
             let element = view.element(e);
-            let cosine = |nodes: &[u32]| cosine(view.particles, nodes);
-            let own = cosine(element);
+            let form = |nodes: &[u32]| Form::of(&corners(view.particles, nodes));
+            let own = cosine(&form(element));
+            // The angle must grow by a factor.
+            let asked = |before: f64| (self.gain * before.acos()).cos();
+            let asked_of_own = asked(own);
             let mut best: Option<(f64, usize, [u32; 6])> = None;
             for k in 0..3 {
                 let Some((other, opposite)) = view.across(e, k) else { continue };
@@ -103,12 +104,22 @@ impl LocalDelaunay {
                 let (top, a, b) = (element[k], element[(k + 1) % 3], element[(k + 2) % 3]);
                 let foot = view.element(other)[opposite];
                 let pair = [top, a, foot, top, foot, b];
-                let before = own.max(cosine(view.element(other)));
-                let after = cosine(&pair[..3]).max(cosine(&pair[3..]));
+                let halves = [form(&pair[..3]), form(&pair[3..])];
+                if halves.iter().any(|half| half.measure <= 0.0) {
+                    continue;
+                }
+                let across = form(view.element(other));
+                let asked = if across.measure > 0.0 && across.none_above(own) {
+                    asked_of_own
+                } else {
+                    asked(own.max(cosine(&across)))
+                };
+                if !halves.iter().all(|half| half.none_above(asked)) {
+                    continue;
+                }
+                let after = cosine(&halves[0]).max(cosine(&halves[1]));
                 let sound = |nodes: &[u32]| self.keep.flaw(view.particles, nodes).is_none();
-                let better = after < before
-                    && best.is_none_or(|(least, ..)| after < least)
-                    && after.acos() > self.gain * before.acos();
+                let better = best.is_none_or(|(least, ..)| after < least);
                 if better && sound(&pair[..3]) && sound(&pair[3..]) {
                     best = Some((after, other, pair));
                 }
