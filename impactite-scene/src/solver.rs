@@ -90,6 +90,11 @@ pub trait Solver: Any + Send {
     fn contact_points(&self) -> Vec<ContactPoint> {
         Vec::new()
     }
+    /// Wall-clock times, s, of stages of the steps so far; the time of the remaining stages, nodes and conditions in the material point
+    /// method, is that of the steps without these. Empty if the method does not measure them.
+    fn stage_seconds(&self) -> Vec<(&'static str, f64)> {
+        Vec::new()
+    }
     /// Limit of the next time step, if the method knows it.
     fn limited_by(&self) -> Option<StepLimit> {
         None

@@ -1,5 +1,6 @@
 //! Whole commands: the program with the scene files of the repository, including all output.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
@@ -39,6 +40,8 @@ struct Ran {
     wall: f64,
     start: f64,
     steps: f64,
+    /// Times of stages of the steps, by name, s.
+    stages: BTreeMap<String, f64>,
     /// Number of point updates.
     updates: f64,
     /// Final number of points.
@@ -78,7 +81,17 @@ fn run(
     let record: serde_json::Value = serde_json::from_str(&record).unwrap_or_default();
     let start = record["timing"]["setup"].as_f64().unwrap_or(f64::NAN);
     let updates = number("particle_updates_per_second")? * steps;
-    Ok(Ran { wall, start, steps, updates, points: number("particles")?, bytes: number("peak_memory_bytes")? })
+    let stages: Vec<(String, f64)> =
+        serde_json::from_value(record["timing"]["stages"].clone()).unwrap_or_default();
+    Ok(Ran {
+        wall,
+        start,
+        steps,
+        stages: stages.into_iter().collect(),
+        updates,
+        points: number("particles")?,
+        bytes: number("peak_memory_bytes")?,
+    })
 }
 
 /// List the scene files by name.
@@ -107,7 +120,7 @@ pub fn cost(
         return Ok(None);
     };
     let folder = std::env::temp_dir().join(format!("impactite-runs-{}", std::process::id()));
-    let (mut rows, mut all) = (Vec::new(), [[0.0; 2]; 4]);
+    let (mut rows, mut of_stages, mut all) = (Vec::new(), Vec::new(), [[0.0; 2]; 4]);
     for scene in scenes()? {
         let name = scene.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         for threads in [1, 2] {
@@ -135,6 +148,7 @@ pub fn cost(
                     sum[threads - 1] += spread.map_or(0.0, |s| s.median);
                 }
             }
+            of_stages.extend(shares(&name, threads, now));
             rows.push([
                 name.clone(),
                 format!("{:.0} x {:.0}", now.first().points, now.first().updates / now.first().points),
@@ -185,10 +199,27 @@ pub fn cost(
     Ok(Some(format!(
         "## Whole commands\n\n`impactite run` on the scene files of `scenes/` with default options: pictures, frames, histories and page are made. Seconds of the \
          whole command and of its steps; medians with least and most of rounds in alternation with the program of an earlier commit. With two threads pictures are \
-         drawn and frames written by one of them while the run goes on.\n\n{}\n\n{}",
+         drawn and frames written by one of them while the run goes on.\n\n{}\n\nShares of the stages of steps of the material point method, in the same runs:\n\n{}\n\n{}",
         table(title, &rows),
+        table(["scene", "threads", "steps, s", "particles", "contact", "arrangement", "nodes and conditions"], &of_stages),
         of_threads
     )))
+}
+
+/// Return the row of a scene in the table of stages, if its method measures them.
+fn shares(name: &str, threads: usize, runs: &Sample<Ran>) -> Option<[String; 7]> {
+    let share = |stage: &str| {
+        let of = |run: &Ran| run.stages.get(stage).copied().unwrap_or(0.0) / run.steps;
+        runs.spread(of).median
+    };
+    let steps = runs.spread(|run| run.steps).median;
+    let [particles, contact, arrangement] = ["particles", "contact", "arrangement"].map(share);
+    let rest = 1.0 - particles - contact - arrangement;
+    (!runs.first().stages.is_empty()).then(|| {
+        let texts = [particles, contact, arrangement, rest].map(|share| format!("{share:.2}"));
+        let [particles, contact, arrangement, rest] = texts;
+        [name.into(), threads.to_string(), format!("{steps:.2}"), particles, contact, arrangement, rest]
+    })
 }
 
 /// Measure steps on one and two threads without pictures and frames.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use super::chart::{Chart, Charts};
 use super::parts::{bars, bytes, duration, quantity};
 use crate::number::significant;
-use crate::record::{Column, Record};
+use crate::record::{Column, Record, Timing};
 
 pub(super) fn timing(record: &Record, all: &mut Charts) -> Option<Markup> {
     let timing = &record.timing;
@@ -16,6 +16,7 @@ pub(super) fn timing(record: &Record, all: &mut Charts) -> Option<Markup> {
     ];
     let rows: Vec<(String, f64, String)> =
         parts.into_iter().filter_map(|(name, s)| s.map(|s| (name.to_string(), s, duration(s)))).collect();
+    let of_stages = stages(timing);
     if rows.is_empty() {
         return None;
     }
@@ -43,10 +44,19 @@ pub(super) fn timing(record: &Record, all: &mut Charts) -> Option<Markup> {
     });
     Some(html! {
         (bars(&rows))
+        @if !of_stages.is_empty() { p { "Stages of the steps:" } (bars(&of_stages)) }
         br;
         div.wide { table { @for (name, value) in &facts { tr { td { (name) } td.number { (value) } } } } }
         @if let Some(rate) = &rate { br; (rate) }
     })
+}
+
+/// Return the times of the stages of the steps, the remaining ones included.
+fn stages(timing: &Timing) -> Vec<(String, f64, String)> {
+    let Some(steps) = timing.stepping.filter(|_| !timing.stages.is_empty()) else { return Vec::new() };
+    let rest = steps - timing.stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
+    let rest = ("nodes and conditions".to_string(), rest.max(0.0));
+    timing.stages.iter().chain([&rest]).map(|(name, s)| (name.clone(), *s, duration(*s))).collect()
 }
 
 pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {

@@ -215,6 +215,8 @@ impl Record {
             });
         }
         self.timing.bytes = Some(solver.bytes());
+        self.timing.stages =
+            solver.stage_seconds().into_iter().map(|(name, seconds)| (name.into(), seconds)).collect();
         self
     }
 

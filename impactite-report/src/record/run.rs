@@ -92,7 +92,7 @@ pub enum Progress {
 }
 
 /// Wall-clock times, s. `None` was not measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct Timing {
     /// Number of steps.
@@ -106,6 +106,9 @@ pub struct Timing {
     /// Time before the first step.
     #[serde(default, with = "maybe")]
     pub setup: Option<f64>,
+    /// Times of stages of the steps, by name, if the method measures them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<(String, f64)>,
     /// Number of point updates.
     pub updates: f64,
     /// Memory of bodies and scratch, bytes.

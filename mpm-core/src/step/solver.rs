@@ -6,7 +6,7 @@ use impactite_scene::boundaries::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
-use super::bodies::body::{BodyTrouble, GridBody, Steps, Which};
+use super::bodies::body::{BodyTrouble, Steps, Which};
 use super::bodies::load::Loading;
 use super::contact::ContactPhase;
 use super::mpm::Mpm;
@@ -16,11 +16,12 @@ use super::nodes::layout::Nodes;
 use super::nodes::stages::{GridStages, StageOf};
 use super::rigid;
 use super::rigid::motion::{RigidState, Wrong};
+use super::stepper::each_body;
 
 use crate::dim::BLOCK;
 use crate::grid::OutsideGrid;
 use impactite_scene::boundary::Boundary;
-use impactite_simd::{Float, Team};
+use impactite_simd::Float;
 
 /// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii), and the same for blocks
 /// arranged with a look-ahead.
@@ -177,7 +178,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         each_body(team, &mut self.scene.bodies, changes, |body, changed| {
             *changed = body.locate(last, prune, team);
         });
-        self.stepper.at_particles += clock.elapsed();
+        self.stepper.spent.particles += clock.elapsed();
         let changed = self.end_regrid() || self.stepper.changed.contains(&true);
         if changed || self.grid.fields_changed(&mut self.scene, prune) {
             self.grid.ahead =
@@ -192,7 +193,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn apply_contact(&mut self, phase: ContactPhase, dt: T) {
         let contact = &*self.scene.contact;
         if contact.separates() && (phase == ContactPhase::Trial || contact.corrects_strain()) {
-            let of = self.stage_of(dt);
+            let (clock, of) = (Instant::now(), self.stage_of(dt));
             let (mut stage, state) = self.grid.stage(&self.scene, &self.team, of);
             let acts = phase == ContactPhase::Trial;
             let mut planes = if acts { stage.plane_touches(&self.scene.rigid) } else { Vec::new() };
@@ -200,6 +201,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             if acts {
                 self.stepper.plane_pushes = rigid::planes::pushes(&planes);
             }
+            self.stepper.spent.contact += clock.elapsed();
         }
     }
 
@@ -400,7 +402,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         each_body(team, &mut self.scene.bodies, &mut self.stepper.passed, |body, passed| {
             *passed = body.pass(which, nodes, dt, team);
         });
-        self.stepper.at_particles += clock.elapsed();
+        self.stepper.spent.particles += clock.elapsed();
         let (mut rate, mut fastest) = (T::default(), 0);
         for (b, passed) in self.stepper.passed.iter_mut().enumerate() {
             match std::mem::replace(passed, Ok(T::default())) {
@@ -518,8 +520,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Arrange the node blocks that the particles reach, and link the bodies to them.
     pub(super) fn arrange(&mut self) -> Result<(), OutsideGrid> {
-        let planes = self.at_planes();
-        self.grid.arrange(&mut self.scene, &self.team, self.clock.steps, planes)
+        let (clock, planes) = (Instant::now(), self.at_planes());
+        let arranged = self.grid.arrange(&mut self.scene, &self.team, self.clock.steps, planes);
+        self.stepper.spent.arrangement += clock.elapsed();
+        arranged
     }
 
     pub(super) fn arrange_planes(&mut self) {
@@ -574,25 +578,5 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(super) fn stopped(&self, what: Stopped) -> StepError {
         self.clock.stopped(what)
-    }
-}
-
-/// Run `task` on every body and its entry of `found`: bodies in parallel where that keeps all threads busy, else one
-/// after the other, each on all threads.
-fn each_body<T: Float, const D: usize, X: Send>(
-    team: &Team,
-    bodies: &mut [Box<dyn GridBody<T, D>>],
-    found: &mut [X],
-    task: impl Fn(&mut dyn GridBody<T, D>, &mut X) + Send + Sync,
-) {
-    let threads = team.threads();
-    let beside = threads > 1 && bodies.len() >= 2 * threads && {
-        let points = || bodies.iter().map(|body| body.len());
-        points().max().unwrap_or_default() * threads <= points().sum()
-    };
-    if beside {
-        team.each_piece(bodies, 1, found, |_, body, found| task(&mut *body[0], found));
-    } else {
-        bodies.iter_mut().zip(found).for_each(|(body, found)| task(&mut **body, found));
     }
 }

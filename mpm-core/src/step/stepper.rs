@@ -2,15 +2,26 @@
 
 use std::time::Duration;
 
-use super::bodies::body::BodyTrouble;
+use super::bodies::body::{BodyTrouble, GridBody};
 use super::bodies::load::Loading;
 use super::rigid::planes::PlanePush;
 use impactite_scene::TimeControl;
-use impactite_simd::Float;
+use impactite_simd::{Float, Team};
 
 /// Iterations for the affine velocity field of particles at the start of a run. Each gathers the field from the nodes
 /// and reduces the remaining error by more than half.
 const REFITS: usize = 8;
+
+/// Wall-clock times of stages so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spent {
+    /// Passes over particles, and sorting them into bins.
+    pub(super) particles: Duration,
+    /// Contact between bodies at nodes.
+    pub(super) contact: Duration,
+    /// Arrangement of blocks.
+    pub(super) arrangement: Duration,
+}
 
 /// Time step, and results of the passes over particles.
 pub(super) struct Stepper<T, const D: usize> {
@@ -34,8 +45,7 @@ pub(super) struct Stepper<T, const D: usize> {
     pub(super) changed: Vec<bool>,
     /// Impulses of planes on free rigid bodies in this step.
     pub(super) plane_pushes: Vec<PlanePush<D>>,
-    /// Wall-clock time spent at particles so far.
-    pub(super) at_particles: Duration,
+    pub(super) spent: Spent,
 }
 
 impl<T: Float, const D: usize> Stepper<T, D> {
@@ -53,7 +63,27 @@ impl<T: Float, const D: usize> Stepper<T, D> {
             passed: Vec::new(),
             changed: Vec::new(),
             plane_pushes: Vec::new(),
-            at_particles: Duration::ZERO,
+            spent: Spent::default(),
         }
+    }
+}
+
+/// Run `task` on every body and its entry of `found`: bodies in parallel where that keeps all threads busy, else one
+/// after the other, each on all threads.
+pub(super) fn each_body<T: Float, const D: usize, X: Send>(
+    team: &Team,
+    bodies: &mut [Box<dyn GridBody<T, D>>],
+    found: &mut [X],
+    task: impl Fn(&mut dyn GridBody<T, D>, &mut X) + Send + Sync,
+) {
+    let threads = team.threads();
+    let beside = threads > 1 && bodies.len() >= 2 * threads && {
+        let points = || bodies.iter().map(|body| body.len());
+        points().max().unwrap_or_default() * threads <= points().sum()
+    };
+    if beside {
+        team.each_piece(bodies, 1, found, |_, body, found| task(&mut *body[0], found));
+    } else {
+        bodies.iter_mut().zip(found).for_each(|(body, found)| task(&mut **body, found));
     }
 }

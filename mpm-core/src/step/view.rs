@@ -10,6 +10,7 @@ use super::bodies::body::GridBody;
 use super::contact::ContactAlgorithm;
 use super::mpm::Mpm;
 use super::passes::kernels::Facts;
+use super::stepper::Spent;
 use crate::grid::GridStorage;
 use impactite_simd::{Float, Team};
 
@@ -33,12 +34,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// True if the time has reached `end`, s, up to the rounding of either. False for an end that is not a number.
     pub fn reached(&self, end: f64) -> bool {
         self.clock.reached(end)
-    }
-
-    /// Wall-clock time, s, that steps spent at particles so far: in passes over them and in sorting them into bins.
-    /// The remaining time of a step is that of the grid and contact.
-    pub fn particle_seconds(&self) -> f64 {
-        self.stepper.at_particles.as_secs_f64()
     }
 
     /// Simulated time, s.
@@ -127,6 +122,11 @@ impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     }
     fn clock_mut(&mut self) -> &mut Clock {
         &mut self.clock
+    }
+    fn stage_seconds(&self) -> Vec<(&'static str, f64)> {
+        let Spent { particles, contact, arrangement } = self.stepper.spent;
+        let stages = [("particles", particles), ("contact", contact), ("arrangement", arrangement)];
+        stages.map(|(name, spent)| (name, spent.as_secs_f64())).into()
     }
     fn limited_by(&self) -> Option<StepLimit> {
         Some(self.step_limit())

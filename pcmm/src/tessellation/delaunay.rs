@@ -92,9 +92,6 @@ impl LocalDelaunay {
             let element = view.element(e);
             let form = |nodes: &[u32]| Form::of(&corners(view.particles, nodes));
             let own = cosine(&form(element));
-            // The angle must grow by a factor.
-            let asked = |before: f64| (self.gain * before.acos()).cos();
-            let asked_of_own = asked(own);
             let mut best: Option<(f64, usize, [u32; 6])> = None;
             for k in 0..3 {
                 let Some((other, opposite)) = view.across(e, k) else { continue };
@@ -109,12 +106,14 @@ impl LocalDelaunay {
                     continue;
                 }
                 let across = form(view.element(other));
-                let asked = if across.measure > 0.0 && across.none_above(own) {
-                    asked_of_own
+                let before = if across.measure > 0.0 && across.none_above(own) {
+                    own
                 } else {
-                    asked(own.max(cosine(&across)))
+                    own.max(cosine(&across))
                 };
-                if !halves.iter().all(|half| half.none_above(asked)) {
+                let all_below = |cosine: f64| halves.iter().all(|half| half.none_above(cosine));
+                // The angle must grow by a factor: most do not grow at all.
+                if !all_below(before) || !all_below((self.gain * before.acos()).cos()) {
                     continue;
                 }
                 let after = cosine(&halves[0]).max(cosine(&halves[1]));
