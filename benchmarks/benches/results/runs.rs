@@ -201,7 +201,10 @@ pub fn cost(
          whole command and of its steps; medians with least and most of rounds in alternation with the program of an earlier commit. With two threads pictures are \
          drawn and frames written by one of them while the run goes on.\n\n{}\n\nShares of the stages of steps of the material point method, in the same runs:\n\n{}\n\n{}",
         table(title, &rows),
-        table(["scene", "threads", "steps, s", "particles", "contact", "arrangement", "nodes and conditions"], &of_stages),
+        table(
+            ["scene", "threads", "steps, s", "particles", "contact", "arrangement", "nodes and conditions"],
+            &of_stages
+        ),
         of_threads
     )))
 }

@@ -325,7 +325,7 @@ impl<const D: usize> Levels<D> {
         &self.refined
     }
     /// True if a block of a level is refined.
-    fn is_refined(&self, level: usize, block: &[i32; D]) -> bool {
+    pub(crate) fn is_refined(&self, level: usize, block: &[i32; D]) -> bool {
         self.refined.get(level).is_some_and(|blocks| blocks.binary_search(block).is_ok())
     }
     /// Return the change of level of a particle that enters a block of a level, if any.

@@ -4,16 +4,49 @@
 //! at its end the particles of these blocks leave for the smaller ones, as those do that enter a refined region. Cells are
 //! not enlarged again: particles keep their size. Decisions depend on the particles alone, in the order of bodies and blocks.
 
+use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
 use super::criteria::{Adaptive, Criterion, OccupiedBlock, RegridView};
 use super::mpm::Mpm;
 use super::nodes::layout::numbers;
-use crate::dim::{BLOCK, centre};
+use crate::dim::{BLOCK, centre, neighbours, offset, shifted};
 use crate::grid::levels::{Levels, MOST_LEVELS, unpack_block};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_simd::Float;
+
+/// Block of a level.
+type BlockAt<const D: usize> = (usize, [i32; D]);
+
+/// Return the blocks to refine with the empty ones around them and around the small cells that are there. At a free surface the nodes
+/// are then those of the small cells, instead of dependent ones.
+fn with_void<const D: usize>(
+    levels: &Levels<D>,
+    mut wanted: BTreeSet<BlockAt<D>>,
+    occupied: &HashSet<BlockAt<D>>,
+) -> BTreeSet<BlockAt<D>> {
+    let around = |block: [i32; D]| (0..neighbours(D)).map(move |n| shifted(&block, &offset(n)));
+    let halved = |block: [i32; D]| block.map(|b| b.div_euclid(2));
+    let of_wanted = wanted.iter().flat_map(|&(level, block)| around(block).map(move |at| (level, at)));
+    let of_small = occupied.iter().filter(|(level, _)| *level > 0);
+    let of_small = of_small.flat_map(|&(level, block)| around(block).map(move |at| (level - 1, halved(at))));
+    let empty: BTreeSet<BlockAt<D>> = of_wanted
+        .chain(of_small)
+        .filter(|at| !occupied.contains(at) && !levels.is_refined(at.0, &at.1) && !wanted.contains(at))
+        .collect();
+    // The coarser blocks around a refined one are refined, too: only those without particles are for free.
+    let free = |&(level, block): &BlockAt<D>| {
+        level == 0
+            || around(block).map(halved).all(|coarser| {
+                let at = (level - 1, coarser);
+                levels.is_refined(at.0, &at.1) || wanted.contains(&at) || !occupied.contains(&at)
+            })
+    };
+    let free: Vec<BlockAt<D>> = empty.into_iter().filter(free).collect();
+    wanted.extend(free);
+    wanted
+}
 
 /// Number of steps between two decisions.
 const EVERY: u64 = 10;
@@ -51,7 +84,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let Some(adaptive) = &self.adaptive else { return Ok(()) };
         let due = adaptive.again || self.clock.steps.is_multiple_of(EVERY);
         let Some(levels) = self.grid.fields.levels().filter(|_| due) else { return Ok(()) };
-        let offset = centre(self.facts().nodes) - 0.5;
+        let beside = centre(self.facts().nodes) - 0.5;
         let mut blocks = Vec::new();
         for (body, particles) in self.scene.bodies.iter().enumerate() {
             particles.presence().each_block(&mut |at, occupied| {
@@ -68,7 +101,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     }
                 }
                 let face = |d: usize, layer: usize| {
-                    origin[d] + h * (f64::from(BLOCK as i32 * block[d] + layer as i32) + offset)
+                    origin[d] + h * (f64::from(BLOCK as i32 * block[d] + layer as i32) + beside)
                 };
                 let (low, high) = (
                     std::array::from_fn(|d| face(d, ends[d][0])),
@@ -103,7 +136,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             .iter()
             .zip(marked)
             .filter(|(block, marked)| *marked && block.halvings < adaptive.halvings);
-        let next = levels.refined_also(chosen.map(|(block, _)| unpack_block(&block.at)));
+        let occupied = view.blocks.iter().map(|block| unpack_block(&block.at)).collect();
+        let wanted = with_void(levels, chosen.map(|(block, _)| unpack_block(&block.at)).collect(), &occupied);
+        let next = levels.refined_also(wanted.into_iter());
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         adaptive.again = next.is_some();
         if next.is_some() {

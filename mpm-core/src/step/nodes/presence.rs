@@ -274,13 +274,12 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             return;
         }
         let centre = self.bin_centre();
-        // Particles extend beyond their bins by their size, and by their motion in the step, of less than half a cell.
-        let margin = self.lattice.spacing();
+        // Particles extend beyond their bins by their size, and by their motion in the step, of less than half a cell: by less than a cell.
         let box_of = |first: &[i32; D], cells: i32| {
             let (lattice, first) = self.lattices.of_node(first);
             let (h, origin) = (lattice.spacing(), lattice.origin());
-            let low = std::array::from_fn(|d| origin[d] + h * (f64::from(first[d]) + centre - 0.5) - margin);
-            let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells) + 2.0 * margin);
+            let low = std::array::from_fn(|d| origin[d] + h * (f64::from(first[d]) + centre - 1.5));
+            let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells + 2));
             (low, high)
         };
         let size_of = |numbers: &[T], level: usize, radius: f64| {
