@@ -13,6 +13,7 @@
 //! nothing that identifies a block by its coordinates knows of levels.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use impactite_geometry::{Lattice, Seeds};
 
@@ -179,7 +180,7 @@ pub struct Levels<const D: usize> {
     /// Refined blocks of each level but the finest, in its lattice, sorted.
     refined: Vec<Vec<[i32; D]>>,
     /// Dependent nodes of each level that its particles can reach, by block.
-    borders: Vec<HashMap<[i32; D], Border<D>>>,
+    borders: Vec<HashMap<[i32; D], Arc<Border<D>>>>,
 }
 
 /// Dependent nodes of a block and their parents.
@@ -221,8 +222,16 @@ impl<const D: usize> Levels<D> {
     pub(crate) fn new(
         base: Lattice<D>,
         (halving, nodes): (Halving, usize),
-        mut refined: Vec<Vec<[i32; D]>>,
+        refined: Vec<Vec<[i32; D]>>,
     ) -> Self {
+        let lattices = Lattices::several(base, offset_of_levels(halving));
+        let nodes = nodes as i32;
+        let one = Levels { lattices, halving, nodes, refined: Vec::new(), borders: vec![HashMap::new()] };
+        one.grown(refined)
+    }
+
+    /// Return the levels with these refined blocks, the present ones among them, extended as in [`Levels::new`].
+    fn grown(&self, mut refined: Vec<Vec<[i32; D]>>) -> Self {
         for level in (0..refined.len()).rev() {
             refined[level].sort_unstable();
             refined[level].dedup();
@@ -239,46 +248,48 @@ impl<const D: usize> Levels<D> {
         while refined.last().is_some_and(Vec::is_empty) {
             refined.pop();
         }
-        let lattices = Lattices::several(base, offset_of_levels(halving));
-        let mut levels =
-            Levels { lattices, halving, nodes: nodes as i32, refined, borders: vec![HashMap::new()] };
+        let mut levels = Levels { refined, borders: self.borders.clone(), ..*self };
+        levels.borders.resize_with(levels.count(), HashMap::new);
         for level in 1..levels.count() {
-            levels.borders.push(levels.find_borders(level));
+            let known = self.refined.get(level - 1).map_or(&[][..], Vec::as_slice);
+            levels.update_borders(level, known);
         }
         levels
     }
 
-    /// Find the dependent nodes of a level in and around its blocks.
-    fn find_borders(&self, level: usize) -> HashMap<[i32; D], Border<D>> {
-        let mut found = HashMap::new();
-        for refined in &self.refined[level - 1] {
-            let within = |n: usize| self.is_refined(level - 1, &shifted(refined, &offset(n)));
-            if (0..neighbours(D)).all(within) {
-                continue;
-            }
-            for n in 0..4usize.pow(D as u32) {
+    /// Find the dependent nodes of a level in and around those refined blocks that are not `known`.
+    fn update_borders(&mut self, level: usize, known: &[[i32; D]]) {
+        let added = self.refined[level - 1].iter().filter(|block| known.binary_search(block).is_err());
+        // Blocks from whose bins particles reach the nodes of others.
+        let around = added.flat_map(|refined| {
+            (0..4usize.pow(D as u32)).map(move |n| {
                 let mut rest = n;
-                let block: [i32; D] = std::array::from_fn(|d| {
+                std::array::from_fn(|d| {
                     let at = 2 * refined[d] - 1 + (rest % 4) as i32;
                     rest /= 4;
                     at
-                });
-                found.entry(block).or_insert_with(|| self.border(level, &block));
+                })
+            })
+        });
+        let mut around: Vec<[i32; D]> = around.collect();
+        around.sort_unstable();
+        around.dedup();
+        for block in around {
+            let border = self.border(level, &block);
+            if border.nodes == 0 {
+                self.borders[level].remove(&block);
+            } else {
+                self.borders[level].insert(block, Arc::new(border));
             }
         }
-        found.retain(|_, border| border.nodes != 0);
-        found
     }
 
     /// Return the dependent nodes of a block of a level, and their parents.
     fn border(&self, level: usize, block: &[i32; D]) -> Border<D> {
         let mut border = Border { nodes: 0, blocks: Vec::new(), ends: Vec::new(), parents: Vec::new() };
-        for n in 0..block_nodes(D) {
+        border.nodes = self.nodes_beyond(level, block);
+        for n in (0..block_nodes(D)).filter(|n| border.nodes >> n & 1 != 0) {
             let node = node_of(block, n);
-            if !self.support_leaves(level, &node) {
-                continue;
-            }
-            border.nodes |= 1 << n;
             self.parents(&node, &mut |parent| {
                 let (at, within) = block_of(&parent.node);
                 let at = pack(level - 1, at);
@@ -309,7 +320,7 @@ impl<const D: usize> Levels<D> {
             refined[level].push(block);
             any = true;
         }
-        any.then(|| self.with_refined(refined))
+        any.then(|| self.grown(refined))
     }
 
     /// Lattices of the levels.
@@ -354,7 +365,7 @@ impl<const D: usize> Levels<D> {
     }
     /// Return the dependent nodes of a block of a level with their parents, if there are any.
     pub(crate) fn border_at(&self, level: usize, block: &[i32; D]) -> Option<&Border<D>> {
-        self.borders.get(level)?.get(block)
+        self.borders.get(level)?.get(block).map(|border| &**border)
     }
     /// Return the dependent nodes of a block of a level, one bit each.
     pub(crate) fn dependent(&self, level: usize, block: &[i32; D]) -> u64 {
@@ -365,15 +376,35 @@ impl<const D: usize> Levels<D> {
         let (block, within) = block_of(node);
         self.dependent(level, &block) >> within & 1 != 0
     }
-    /// Return true if the support of a node of a level is not within the refined blocks of the coarser level.
-    fn support_leaves(&self, level: usize, node: &[i32; D]) -> bool {
-        // Bins from which particles reach the node.
-        let last = node.map(|j| j - first_node(self.nodes as usize));
-        let blocks = last.map(|b| [b - self.nodes + 1, b].map(|bin| bin.div_euclid(2 * BLOCK as i32)));
-        (0..1 << D).any(|corner: usize| {
-            let block = std::array::from_fn(|d| blocks[d][corner >> d & 1]);
-            !self.is_refined(level - 1, &block)
-        })
+    /// Return the nodes of a block of a level whose support is not within the refined blocks of the coarser level, one bit each.
+    fn nodes_beyond(&self, level: usize, block: &[i32; D]) -> u64 {
+        // Refined blocks around that of this block, which contain the supports of its nodes.
+        let middle = block.map(|b| b.div_euclid(2));
+        let refined = (0..neighbours(D))
+            .filter(|&n| self.is_refined(level - 1, &shifted(&middle, &offset(n))))
+            .fold(0u32, |refined, n| refined | 1 << n);
+        if refined.count_ones() as usize == neighbours(D) {
+            return 0;
+        }
+        // The two ends of the support of a node along an axis, by its place in the block: 0, 1, 2 for the blocks around.
+        let ends = |d: usize, within: usize| {
+            let node = BLOCK as i32 * block[d] + within as i32;
+            let last = node - first_node(self.nodes as usize);
+            [last - self.nodes + 1, last].map(|bin| bin.div_euclid(2 * BLOCK as i32) - middle[d] + 1)
+        };
+        let ends: [[[i32; 2]; BLOCK]; D] =
+            std::array::from_fn(|d| std::array::from_fn(|within| ends(d, within)));
+        let leaves = |n: &usize| {
+            (0..1 << D).any(|corner: usize| {
+                let (mut at, mut stride, mut rest) = (0, 1, *n);
+                for (d, ends) in ends.iter().enumerate() {
+                    at += ends[rest % BLOCK][corner >> d & 1] * stride;
+                    (stride, rest) = (3 * stride, rest / BLOCK);
+                }
+                refined >> at & 1 == 0
+            })
+        };
+        (0..block_nodes(D)).filter(leaves).fold(0, |nodes, n| nodes | 1 << n)
     }
     /// Return the bins of a block of a level from which particles reach a dependent node, one bit each.
     pub(crate) fn bins_at_border(&self, level: usize, block: &[i32; D]) -> u64 {

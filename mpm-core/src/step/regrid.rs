@@ -137,11 +137,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             .zip(marked)
             .filter(|(block, marked)| *marked && block.halvings < adaptive.halvings);
         let occupied = view.blocks.iter().map(|block| unpack_block(&block.at)).collect();
-        let wanted = with_void(levels, chosen.map(|(block, _)| unpack_block(&block.at)).collect(), &occupied);
+        let chosen: BTreeSet<BlockAt<D>> = chosen.map(|(block, _)| unpack_block(&block.at)).collect();
+        let divides = !chosen.is_empty();
+        let wanted = with_void(levels, chosen, &occupied);
         let next = levels.refined_also(wanted.into_iter());
         let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
-        adaptive.again = next.is_some();
-        if next.is_some() {
+        // Criteria may ask for still smaller cells at once.
+        adaptive.again = divides;
+        if divides {
             // Waves cross smaller cells in less time.
             self.stepper.rate *= T::of(2.0);
         }
