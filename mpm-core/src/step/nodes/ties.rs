@@ -36,11 +36,36 @@ struct Tie<T> {
 #[derive(Clone, Copy, Debug)]
 struct Parent<T> {
     node: u32,
-    /// Index of the parent among the dependent nodes, or [`FREE`].
-    tie: u32,
     weight: T,
     /// Position relative to the dependent node, in its cells.
     offset: [T; 3],
+}
+
+/// Node on which others depend.
+#[derive(Clone, Debug)]
+struct Heir<T> {
+    node: u32,
+    /// Its index among the dependent nodes, or [`FREE`].
+    tie: u32,
+    /// Start and end of its children.
+    children: [u32; 2],
+    /// Records of the node, and the affine part of its momentum, with those of its children.
+    records: [[T; 4]; 2],
+    affine: [[T; 4]; 3],
+}
+
+/// Child of a node: dependent node by its index, and its index among the parents of that.
+#[derive(Clone, Copy, Debug)]
+struct Child {
+    tie: u32,
+    parent: u32,
+}
+
+/// Dependent nodes of a level, and the nodes on which they depend.
+#[derive(Clone, Copy, Debug)]
+struct LevelEnds {
+    ties: usize,
+    heirs: usize,
 }
 
 /// Dependent nodes of a grid, those of the finest level first.
@@ -48,13 +73,58 @@ struct Parent<T> {
 pub struct Ties<T> {
     ties: Vec<Tie<T>>,
     parents: Vec<Parent<T>>,
-    /// End of the dependent nodes of each level.
-    ends: Vec<usize>,
+    /// Parents of each level, once each, with their children in order.
+    heirs: Vec<Heir<T>>,
+    children: Vec<Child>,
+    ends: Vec<LevelEnds>,
+    /// Index of each node among the parents of a level, in an arrangement.
+    heir_at: Vec<u32>,
 }
 
 impl<T> Default for Ties<T> {
     fn default() -> Self {
-        Ties { ties: Vec::new(), parents: Vec::new(), ends: Vec::new() }
+        let (ties, parents, heirs) = (Vec::new(), Vec::new(), Vec::new());
+        Ties { ties, parents, heirs, children: Vec::new(), ends: Vec::new(), heir_at: Vec::new() }
+    }
+}
+
+impl<T: Float> Heir<T> {
+    /// Sum the records of the node and of its children, and the affine part of the momentum if it is mapped.
+    fn gather<const D: usize>(
+        &mut self,
+        (ties, parents, children): (&[Tie<T>], &[Parent<T>], &[Child]),
+        nodes: &[Node<T>],
+        (sums, affine): (NodeSums, bool),
+    ) {
+        let node = &nodes[self.node as usize];
+        let (mut one, mut two) = (node.first, node.second);
+        let mut own = ties.get(self.tie as usize).map_or([[T::default(); 4]; 3], |tie| tie.affine);
+        for child in &children[self.children[0] as usize..self.children[1] as usize] {
+            let (tie, parent) = (&ties[child.tie as usize], &parents[child.parent as usize]);
+            let from = &nodes[tie.node as usize];
+            for c in 0..4 {
+                if sums == NodeSums::All {
+                    one[c] += parent.weight * from.first[c];
+                }
+                two[c] += parent.weight * from.second[c];
+            }
+            if !affine {
+                continue;
+            }
+            let momentum = if sums == NodeSums::All { &mut one } else { &mut two };
+            for d in 0..D {
+                for c in 1..4 {
+                    momentum[c] += parent.weight * tie.affine[d][c] * parent.offset[d];
+                }
+            }
+            if self.tie != FREE {
+                // Cells of the parent are twice as wide.
+                for d in 0..D {
+                    (1..4).for_each(|c| own[d][c] += T::of(2.0) * parent.weight * tie.affine[d][c]);
+                }
+            }
+        }
+        (self.records, self.affine) = ([one, two], own);
     }
 }
 
@@ -64,6 +134,8 @@ impl<T: Float> Ties<T> {
         self.ties.clear();
         self.parents.clear();
         self.ends.clear();
+        self.heirs.clear();
+        self.children.clear();
         let Some(levels) = fields.levels() else { return };
         let layout = fields.layout();
         for level in (1..levels.count()).rev() {
@@ -90,7 +162,7 @@ impl<T: Float> Ties<T> {
                         let mut offset = [T::default(); 3];
                         (0..D).for_each(|d| offset[d] = T::of(parent.offset[d]));
                         let weight = T::of(parent.weight);
-                        self.parents.push(Parent { node: place as u32, tie: FREE, weight, offset });
+                        self.parents.push(Parent { node: place as u32, weight, offset });
                     }
                     self.ties.push(Tie {
                         node: place as u32,
@@ -101,20 +173,60 @@ impl<T: Float> Ties<T> {
                     });
                 }
             }
-            self.ends.push(self.ties.len());
+            let first = self.ends.last().map_or(0, |ends| ends.ties);
+            self.arrange_heirs(first);
+            self.ends.push(LevelEnds { ties: self.ties.len(), heirs: self.heirs.len() });
         }
         // Parents on the coarsest level depend on no others.
         if levels.count() < 3 {
             return;
         }
-        let mut places: Vec<(u32, u32)> =
-            self.ties.iter().enumerate().map(|(k, t)| (t.node, k as u32)).collect();
+        let places = self.ties.iter().enumerate().map(|(k, tie)| (tie.node, k as u32));
+        let mut places: Vec<(u32, u32)> = places.collect();
         places.sort_unstable();
-        for parent in &mut self.parents {
-            if let Ok(at) = places.binary_search_by_key(&parent.node, |entry| entry.0) {
-                parent.tie = places[at].1;
+        for heir in &mut self.heirs {
+            if let Ok(at) = places.binary_search_by_key(&heir.node, |entry| entry.0) {
+                heir.tie = places[at].1;
             }
         }
+    }
+
+    /// List the parents of the dependent nodes of a level, which begin at `first`, with their children in the order of these.
+    fn arrange_heirs(&mut self, first: usize) {
+        let Ties { ties, parents, heirs, children, heir_at, .. } = self;
+        let (first_heir, first_child) = (heirs.len(), children.len());
+        let of_ties = || {
+            ties[first..].iter().enumerate().flat_map(|(k, tie)| {
+                (tie.parents[0]..tie.parents[1]).map(move |parent| Child { tie: (first + k) as u32, parent })
+            })
+        };
+        for child in of_ties() {
+            let node = parents[child.parent as usize].node;
+            if heir_at.len() <= node as usize {
+                heir_at.resize(node as usize + 1, FREE);
+            }
+            let at = &mut heir_at[node as usize];
+            if *at == FREE {
+                *at = heirs.len() as u32;
+                let (records, affine) = ([[T::default(); 4]; 2], [[T::default(); 4]; 3]);
+                heirs.push(Heir { node, tie: FREE, children: [0; 2], records, affine });
+            }
+            heirs[*at as usize].children[1] += 1;
+        }
+        let mut end = first_child as u32;
+        for heir in &mut heirs[first_heir..] {
+            let count = heir.children[1];
+            heir.children = [end; 2];
+            end += count;
+        }
+        children.resize(end as usize, Child { tie: FREE, parent: FREE });
+        for child in of_ties() {
+            let node = parents[child.parent as usize].node;
+            let [_, next] = &mut heirs[heir_at[node as usize] as usize].children;
+            children[*next as usize] = child;
+            *next += 1;
+        }
+        heirs[first_heir..].iter().for_each(|heir| heir_at[heir.node as usize] = FREE);
     }
 
     /// True if no node depends on others.
@@ -141,45 +253,37 @@ impl<T: Float> Ties<T> {
                 }
             });
         }
-        for k in 0..self.ties.len() {
-            let Tie { node, parents: [first, end], affine: own, .. } = self.ties[k];
-            let from = &mut nodes[node as usize];
-            let second = std::mem::take(&mut from.second);
-            let record = match sums {
-                NodeSums::All => std::mem::take(&mut from.first),
-                _ => [T::default(); 4],
-            };
-            for parent in &self.parents[first as usize..end as usize] {
-                let to = &mut nodes[parent.node as usize];
-                for c in 0..4 {
-                    to.first[c] += parent.weight * record[c];
-                    to.second[c] += parent.weight * second[c];
+        let (mut first, mut first_heir) = (0, 0);
+        for level in 0..self.ends.len() {
+            let LevelEnds { ties: end, heirs } = self.ends[level];
+            let (ties, parents, children, known) = (&self.ties, &self.parents, &self.children, &*nodes);
+            team.each(&mut self.heirs[first_heir..heirs], |_, heir| {
+                heir.gather::<D>((ties, parents, children), known, (sums, affine));
+            });
+            for tie in &self.ties[first..end] {
+                let node = &mut nodes[tie.node as usize];
+                if sums == NodeSums::All {
+                    node.first = [T::default(); 4];
                 }
-                if !affine {
-                    continue;
-                }
-                let momentum = if sums == NodeSums::All { &mut to.first } else { &mut to.second };
-                for d in 0..D {
-                    for c in 1..4 {
-                        momentum[c] += parent.weight * own[d][c] * parent.offset[d];
-                    }
-                }
-                if let Some(tie) = self.ties.get_mut(parent.tie as usize) {
-                    // Cells of the parent are twice as wide.
-                    for d in 0..D {
-                        (1..4).for_each(|c| tie.affine[d][c] += T::of(2.0) * parent.weight * own[d][c]);
-                    }
+                node.second = [T::default(); 4];
+            }
+            for heir in &self.heirs[first_heir..heirs] {
+                let node = &mut nodes[heir.node as usize];
+                [node.first, node.second] = heir.records;
+                if let Some(tie) = self.ties.get_mut(heir.tie as usize).filter(|_| affine) {
+                    tie.affine = heir.affine;
                 }
             }
+            (first, first_heir) = (end, heirs);
         }
     }
 
     /// Set the vectors of dependent nodes from those of their parents, those of coarser levels first.
     pub(in crate::step) fn extend(&mut self, nodes: &mut [Node<T>], team: &Team) {
-        let Ties { ties, parents, ends } = self;
+        let Ties { ties, parents, ends, .. } = self;
         for level in (0..ends.len()).rev() {
-            let start = level.checked_sub(1).map_or(0, |finer| ends[finer]);
-            let ties = &mut ties[start..ends[level]];
+            let start = level.checked_sub(1).map_or(0, |finer| ends[finer].ties);
+            let ties = &mut ties[start..ends[level].ties];
             let known = &*nodes;
             team.each(ties, |_, tie| {
                 let (mut one, mut two) = ([T::default(); 4], [T::default(); 4]);
@@ -201,6 +305,10 @@ impl<T: Float> Ties<T> {
 
     /// Allocated memory, bytes.
     pub(super) fn bytes(&self) -> usize {
-        self.ties.capacity() * size_of::<Tie<T>>() + self.parents.capacity() * size_of::<Parent<T>>()
+        self.ties.capacity() * size_of::<Tie<T>>()
+            + self.parents.capacity() * size_of::<Parent<T>>()
+            + self.heirs.capacity() * size_of::<Heir<T>>()
+            + self.children.capacity() * size_of::<Child>()
+            + self.heir_at.capacity() * size_of::<u32>()
     }
 }

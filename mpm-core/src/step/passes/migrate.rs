@@ -352,8 +352,8 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_
 /// Tile of a block, its rows that contain sums, and the affine part of the momentum at the border of a level.
 pub(in crate::step) type Sums<'a, T> = (&'a mut [[T; 4]], &'a mut u64, &'a mut [[T; 4]]);
 
-/// Add the affine part of the momentum of particles at these offsets from the centre of their bin to the nodes of their
-/// stencil, whose first node is at `corner` of the tile.
+/// Add the affine part of the momentum of particles at these offsets from the centre of their bin, at most [`MAX_LANES`], to the nodes of
+/// their stencil, whose first node is at `corner` of the tile.
 #[cold]
 #[inline(never)]
 pub(in crate::step) fn spread_affine<T: Float, S: ShapeFunction<T, D>, const D: usize>(
@@ -363,19 +363,45 @@ pub(in crate::step) fn spread_affine<T: Float, S: ShapeFunction<T, D>, const D: 
     records: &Records<T>,
     affine: &mut [[T; 4]],
 ) {
-    let domain = [T::Single::of(0.5); MOST_NUMBERS];
-    let count = S::Extent::NODES;
-    for (lane, xi) in xi.iter().enumerate() {
-        let [x, y, z] = along_axes(shape, &xi.map(T::Single::from), &domain);
+    T::dispatch(SpreadAffine { shape, xi, corner, records, affine });
+}
+
+/// Kernel of [`spread_affine`].
+struct SpreadAffine<'a, T: Float, S, const D: usize> {
+    shape: &'a S,
+    xi: &'a [[T; 3]],
+    corner: usize,
+    records: &'a Records<T>,
+    affine: &'a mut [[T; 4]],
+}
+
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for SpreadAffine<'_, T, S, D> {
+    const VECTORS: Vectors = Vectors::Avx2;
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let SpreadAffine { shape, xi, corner, records, affine } = self;
+        let domain = [T::Single::of(0.5); MOST_NUMBERS];
+        let mut along = [[crate::shape::Weights::<T::Single, S::Extent>::zero(); 3]; MAX_LANES];
+        for (along, xi) in along.iter_mut().zip(xi) {
+            *along = along_axes(shape, &xi.map(T::Single::from), &domain);
+        }
+        let (along, count) = (&along[..xi.len().min(MAX_LANES)], S::Extent::NODES);
         for n in 0..count * count * S::Extent::LAYERS {
             let (i, j, k) = (n % count, n / count % count, n / (count * count));
-            let xy = x.value[i] * y.value[j];
-            let weight: T = (if D == 3 { xy * z.value[k] } else { xy }).into();
             let node = corner + (k * S::Extent::TILE + j) * S::Extent::TILE + i;
-            for (sum, d) in affine[D * node..][..D].iter_mut().zip(0..) {
-                let own = &records[AFFINE + d][lane];
-                (0..4).for_each(|c| sum[c] += weight * own[c]);
+            let to = &mut affine[D * node..][..D];
+            let mut sums = [A::Quad::zero(); 3];
+            (0..D).for_each(|d| sums[d] = A::Quad::load(&to[d]));
+            for (lane, [x, y, z]) in along.iter().enumerate() {
+                let xy = x.value[i] * y.value[j];
+                let weight = A::Quad::splat((if D == 3 { xy * z.value[k] } else { xy }).into());
+                for d in 0..D {
+                    sums[d] = sums[d] + weight * A::Quad::load(&records[AFFINE + d][lane]);
+                }
             }
+            (0..D).for_each(|d| sums[d].store(&mut to[d]));
         }
     }
 }
