@@ -49,10 +49,10 @@ fn with_void<const D: usize>(
 }
 
 /// Number of steps between two decisions.
-const EVERY: u64 = 10;
+const EVERY: u64 = 20;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Halve the cells of blocks that a criterion marks, at most `halvings` times, decided every ten steps while the scene
+    /// Halve the cells of blocks that a criterion marks, at most `halvings` times, decided every twenty steps while the scene
     /// runs. Particles are divided with their cells; cells are not enlarged again. Regions of [`Mpm::refine`], set before,
     /// remain.
     ///
