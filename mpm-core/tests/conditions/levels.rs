@@ -228,6 +228,71 @@ fn cells_become_smaller_near_a_wall() {
     assert_eq!(plain.exchange(), other.exchange());
 }
 
+/// Velocity and energies of a block after its bounce off a wall, m/s and J/m.
+fn bounced(mut mpm: Mpm<2>) -> [f64; 3] {
+    mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 }).unwrap();
+    let seeds = fill_box(&mpm, [0.0, 0.1], [0.8, 0.5]);
+    mpm.add("block", law(), &seeds, |_| [0.3, -1.0]).unwrap();
+    mpm.run_until(0.1 + 5.0 * 0.4 / longitudinal()).unwrap();
+    let totals = mpm.bodies()[0].totals();
+    [totals.momentum[1] / totals.mass, totals.kinetic, totals.internal]
+}
+
+/// A body that is refined as a whole has the surface of small cells: it bounces as on equal ones, whose nodes are at the same places.
+#[test]
+fn a_body_of_small_cells_alone_has_their_surface() {
+    let mut adaptive = scene(&[]);
+    adaptive.refine_where(vec![Box::new(NearContact::default())], 1).unwrap();
+    let small = Lattice::new([-0.25 * H; 2], 0.5 * H).unwrap();
+    let equal = bounced(Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(small)));
+    let [coarse, found] = [scene(&[]), adaptive].map(bounced);
+    assert!(equal[0] > 0.5, "{equal:?}");
+    for (n, scale) in [equal[0], equal[1], equal[1]].into_iter().enumerate() {
+        let [one, other] = [found[n], coarse[n]].map(|x| (x - equal[n]).abs() / scale);
+        assert!(one < 0.005 && one < 0.3 * other, "{n}: {found:?} for {equal:?}, {coarse:?} on large cells");
+    }
+}
+
+/// Return the error of the standing wave of a bar between planes of symmetry after 0.9 periods, over its amplitude, with `cells` on its
+/// length, the middle third of them halved if asked.
+fn standing_wave(cells: f64, halved: bool) -> f64 {
+    let (length, c) = (12.0 * H, longitudinal());
+    let h = length / cells;
+    let lattice = Lattice::new([0.0; 2], h).unwrap();
+    let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+    if halved {
+        let middle = Cuboid::new([length / 3.0, -1.0], [2.0 * length / 3.0, 2.0]).unwrap();
+        mpm.refine(&[Refinement::new(middle, 1)]).unwrap();
+    }
+    for (axis, at, side) in
+        [(1, 0.0, Side::Above), (1, 4.0 * h, Side::Below), (0, 0.0, Side::Above), (0, length, Side::Below)]
+    {
+        mpm.bound(Boundary::Symmetry { axis, at, side }).unwrap();
+    }
+    let seeds = fill_box(&mpm, [0.0, 0.0], [length, 4.0 * h]);
+    let (k, v) = (2.0 * std::f64::consts::PI / length, 1e-6 * c);
+    mpm.add("bar", law(), &seeds, |x| [v * (k * x[0]).sin(), 0.0]).unwrap();
+    let end = 0.9 * length / c;
+    mpm.run_until(end).unwrap();
+    let (mut error, mut mass) = (0.0, 0.0);
+    mpm.bodies()[0].for_each(&mut |p| {
+        let exact = v * (k * p.position[0]).sin() * (k * c * end).cos();
+        error += p.mass * (p.velocity[0] - exact).powi(2);
+        mass += 0.5 * p.mass * v * v;
+    });
+    (error / mass).sqrt()
+}
+
+/// Borders keep the order of convergence: the error stays in proportion to that of small cells everywhere.
+#[test]
+fn a_standing_wave_converges_across_borders() {
+    for cells in [24.0, 48.0, 96.0] {
+        let [large, halved, small] =
+            [(cells, false), (cells, true), (2.0 * cells, false)].map(|(n, halved)| standing_wave(n, halved));
+        assert!(halved < 1.6 * small && halved < large, "{cells}: {large:e}, {halved:e}, {small:e}");
+    }
+}
+
 /// A criterion of one's own: cells to the right of a place.
 struct Right(f64);
 impl Criterion<f64, 2> for Right {
