@@ -333,6 +333,7 @@ impl Job {
         }
         if ended.is_ok() {
             crate::inertia::report(scene, solver);
+            crate::cells::report(solver);
         }
         if let Err(RunError::Interrupted { time, .. }) = &ended {
             tracing::warn!(
@@ -429,6 +430,10 @@ impl Job {
             .bodies_of(solver);
         for (name, number) in scene.known.numbers() {
             record = record.setting(name, number, scene.known.unit(name));
+        }
+        let cells = solver.points_by_cell();
+        for (size, points) in cells.iter().filter(|_| cells.len() > 1) {
+            record = record.setting(format!("points on cells of {size:.3e} m"), points, "");
         }
         record
     }

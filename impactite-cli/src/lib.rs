@@ -1,5 +1,6 @@
 //! Library of the program `impactite`: run a scene file in a folder, resume it, sweep over its keys, refine it.
 
+mod cells;
 pub mod converge;
 pub mod error;
 pub mod folder;

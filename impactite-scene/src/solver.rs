@@ -95,6 +95,11 @@ pub trait Solver: Any + Send {
     fn stage_seconds(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
     }
+    /// Sizes of the cells, m, from the largest to the smallest that the scene may have, each with the number of points there. Empty for
+    /// methods without cells.
+    fn points_by_cell(&self) -> Vec<(f64, usize)> {
+        Vec::new()
+    }
     /// Limit of the next time step, if the method knows it.
     fn limited_by(&self) -> Option<StepLimit> {
         None
@@ -229,6 +234,6 @@ pub(crate) fn archive_body<S: Solver + ?Sized>(
 }
 
 /// Header of checkpoints.
-pub(crate) const TITLE: &str = "impactite checkpoint 13";
+pub(crate) const TITLE: &str = "impactite checkpoint 14";
 /// Header of checkpoints of runs with a preface.
-pub(crate) const PREFACED: &str = "impactite checkpoint 13 with a preface";
+pub(crate) const PREFACED: &str = "impactite checkpoint 14 with a preface";

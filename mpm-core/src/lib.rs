@@ -94,5 +94,5 @@ pub use step::{
     NewParticles, NodeWeight, Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepView,
     SurfaceClient, Surroundings, Taken, Traction, TrialNode, TrialNodes, Twist,
 };
-pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove};
+pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove, WithBody};
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -1,5 +1,6 @@
 //! Scenes of the material point method, with bodies of finite elements among the particles.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use impactite::contact::{
@@ -11,8 +12,8 @@ use impactite::geometry::Lattice;
 use impactite::materials::ParameterError;
 use impactite::materials::material::Material;
 use impactite::mpm::{
-    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene,
-    NearContact, OneField, Refinement, Rigid, Splitting, Traction, Twist,
+    BlockGrid, Boundary, ContactAlgorithm, Criterion, DenseGrid, FieldForce, GridContact, Merging,
+    Mpm as Scene, NearContact, OneField, Refinement, Rigid, Splitting, StateAbove, Traction, Twist, WithBody,
 };
 use impactite::scene::Solver;
 
@@ -91,6 +92,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
         add_elements(embedding, world, &mut mpm, (name, body), options)?;
     }
+    check_states(&mpm, options)?;
     // Check bodies behind planes here, since the errors contain the key.
     placement::check_planes(world, &mpm)?;
     for (key, boundary) in others {
@@ -133,15 +135,43 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     Ok(Box::new(mpm))
 }
 
-/// Refine the cells in regions.
+/// Refine the cells in regions and by criteria.
 fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mpm) -> Made<()> {
-    let mut regions = Vec::new();
+    let (mut regions, mut criteria) = (Vec::new(), Vec::new());
     for (key, refine) in options.refine.keyed("method.mpm.refine") {
-        let region = world.region(&format!("{key}.region"), &refine.region)?;
-        regions.push(Refinement { region, halvings: refine.halvings as usize });
+        let halvings = refine.halvings as usize;
+        let criterion: Box<dyn Criterion<f64, D>> = match (&refine.region, &refine.moves_with, &refine.state)
+        {
+            (Some(region), None, None) => {
+                let region = world.region(&format!("{key}.region"), region)?;
+                regions.push(Refinement { region, halvings });
+                continue;
+            }
+            (Some(region), Some(body), None) => {
+                let bodies = &world.scene.expanded;
+                if !bodies.contains_key(body) {
+                    let names: Vec<&str> = bodies.keys().map(String::as_str).collect();
+                    let message = format!("there is no body `{body}`; the bodies are {}", names.join(", "));
+                    return wrong(format!("{key}.moves_with"), message);
+                }
+                let region = world.region(&format!("{key}.region"), region)?;
+                Box::new(WithBody { region, body: body.clone() })
+            }
+            (None, None, Some(state)) => {
+                Box::new(StateAbove { state: state.name.clone(), least: state.least })
+            }
+            _ => {
+                let message = "must have either a `region`, which may have `moves_with`, or a `state`";
+                return wrong(key, message.to_string());
+            }
+        };
+        criteria.push((key, criterion, halvings));
     }
     if !regions.is_empty() {
         mpm.refine(&regions).at("method.mpm.refine")?;
+    }
+    for (key, criterion, halvings) in criteria {
+        mpm.refine_where(vec![criterion], halvings).at(key)?;
     }
     let Some(fine) = options.cell.fine else { return Ok(()) };
     let key = "method.mpm.cell.fine";
@@ -154,6 +184,30 @@ fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mp
     // Sizes that are meant to be a power of two apart may differ by rounding.
     let halvings = (halvings - 1e-9).ceil() as usize;
     mpm.refine_where(vec![Box::new(NearContact::default())], halvings).at(key)
+}
+
+/// Check that a law of the scene has the state variables that smaller cells depend on.
+fn check_states<const D: usize>(mpm: &Scene<D>, options: &Mpm) -> Made<()> {
+    for (key, refine) in options.refine.keyed("method.mpm.refine") {
+        let Some(state) = &refine.state else { continue };
+        let known: BTreeSet<String> = mpm.bodies().iter().flat_map(|body| body.state_names()).collect();
+        if !known.contains(&state.name) {
+            let known: Vec<String> = known.into_iter().collect();
+            let message = format!(
+                "no law of the scene has the state variable `{}`; they have {}",
+                state.name,
+                known.join(", ")
+            );
+            return wrong(format!("{key}.state.name"), message);
+        }
+        if !state.least.is_finite() {
+            return wrong(
+                format!("{key}.state.least"),
+                format!("{} is not allowed; it must be finite", state.least),
+            );
+        }
+    }
+    Ok(())
 }
 
 /// Create the contact detector of a key.

@@ -64,7 +64,8 @@ parts! {
         #[serde(default)]
         #[schemars(example = ("0.5 mm", 0))]
         origin: Option<Vector<Length>>,
-        /// Regions with smaller cells: one, or a list. For B-splines with `apic` or `aflip`, as `for = "impact"` has them.
+        /// Smaller cells in regions, or where a state variable has reached a value: one, or a list. For B-splines with `apic` or `aflip`,
+        /// as `for = "impact"` has them.
         #[serde(default)]
         refine: Several<Refine>,
         /// Storage of the grid.
@@ -83,14 +84,32 @@ parts! {
         #[schemars(example = 10)]
         null_space_filter: Option<u64>,
     }
-    /// A region with smaller cells, at rest. Particles in it are smaller, too; one that enters it is divided.
+    /// Smaller cells in a `region` or by `state`. Particles in them are smaller, too; one that enters them is divided.
     Refine {
-        /// Region: the blocks of four cells an axis that it touches are refined.
-        region: Shape,
+        /// Region: the blocks of four cells an axis that it touches are refined. At rest, and there from the start, unless it `moves_with` a
+        /// body.
+        #[serde(default)]
+        region: Option<Shape>,
+        /// Body whose centre of mass the region follows; its place is that at the start. Cells that it has left remain small.
+        #[serde(default)]
+        #[schemars(example = &"rod")]
+        moves_with: Option<String>,
+        /// Instead of a region: where a state variable of the law has reached a value, decided while the scene runs.
+        #[serde(default)]
+        state: Option<StateFrom>,
         /// Number of halvings of the cells.
         #[serde(default = "once")]
         #[schemars(example = 2, extend("minimum" = 1, "maximum" = 7))]
         halvings: u32,
+    }
+    /// State variable, and the value from which cells become smaller.
+    StateFrom {
+        /// Name of the state variable, as `plastic_strain` or `damage` (`impactite list materials`).
+        #[schemars(example = &"plastic_strain")]
+        name: String,
+        /// Least value, in SI units.
+        #[schemars(example = 0.05)]
+        least: f64,
     }
     /// Edges of the largest and the smallest cells. Halved cells are for B-splines with `apic` or `aflip`, as `for = "impact"` has them.
     CellRange {

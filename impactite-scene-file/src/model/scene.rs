@@ -182,7 +182,11 @@ impl SceneFile {
             body.traction.0.iter_mut().flat_map(|load| &mut load.region).for_each(|r| r.resolve(&mut bodies));
         }
         if let Method::Mpm(mpm) = &mut self.method {
-            mpm.refine.0.iter_mut().for_each(|refine| refine.region.resolve(&mut bodies));
+            mpm.refine
+                .0
+                .iter_mut()
+                .flat_map(|r| &mut r.region)
+                .for_each(|region| region.resolve(&mut bodies));
         }
         for condition in &mut self.conditions {
             if let Condition::Prescribed(prescribed) = condition {

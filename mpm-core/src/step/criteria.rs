@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use super::bodies::body::GridBody;
 use super::nodes::at_wall::Plane;
+use super::refine::touches;
 use crate::grid::Levels;
+use impactite_geometry::Shape;
 use impactite_scene::boundary::Boundary;
 use impactite_simd::{Float, Team};
 
@@ -31,6 +33,8 @@ pub struct RegridView<'a, T: Float, const D: usize> {
     pub(super) bodies: &'a [Box<dyn GridBody<T, D>>],
     pub(super) boundaries: &'a [Boundary<D>],
     pub(super) blocks: Vec<OccupiedBlock<D>>,
+    /// Centres of mass of the bodies at the first decision, m.
+    pub(super) starts: &'a [[f64; D]],
     pub(super) team: &'a Team,
     /// Time, s.
     pub time: f64,
@@ -44,6 +48,15 @@ impl<T: Float, const D: usize> RegridView<'_, T, D> {
     /// Boundary conditions.
     pub fn boundaries(&self) -> &[Boundary<D>] {
         self.boundaries
+    }
+    /// Return the index of a body by its name.
+    pub fn body_named(&self, name: &str) -> Option<usize> {
+        self.bodies.iter().position(|body| body.name() == name)
+    }
+    /// Return the displacement of the centre of mass of a body since the first decision, at the start of the run, m.
+    pub fn displacement(&self, body: usize) -> [f64; D] {
+        let (now, start) = (centre_of(&*self.bodies[body]), self.starts.get(body));
+        std::array::from_fn(|d| start.map_or(0.0, |start| now[d] - start[d]))
     }
     /// Return true if the law of a body has a state variable of this name.
     pub fn has_state(&self, state: &str) -> bool {
@@ -135,6 +148,51 @@ impl<T: Float, const D: usize> Criterion<T, D> for NearContact {
     }
 }
 
+/// Return the centre of mass of a body, m.
+pub(super) fn centre_of<T: Float, const D: usize>(body: &dyn GridBody<T, D>) -> [f64; D] {
+    let (mut mass, mut sum) = (0.0, [0.0; D]);
+    body.for_each(&mut |p| {
+        mass += p.mass;
+        (0..D).for_each(|d| sum[d] += p.mass * p.position[d]);
+    });
+    sum.map(|sum| if mass > 0.0 { sum / mass } else { 0.0 })
+}
+
+/// Smaller cells in a region that moves with a body.
+#[derive(Clone)]
+pub struct WithBody<const D: usize> {
+    /// Region at the start of the run.
+    pub region: Arc<dyn Shape<D>>,
+    /// Name of the body whose centre of mass the region follows.
+    pub body: String,
+}
+
+impl<const D: usize> WithBody<D> {
+    /// Halve cells in a region, given at its place at the start of the run, that follows the centre of mass of a body.
+    pub fn new(region: impl Shape<D> + 'static, body: impl Into<String>) -> Self {
+        WithBody { region: Arc::new(region), body: body.into() }
+    }
+}
+
+impl<T: Float, const D: usize> Criterion<T, D> for WithBody<D> {
+    fn mark(&self, view: &RegridView<'_, T, D>, marked: &mut [bool]) {
+        let Some(body) = view.body_named(&self.body) else { return };
+        let by = view.displacement(body);
+        for (block, marked) in view.blocks().iter().zip(marked) {
+            let [low, high] = [&block.low, &block.high].map(|x| std::array::from_fn(|d| x[d] - by[d]));
+            *marked = *marked || touches(&*self.region, &low, &high);
+        }
+    }
+    fn check(&self, view: &RegridView<'_, T, D>) -> Result<(), &'static str> {
+        let known = view.body_named(&self.body);
+        known.map(|_| ()).ok_or("the scene has no body of this name")
+    }
+    fn describe(&self) -> String {
+        let bounds = self.region.bounds();
+        format!("region of {:?} to {:?} with {}", bounds.min, bounds.max, self.body)
+    }
+}
+
 /// Smaller cells where a state variable of the law, as the plastic strain or the damage, has reached a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateAbove {
@@ -165,10 +223,21 @@ impl<T: Float, const D: usize> Criterion<T, D> for StateAbove {
 
 /// Adaptive refinement of a scene.
 pub(super) struct Adaptive<T: Float, const D: usize> {
-    pub(super) criteria: Vec<Box<dyn Criterion<T, D>>>,
-    pub(super) halvings: usize,
-    /// True if the last decision changed the cells, so that the next step decides again.
+    /// Criteria, each with its number of halvings; none with regions alone, around which empty blocks are refined once.
+    pub(super) criteria: Vec<(Box<dyn Criterion<T, D>>, usize)>,
+    /// Refined blocks of regions, for checkpoints.
+    pub(super) regions: String,
+    /// Centres of mass of the bodies at the first decision, m.
+    pub(super) starts: Vec<[f64; D]>,
+    /// True before the first decision, and if the last one halved cells with particles: the next step decides again.
     pub(super) again: bool,
     /// Levels from the next pass on.
     pub(super) pending: Option<Arc<Levels<D>>>,
+}
+
+impl<T: Float, const D: usize> Adaptive<T, D> {
+    /// Create it for a scene with these refined blocks of regions.
+    pub(super) fn new(regions: String) -> Self {
+        Adaptive { criteria: Vec::new(), regions, starts: Vec::new(), again: true, pending: None }
+    }
 }

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::criteria::Adaptive;
 use super::mpm::Mpm;
 use crate::dim::{BLOCK, centre};
 use crate::grid::levels::{FURTHEST_BLOCK, Lattices, MOST_LEVELS, offset_of_levels};
@@ -36,7 +37,8 @@ impl<const D: usize> Refinement<D> {
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Use smaller cells in regions: blocks of four cells an axis that a region touches, and around regions of several halvings
-    /// a block of each size between. The regions are at rest. Particles are seeded by [`Mpm::fill`]; a particle that enters
+    /// a block of each size between; at the start, empty blocks around bodies in a region, too, so that their surfaces have nodes of
+    /// the small cells. The regions are at rest. Particles are seeded by [`Mpm::fill`]; a particle that enters
     /// smaller cells is divided in two along every axis, one that leaves them keeps its size.
     ///
     /// Available for B-splines with an affine transfer ([`Apic`](crate::Apic), [`Aflip`](crate::Aflip)), which reproduce a
@@ -85,6 +87,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let refined = refined.into_iter().map(|blocks| blocks.into_iter().collect()).collect();
         let levels = Levels::new(*self.grid.lattice(), (halving, facts.nodes), refined);
         if levels.count() > 1 {
+            self.adaptive = Some(Adaptive::new(format!("{:?}", levels.refined())));
             self.grid.fields.set_levels(Arc::new(levels));
         }
         Ok(())
@@ -159,6 +162,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.sizes_of(self.grid.fields.levels().map_or(1, |levels| levels.count()))
     }
 
+    /// Sizes of the cells, m, from the largest to the smallest that criteria may ask for, each with the number of particles there.
+    pub fn points_by_cell(&self) -> Vec<(f64, usize)> {
+        let sizes = self.all_cell_sizes();
+        let mut counts = vec![0; sizes.len()];
+        self.scene.bodies.iter().for_each(|body| body.presence().count_by_level(&mut counts));
+        sizes.into_iter().zip(counts).collect()
+    }
+
     /// Sizes of the cells, m, those included that criteria may ask for.
     pub(in crate::step) fn all_cell_sizes(&self) -> Vec<f64> {
         let now = self.grid.fields.levels().map_or(1, |levels| levels.count());
@@ -217,6 +228,23 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 }
 
+/// Return true if a region contains one of the samples within a cuboid: one that ends at its face does not touch it.
+pub(super) fn touches<const D: usize>(region: &dyn Shape<D>, low: &[f64; D], high: &[f64; D]) -> bool {
+    let bounds = region.bounds();
+    if (0..D).any(|d| bounds.min[d] > high[d] || bounds.max[d] < low[d]) {
+        return false;
+    }
+    (0..SAMPLES.pow(D as u32)).any(|n| {
+        let mut rest = n;
+        let x = std::array::from_fn(|d| {
+            let share = ((rest % SAMPLES) as f64 + 0.5) / SAMPLES as f64;
+            rest /= SAMPLES;
+            low[d] + share * (high[d] - low[d])
+        });
+        region.contains(x)
+    })
+}
+
 /// Return the blocks of bins of a level that a region touches.
 fn blocks_of<const D: usize>(
     region: &dyn Shape<D>,
@@ -248,16 +276,8 @@ fn blocks_of<const D: usize>(
         return Err(SceneError::Refinement { field: "region", value: all, allowed });
     }
     let touches = |block: &[i32; D]| {
-        (0..SAMPLES.pow(D as u32)).any(|n| {
-            let mut rest = n;
-            let x = std::array::from_fn(|d| {
-                // Samples lie within the block: a region that ends at its face does not touch it.
-                let share = ((rest % SAMPLES) as f64 + 0.5) / SAMPLES as f64;
-                rest /= SAMPLES;
-                corner[d] + size * (f64::from(block[d]) + share)
-            });
-            region.contains(x)
-        })
+        let low: [f64; D] = std::array::from_fn(|d| corner[d] + size * f64::from(block[d]));
+        touches(region, &low, &low.map(|x| x + size))
     };
     let blocks = (0..count.iter().product()).map(|n: usize| {
         let mut rest = n;

@@ -7,7 +7,7 @@
 use std::collections::{BTreeSet, HashSet};
 use std::sync::Arc;
 
-use super::criteria::{Adaptive, Criterion, OccupiedBlock, RegridView};
+use super::criteria::{Adaptive, Criterion, OccupiedBlock, RegridView, centre_of};
 use super::mpm::Mpm;
 use super::nodes::layout::numbers;
 use crate::dim::{BLOCK, centre, neighbours, offset, shifted};
@@ -53,8 +53,8 @@ const EVERY: u64 = 20;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Halve the cells of blocks that a criterion marks, at most `halvings` times, decided every twenty steps while the scene
-    /// runs. Particles are divided with their cells; cells are not enlarged again. Regions of [`Mpm::refine`], set before,
-    /// remain.
+    /// runs. Particles are divided with their cells; cells are not enlarged again. Criteria of earlier calls, with their halvings, and
+    /// regions of [`Mpm::refine`], set before, remain.
     ///
     /// # Errors
     /// Errors of [`Mpm::refine`].
@@ -72,7 +72,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let levels = Levels::new(*self.grid.lattice(), (halving, self.facts().nodes), Vec::new());
             self.grid.fields.set_levels(Arc::new(levels));
         }
-        self.adaptive = Some(Adaptive { criteria, halvings, again: true, pending: None });
+        let adaptive = self.adaptive.get_or_insert_with(|| Adaptive::new(String::new()));
+        adaptive.criteria.extend(criteria.into_iter().map(|criterion| (criterion, halvings)));
         Ok(())
     }
 
@@ -81,8 +82,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # Errors
     /// A criterion whose parameters do not fit the scene.
     pub(super) fn plan_regrid(&mut self) -> Result<(), StepError> {
+        let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
+        let due = adaptive.again || !adaptive.criteria.is_empty() && self.clock.steps.is_multiple_of(EVERY);
+        if due && adaptive.starts.is_empty() {
+            adaptive.starts = self.scene.bodies.iter().map(|body| centre_of(&**body)).collect();
+        }
         let Some(adaptive) = &self.adaptive else { return Ok(()) };
-        let due = adaptive.again || self.clock.steps.is_multiple_of(EVERY);
         let Some(levels) = self.grid.fields.levels().filter(|_| due) else { return Ok(()) };
         let beside = centre(self.facts().nodes) - 0.5;
         let mut blocks = Vec::new();
@@ -111,16 +116,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             });
         }
         blocks.sort_by_key(|block| (block.body, block.at));
-        let mut marked = vec![false; blocks.len()];
+        let first = self.clock.steps == 0;
         let view = RegridView {
             bodies: &self.scene.bodies,
             boundaries: &self.scene.conditions.boundaries,
             blocks,
+            starts: &adaptive.starts,
             team: &self.team,
             time: self.clock.time,
         };
-        for criterion in &adaptive.criteria {
-            if self.clock.steps == 0 {
+        let (mut chosen, mut marked) = (BTreeSet::new(), Vec::new());
+        for (criterion, halvings) in &adaptive.criteria {
+            if first {
                 let checked = criterion.check(&view);
                 let refused = |why| {
                     let what = format!("the criterion of smaller cells `{}`", criterion.describe());
@@ -129,15 +136,17 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 };
                 checked.map_err(refused)?;
             }
+            marked.clear();
+            marked.resize(view.blocks.len(), false);
             criterion.mark(&view, &mut marked);
+            let halved = view
+                .blocks
+                .iter()
+                .zip(&marked)
+                .filter(|(block, marked)| **marked && block.halvings < *halvings);
+            chosen.extend(halved.map(|(block, _)| unpack_block(&block.at)));
         }
-        let chosen = view
-            .blocks
-            .iter()
-            .zip(marked)
-            .filter(|(block, marked)| *marked && block.halvings < adaptive.halvings);
         let occupied = view.blocks.iter().map(|block| unpack_block(&block.at)).collect();
-        let chosen: BTreeSet<BlockAt<D>> = chosen.map(|(block, _)| unpack_block(&block.at)).collect();
         let divides = !chosen.is_empty();
         let wanted = with_void(levels, chosen, &occupied);
         let next = levels.refined_also(wanted.into_iter());
@@ -154,7 +163,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Largest number of halvings that criteria may ask for.
     pub(super) fn most_halvings(&self) -> usize {
-        self.adaptive.as_ref().map_or(0, |adaptive| adaptive.halvings)
+        let halvings =
+            self.adaptive.iter().flat_map(|adaptive| &adaptive.criteria).map(|(_, halvings)| *halvings);
+        halvings.max().unwrap_or(0)
     }
 
     /// Let the particles of blocks with new cells leave them in the next pass.
@@ -181,17 +192,17 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Write or read the cells of an adaptive scene.
     pub(super) fn archive_levels(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let described = self.adaptive.as_ref().map(|adaptive| {
-            let criteria: Vec<String> =
-                adaptive.criteria.iter().map(|criterion| criterion.describe()).collect();
-            format!("{} halvings, {}", adaptive.halvings, criteria.join(", "))
+            let criteria = adaptive.criteria.iter();
+            let criteria: Vec<String> = criteria
+                .map(|(criterion, halvings)| format!("{halvings} halvings, {}", criterion.describe()))
+                .collect();
+            format!("{}; {}", criteria.join("; "), adaptive.regions)
         });
-        file.same("criteria of smaller cells", &described.unwrap_or_else(|| "none".into()))?;
+        file.same("criteria and regions of smaller cells", &described.unwrap_or_else(|| "none".into()))?;
         let levels = self.grid.fields.levels().cloned();
-        let Some(adaptive) = &mut self.adaptive else {
-            return file
-                .same("refined blocks", &format!("{:?}", levels.map(|levels| levels.refined().to_vec())));
-        };
+        let Some(adaptive) = &mut self.adaptive else { return Ok(()) };
         file.flag(&mut adaptive.again)?;
+        file.list(&mut adaptive.starts, &[0.0; D], |file, start| file.numbers(start))?;
         let Some(levels) = levels else { return Ok(()) };
         let mut refined = levels.refined().to_vec();
         file.list(&mut refined, &Vec::new(), |file, blocks| {

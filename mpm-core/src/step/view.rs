@@ -128,6 +128,9 @@ impl<const D: usize, T: Float> Solver for Mpm<D, T> {
         let stages = [("particles", particles), ("contact", contact), ("arrangement", arrangement)];
         stages.map(|(name, spent)| (name, spent.as_secs_f64())).into()
     }
+    fn points_by_cell(&self) -> Vec<(f64, usize)> {
+        Mpm::points_by_cell(self)
+    }
     fn limited_by(&self) -> Option<StepLimit> {
         Some(self.step_limit())
     }

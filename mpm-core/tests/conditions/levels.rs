@@ -3,7 +3,7 @@
 use super::*;
 use impactite_simd::Team;
 use mpm_core::geometry::Ball;
-use mpm_core::{Apic, Criterion, Flip, NearContact, StateAbove};
+use mpm_core::{Apic, Criterion, Flip, NearContact, StateAbove, WithBody};
 use mpm_core::{DenseGrid, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, Refinement, Usl};
 
 /// Edge of the largest cells, m.
@@ -322,6 +322,45 @@ fn a_criterion_of_ones_own_marks_blocks() {
         wrong += usize::from(small != (p.position[0] > 1.15));
     });
     assert_eq!(wrong, 0);
+}
+
+/// A region follows the body that it moves with: the cells around a moving punch become smaller along its way, those elsewhere do not.
+#[test]
+fn a_region_moves_with_a_body() {
+    let mut mpm = scene(&[]);
+    let region = Cuboid::new([0.0, -0.3], [0.4, 0.9]).unwrap();
+    mpm.refine_where(vec![Box::new(WithBody::new(region, "leader"))], 1).unwrap();
+    let leader = fill_box(&mpm, [0.0, 2.0], [0.4, 2.4]);
+    let bar = fill_box(&mpm, [0.0, 0.0], [4.0, 0.4]);
+    mpm.add_together(|mpm| {
+        mpm.add("leader", law(), &leader, |_| [10.0, 0.0])?;
+        mpm.add("bar", law(), &bar, |_| [0.0, 0.0])
+    })
+    .unwrap();
+    mpm.run_until(0.2).unwrap();
+    // The region has gone 2 m: from 0 to 2.4 m, and a block of 0.4 m at its front.
+    let (mut small, mut large) = (Vec::new(), Vec::new());
+    mpm.bodies()[1].for_each(&mut |p| {
+        if p.half_edges[0][0] < 0.2 * H { small.push(p.position[0]) } else { large.push(p.position[0]) }
+    });
+    let far = small.iter().fold(0.0, |a: f64, x| a.max(*x));
+    let near = large.iter().fold(4.0, |a: f64, x| a.min(*x));
+    assert!((2.2..=2.9).contains(&far) && near >= 2.2, "{far}, {near}");
+    assert!(mpm.bodies()[0].totals().particles == leader.len(), "the leader is outside of the region");
+    let counts = mpm.points_by_cell();
+    assert_eq!(counts.iter().map(|(_, n)| *n).collect::<Vec<_>>(), [large.len() + leader.len(), small.len()]);
+}
+
+/// A body that fills a region of smaller cells has their surface from the start.
+#[test]
+fn a_region_as_large_as_a_body_gives_it_small_cells_at_its_surface() {
+    let region = ([0.0, -0.3], [0.8, 0.5], 1);
+    let small = Lattice::new([-0.25 * H; 2], 0.5 * H).unwrap();
+    let equal = bounced(Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(small)));
+    let found = bounced(scene(&[region]));
+    for (n, scale) in [equal[0], equal[1], equal[1]].into_iter().enumerate() {
+        assert!((found[n] - equal[n]).abs() < 0.005 * scale, "{n}: {found:?} for {equal:?}");
+    }
 }
 
 /// A traction on smaller particles, and on particles that are divided, is the same force.

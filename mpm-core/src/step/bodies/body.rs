@@ -98,6 +98,8 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
     fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>));
     /// Call `visit` for every block of particles with the bit mask of its occupied bins.
     fn each_block(&self, visit: &mut dyn FnMut(&[i32; D], u64));
+    /// Add the number of particles in blocks of each level of cells to `counts`.
+    fn count_by_level(&self, counts: &mut [usize]);
 }
 
 /// Body that receives particles between steps.

@@ -261,6 +261,13 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
             visit(&slot.block.coordinates, slot.block.occupied());
         }
     }
+    fn count_by_level(&self, counts: &mut [usize]) {
+        for slot in &self.slots {
+            if let Some(count) = counts.get_mut(self.lattices.level(&slot.block.coordinates)) {
+                *count += slot.block.len();
+            }
+        }
+    }
 }
 
 impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
