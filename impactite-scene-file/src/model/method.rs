@@ -104,7 +104,7 @@ parts! {
     }
     /// State variable, and the value from which cells become smaller.
     StateFrom {
-        /// Name of the state variable, as `plastic_strain` or `damage` (`impactite list materials`).
+        /// Name of the state variable, as `plastic_strain` or `damage`.
         #[schemars(example = &"plastic_strain")]
         name: String,
         /// Least value, in SI units.
