@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::bodies::body::GridBody;
 use super::nodes::at_wall::Plane;
-use super::refine::touches;
+use super::refine::{SAMPLES, touches};
 use crate::grid::Levels;
 use impactite_geometry::Shape;
 use impactite_scene::boundary::Boundary;
@@ -184,8 +184,13 @@ impl<T: Float, const D: usize> Criterion<T, D> for WithBody<D> {
         }
     }
     fn check(&self, view: &RegridView<'_, T, D>) -> Result<(), &'static str> {
-        let known = view.body_named(&self.body);
-        known.map(|_| ()).ok_or("the scene has no body of this name")
+        if view.body_named(&self.body).is_none() {
+            return Err("the scene has no body of this name");
+        }
+        let (bounds, edges) = (self.region.bounds(), view.blocks().iter().map(|block| block.edge));
+        let widest = edges.fold(0.0, f64::max) / SAMPLES as f64;
+        let thin = (0..D).any(|d| bounds.max[d] - bounds.min[d] < widest);
+        if thin { Err("the region is smaller than a ninth of four cells") } else { Ok(()) }
     }
     fn describe(&self) -> String {
         let bounds = self.region.bounds();
@@ -235,9 +240,10 @@ pub(super) struct Adaptive<T: Float, const D: usize> {
     pub(super) pending: Option<Arc<Levels<D>>>,
 }
 
-impl<T: Float, const D: usize> Adaptive<T, D> {
-    /// Create it for a scene with these refined blocks of regions.
-    pub(super) fn new(regions: String) -> Self {
-        Adaptive { criteria: Vec::new(), regions, starts: Vec::new(), again: true, pending: None }
+impl<T: Float, const D: usize> Default for Adaptive<T, D> {
+    /// No criteria yet, before the first decision.
+    fn default() -> Self {
+        let (criteria, regions, starts) = (Vec::new(), String::new(), Vec::new());
+        Adaptive { criteria, regions, starts, again: true, pending: None }
     }
 }

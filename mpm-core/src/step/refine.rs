@@ -15,7 +15,7 @@ use impactite_scene::error::SceneError;
 use impactite_simd::Float;
 
 /// Points along an edge of a block at which a region is sampled.
-const SAMPLES: usize = 9;
+pub(super) const SAMPLES: usize = 9;
 /// Largest number of blocks that a region is compared with.
 const MOST_BLOCKS: f64 = 1e7;
 
@@ -38,7 +38,7 @@ impl<const D: usize> Refinement<D> {
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Use smaller cells in regions: blocks of four cells an axis that a region touches, and around regions of several halvings
     /// a block of each size between; at the start, empty blocks around bodies in a region, too, so that their surfaces have nodes of
-    /// the small cells. The regions are at rest. Particles are seeded by [`Mpm::fill`]; a particle that enters
+    /// the small cells. Regions of earlier calls remain. They are at rest. Particles are seeded by [`Mpm::fill`]; a particle that enters
     /// smaller cells is divided in two along every axis, one that leaves them keeps its size.
     ///
     /// Available for B-splines with an affine transfer ([`Apic`](crate::Apic), [`Aflip`](crate::Aflip)), which reproduce a
@@ -69,7 +69,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub fn refine(&mut self, regions: &[Refinement<D>]) -> Result<(), SceneError> {
         let halving = self.check_refinement()?;
         let facts = self.facts();
-        let mut refined: Vec<BTreeSet<[i32; D]>> = Vec::new();
+        let present = self.grid.fields.levels().map_or(&[][..], |levels| levels.refined());
+        let mut refined: Vec<BTreeSet<[i32; D]>> =
+            present.iter().map(|blocks| blocks.iter().copied().collect()).collect();
         let lattices = Lattices::several(*self.grid.lattice(), offset_of_levels(halving));
         for Refinement { region, halvings } in regions {
             if !(1..=MOST_LEVELS).contains(halvings) {
@@ -87,7 +89,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let refined = refined.into_iter().map(|blocks| blocks.into_iter().collect()).collect();
         let levels = Levels::new(*self.grid.lattice(), (halving, facts.nodes), refined);
         if levels.count() > 1 {
-            self.adaptive = Some(Adaptive::new(format!("{:?}", levels.refined())));
+            self.adaptive.get_or_insert_with(Adaptive::default).regions = format!("{:?}", levels.refined());
             self.grid.fields.set_levels(Arc::new(levels));
         }
         Ok(())

@@ -72,7 +72,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let levels = Levels::new(*self.grid.lattice(), (halving, self.facts().nodes), Vec::new());
             self.grid.fields.set_levels(Arc::new(levels));
         }
-        let adaptive = self.adaptive.get_or_insert_with(|| Adaptive::new(String::new()));
+        let adaptive = self.adaptive.get_or_insert_with(Adaptive::default);
         adaptive.criteria.extend(criteria.into_iter().map(|criterion| (criterion, halvings)));
         Ok(())
     }

@@ -324,6 +324,32 @@ fn a_criterion_of_ones_own_marks_blocks() {
     assert_eq!(wrong, 0);
 }
 
+/// Regions and criteria add up, in any order, each with its halvings.
+#[test]
+fn regions_and_criteria_add_up() {
+    let region = |from: f64| Refinement::new(Cuboid::new([from, -0.2], [from + 0.4, 0.6]).unwrap(), 1);
+    let mut mpm = scene(&[]);
+    mpm.refine(&[region(0.0)]).unwrap();
+    mpm.refine_where(vec![Box::new(Right(3.0))], 2).unwrap();
+    mpm.refine(&[region(1.2)]).unwrap();
+    let seeds = fill_box(&mpm, [0.0, 0.0], [4.0, 0.4]);
+    mpm.add("bar", law(), &seeds, |_| [0.0, 0.0]).unwrap();
+    (0..4).for_each(|_| {
+        mpm.step().unwrap();
+    });
+    mpm.bodies()[0].for_each(&mut |p| {
+        // Places within the blocks of each.
+        let due = match p.position[0] {
+            x if x < 0.7 || (1.2..1.9).contains(&x) => 0.5,
+            x if (0.8..1.1).contains(&x) || (2.0..2.3).contains(&x) => 1.0,
+            x if x > 3.2 => 0.25,
+            _ => return,
+        };
+        let size = p.half_edges[0][0] / (0.25 * H);
+        assert!((size - due).abs() < 0.02, "{size} at {:?}", p.position);
+    });
+}
+
 /// A region follows the body that it moves with: the cells around a moving punch become smaller along its way, those elsewhere do not.
 #[test]
 fn a_region_moves_with_a_body() {
@@ -338,6 +364,12 @@ fn a_region_moves_with_a_body() {
     })
     .unwrap();
     mpm.run_until(0.2).unwrap();
+    let mut thin = scene(&[]);
+    let sheet = Cuboid::new([0.0, 0.0], [4.0, 0.02]).unwrap();
+    thin.refine_where(vec![Box::new(WithBody::new(sheet, "bar"))], 1).unwrap();
+    let seeds = fill_box(&thin, [0.0, 0.0], [4.0, 0.4]);
+    thin.add("bar", law(), &seeds, |_| [0.0, 0.0]).unwrap();
+    assert!(thin.step().unwrap_err().to_string().contains("smaller than a ninth of four cells"));
     // The region has gone 2 m: from 0 to 2.4 m, and a block of 0.4 m at its front.
     let (mut small, mut large) = (Vec::new(), Vec::new());
     mpm.bodies()[1].for_each(&mut |p| {

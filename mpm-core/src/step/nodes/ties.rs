@@ -1,7 +1,7 @@
 //! Dependent nodes at the borders of levels of cells: u_j = sum_i C_ji u_i.
 //!
 //! Sums of a dependent node j belong to its parents i, by the same coefficients: mass, momentum and force are conserved. Affine
-//! transfers map the velocity field of each particle at the positions of the nodes, which are the Greville points of their
+//! transfers map the velocity field of each particle at the positions of the nodes, which are the Greville points of tmaster
 //! functions. The momentum of a dependent node is that of the field at x_j; its parents receive that at x_i,
 //!
 //! p_i += C_ji (p_j + sum_p n_j(x_p) m_p B_p (x_i - x_j))
@@ -41,9 +41,9 @@ struct Parent<T> {
     offset: [T; 3],
 }
 
-/// Node on which others depend.
+/// Master node: others depend on it.
 #[derive(Clone, Debug)]
-struct Heir<T> {
+struct Master<T> {
     node: u32,
     /// Its index among the dependent nodes, or [`FREE`].
     tie: u32,
@@ -65,7 +65,7 @@ struct Child {
 #[derive(Clone, Copy, Debug)]
 struct LevelEnds {
     ties: usize,
-    heirs: usize,
+    masters: usize,
 }
 
 /// Dependent nodes of a grid, those of the finest level first.
@@ -73,22 +73,22 @@ struct LevelEnds {
 pub struct Ties<T> {
     ties: Vec<Tie<T>>,
     parents: Vec<Parent<T>>,
-    /// Parents of each level, once each, with their children in order.
-    heirs: Vec<Heir<T>>,
+    /// Parents of each level, once each, with tmaster children in order.
+    masters: Vec<Master<T>>,
     children: Vec<Child>,
     ends: Vec<LevelEnds>,
     /// Index of each node among the parents of a level, in an arrangement.
-    heir_at: Vec<u32>,
+    master_at: Vec<u32>,
 }
 
 impl<T> Default for Ties<T> {
     fn default() -> Self {
-        let (ties, parents, heirs) = (Vec::new(), Vec::new(), Vec::new());
-        Ties { ties, parents, heirs, children: Vec::new(), ends: Vec::new(), heir_at: Vec::new() }
+        let (ties, parents, masters) = (Vec::new(), Vec::new(), Vec::new());
+        Ties { ties, parents, masters, children: Vec::new(), ends: Vec::new(), master_at: Vec::new() }
     }
 }
 
-impl<T: Float> Heir<T> {
+impl<T: Float> Master<T> {
     /// Sum the records of the node and of its children, and the affine part of the momentum if it is mapped.
     fn gather<const D: usize>(
         &mut self,
@@ -129,12 +129,12 @@ impl<T: Float> Heir<T> {
 }
 
 impl<T: Float> Ties<T> {
-    /// Find the dependent nodes and their parents, of which every body has its own.
+    /// Find the dependent nodes and tmaster parents, of which every body has its own.
     pub(super) fn arrange<const D: usize>(&mut self, grid: &dyn GridStorage<T, D>, fields: &Fields<D>) {
         self.ties.clear();
         self.parents.clear();
         self.ends.clear();
-        self.heirs.clear();
+        self.masters.clear();
         self.children.clear();
         let Some(levels) = fields.levels() else { return };
         let layout = fields.layout();
@@ -174,8 +174,8 @@ impl<T: Float> Ties<T> {
                 }
             }
             let first = self.ends.last().map_or(0, |ends| ends.ties);
-            self.arrange_heirs(first);
-            self.ends.push(LevelEnds { ties: self.ties.len(), heirs: self.heirs.len() });
+            self.arrange_masters(first);
+            self.ends.push(LevelEnds { ties: self.ties.len(), masters: self.masters.len() });
         }
         // Parents on the coarsest level depend on no others.
         if levels.count() < 3 {
@@ -184,17 +184,17 @@ impl<T: Float> Ties<T> {
         let places = self.ties.iter().enumerate().map(|(k, tie)| (tie.node, k as u32));
         let mut places: Vec<(u32, u32)> = places.collect();
         places.sort_unstable();
-        for heir in &mut self.heirs {
-            if let Ok(at) = places.binary_search_by_key(&heir.node, |entry| entry.0) {
-                heir.tie = places[at].1;
+        for master in &mut self.masters {
+            if let Ok(at) = places.binary_search_by_key(&master.node, |entry| entry.0) {
+                master.tie = places[at].1;
             }
         }
     }
 
-    /// List the parents of the dependent nodes of a level, which begin at `first`, with their children in the order of these.
-    fn arrange_heirs(&mut self, first: usize) {
-        let Ties { ties, parents, heirs, children, heir_at, .. } = self;
-        let (first_heir, first_child) = (heirs.len(), children.len());
+    /// List the parents of the dependent nodes of a level, which begin at `first`, with tmaster children in the order of these.
+    fn arrange_masters(&mut self, first: usize) {
+        let Ties { ties, parents, masters, children, master_at, .. } = self;
+        let (first_master, first_child) = (masters.len(), children.len());
         let of_ties = || {
             ties[first..].iter().enumerate().flat_map(|(k, tie)| {
                 (tie.parents[0]..tie.parents[1]).map(move |parent| Child { tie: (first + k) as u32, parent })
@@ -202,31 +202,31 @@ impl<T: Float> Ties<T> {
         };
         for child in of_ties() {
             let node = parents[child.parent as usize].node;
-            if heir_at.len() <= node as usize {
-                heir_at.resize(node as usize + 1, FREE);
+            if master_at.len() <= node as usize {
+                master_at.resize(node as usize + 1, FREE);
             }
-            let at = &mut heir_at[node as usize];
+            let at = &mut master_at[node as usize];
             if *at == FREE {
-                *at = heirs.len() as u32;
+                *at = masters.len() as u32;
                 let (records, affine) = ([[T::default(); 4]; 2], [[T::default(); 4]; 3]);
-                heirs.push(Heir { node, tie: FREE, children: [0; 2], records, affine });
+                masters.push(Master { node, tie: FREE, children: [0; 2], records, affine });
             }
-            heirs[*at as usize].children[1] += 1;
+            masters[*at as usize].children[1] += 1;
         }
         let mut end = first_child as u32;
-        for heir in &mut heirs[first_heir..] {
-            let count = heir.children[1];
-            heir.children = [end; 2];
+        for master in &mut masters[first_master..] {
+            let count = master.children[1];
+            master.children = [end; 2];
             end += count;
         }
         children.resize(end as usize, Child { tie: FREE, parent: FREE });
         for child in of_ties() {
             let node = parents[child.parent as usize].node;
-            let [_, next] = &mut heirs[heir_at[node as usize] as usize].children;
+            let [_, next] = &mut masters[master_at[node as usize] as usize].children;
             children[*next as usize] = child;
             *next += 1;
         }
-        heirs[first_heir..].iter().for_each(|heir| heir_at[heir.node as usize] = FREE);
+        masters[first_master..].iter().for_each(|master| master_at[master.node as usize] = FREE);
     }
 
     /// True if no node depends on others.
@@ -234,7 +234,7 @@ impl<T: Float> Ties<T> {
         self.ties.is_empty()
     }
 
-    /// Move the sums of dependent nodes to their parents.
+    /// Move the sums of dependent nodes to tmaster parents.
     pub(in crate::step) fn fold<const D: usize>(
         &mut self,
         nodes: &mut [Node<T>],
@@ -253,12 +253,12 @@ impl<T: Float> Ties<T> {
                 }
             });
         }
-        let (mut first, mut first_heir) = (0, 0);
+        let (mut first, mut first_master) = (0, 0);
         for level in 0..self.ends.len() {
-            let LevelEnds { ties: end, heirs } = self.ends[level];
+            let LevelEnds { ties: end, masters } = self.ends[level];
             let (ties, parents, children, known) = (&self.ties, &self.parents, &self.children, &*nodes);
-            team.each(&mut self.heirs[first_heir..heirs], |_, heir| {
-                heir.gather::<D>((ties, parents, children), known, (sums, affine));
+            team.each(&mut self.masters[first_master..masters], |_, master| {
+                master.gather::<D>((ties, parents, children), known, (sums, affine));
             });
             for tie in &self.ties[first..end] {
                 let node = &mut nodes[tie.node as usize];
@@ -267,18 +267,18 @@ impl<T: Float> Ties<T> {
                 }
                 node.second = [T::default(); 4];
             }
-            for heir in &self.heirs[first_heir..heirs] {
-                let node = &mut nodes[heir.node as usize];
-                [node.first, node.second] = heir.records;
-                if let Some(tie) = self.ties.get_mut(heir.tie as usize).filter(|_| affine) {
-                    tie.affine = heir.affine;
+            for master in &self.masters[first_master..masters] {
+                let node = &mut nodes[master.node as usize];
+                [node.first, node.second] = master.records;
+                if let Some(tie) = self.ties.get_mut(master.tie as usize).filter(|_| affine) {
+                    tie.affine = master.affine;
                 }
             }
-            (first, first_heir) = (end, heirs);
+            (first, first_master) = (end, masters);
         }
     }
 
-    /// Set the vectors of dependent nodes from those of their parents, those of coarser levels first.
+    /// Set the vectors of dependent nodes from those of tmaster parents, those of coarser levels first.
     pub(in crate::step) fn extend(&mut self, nodes: &mut [Node<T>], team: &Team) {
         let Ties { ties, parents, ends, .. } = self;
         for level in (0..ends.len()).rev() {
@@ -307,8 +307,8 @@ impl<T: Float> Ties<T> {
     pub(super) fn bytes(&self) -> usize {
         self.ties.capacity() * size_of::<Tie<T>>()
             + self.parents.capacity() * size_of::<Parent<T>>()
-            + self.heirs.capacity() * size_of::<Heir<T>>()
+            + self.masters.capacity() * size_of::<Master<T>>()
             + self.children.capacity() * size_of::<Child>()
-            + self.heir_at.capacity() * size_of::<u32>()
+            + self.master_at.capacity() * size_of::<u32>()
     }
 }
