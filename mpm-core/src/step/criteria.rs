@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use super::bodies::body::GridBody;
 use super::nodes::at_wall::Plane;
-use super::refine::{SAMPLES, touches};
 use crate::grid::Levels;
 use impactite_geometry::Shape;
 use impactite_scene::boundary::Boundary;
 use impactite_simd::{Float, Team};
+
+/// Points along an edge of a block at which a region is sampled.
+const SAMPLES: usize = 9;
 
 /// Block of particles, for criteria.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -156,6 +158,23 @@ pub(super) fn centre_of<T: Float, const D: usize>(body: &dyn GridBody<T, D>) -> 
         (0..D).for_each(|d| sum[d] += p.mass * p.position[d]);
     });
     sum.map(|sum| if mass > 0.0 { sum / mass } else { 0.0 })
+}
+
+/// Return true if a region contains one of the samples within a cuboid: one that ends at its face does not touch it.
+pub(super) fn touches<const D: usize>(region: &dyn Shape<D>, low: &[f64; D], high: &[f64; D]) -> bool {
+    let bounds = region.bounds();
+    if (0..D).any(|d| bounds.min[d] > high[d] || bounds.max[d] < low[d]) {
+        return false;
+    }
+    (0..SAMPLES.pow(D as u32)).any(|n| {
+        let mut rest = n;
+        let x = std::array::from_fn(|d| {
+            let share = ((rest % SAMPLES) as f64 + 0.5) / SAMPLES as f64;
+            rest /= SAMPLES;
+            low[d] + share * (high[d] - low[d])
+        });
+        region.contains(x)
+    })
 }
 
 /// Smaller cells in a region that moves with a body.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use super::criteria::Adaptive;
+use super::criteria::{Adaptive, touches};
 use super::mpm::Mpm;
 use crate::dim::{BLOCK, centre};
 use crate::grid::levels::{FURTHEST_BLOCK, Lattices, MOST_LEVELS, offset_of_levels};
@@ -14,8 +14,6 @@ use impactite_scene::condition::Condition;
 use impactite_scene::error::SceneError;
 use impactite_simd::Float;
 
-/// Points along an edge of a block at which a region is sampled.
-pub(super) const SAMPLES: usize = 9;
 /// Largest number of blocks that a region is compared with.
 const MOST_BLOCKS: f64 = 1e7;
 
@@ -228,23 +226,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn not_with(&self, what: &str, why: &'static str) -> SceneError {
         SceneError::NotWith { what: what.into(), method: self.facts().description.clone(), why }
     }
-}
-
-/// Return true if a region contains one of the samples within a cuboid: one that ends at its face does not touch it.
-pub(super) fn touches<const D: usize>(region: &dyn Shape<D>, low: &[f64; D], high: &[f64; D]) -> bool {
-    let bounds = region.bounds();
-    if (0..D).any(|d| bounds.min[d] > high[d] || bounds.max[d] < low[d]) {
-        return false;
-    }
-    (0..SAMPLES.pow(D as u32)).any(|n| {
-        let mut rest = n;
-        let x = std::array::from_fn(|d| {
-            let share = ((rest % SAMPLES) as f64 + 0.5) / SAMPLES as f64;
-            rest /= SAMPLES;
-            low[d] + share * (high[d] - low[d])
-        });
-        region.contains(x)
-    })
 }
 
 /// Return the blocks of bins of a level that a region touches.
