@@ -355,9 +355,13 @@ impl FieldPicture {
         let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
         let mut copies = Vec::new();
         let mut bars = Vec::new();
-        // Extension of cells before the outside is eroded again, samples.
-        let sizes =
-            (0..snapshot.len()).map(|i| snapshot.size_of(i)).sum::<f64>() / snapshot.len().max(1) as f64;
+        // Extension of cells before the outside is eroded again, samples: by the mean size over the area, where sizes differ.
+        let [mut areas, mut sizes] = [0.0; 2];
+        for size in (0..snapshot.len()).map(|i| snapshot.size_of(i)) {
+            areas += size * size;
+            sizes += size * size * size;
+        }
+        let sizes = if areas > 0.0 { sizes / areas } else { 0.0 };
         let margin = (0.6 * sizes * self.scale * per_metre).round().clamp(0.0, 60.0) as usize;
         for (i, x) in snapshot.positions().iter().enumerate() {
             if !is_place(x) {
