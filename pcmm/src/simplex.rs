@@ -129,7 +129,7 @@ const fn pairs(d: usize) -> usize {
 
 /// Signed size of a simplex and its angles between facets, for comparisons without roots and divisions.
 #[derive(Clone, Copy, Debug)]
-pub struct Form<const D: usize> {
+pub struct Angles<const D: usize> {
     /// Signed area, m^2, or volume, m^3.
     pub measure: f64,
     /// For each pair of facets with inner normals n_a, n_b of any common scale: -(n_a . n_b) |n_a . n_b| and n_a^2 n_b^2, whose ratio is the
@@ -137,8 +137,8 @@ pub struct Form<const D: usize> {
     cosines: [[f64; 2]; 6],
 }
 
-impl<const D: usize> Form<D> {
-    /// Compute the form of the simplex with these corners.
+impl<const D: usize> Angles<D> {
+    /// Compute the angles of the simplex with these corners.
     #[inline]
     pub fn of(x: &Corners<D>) -> Self {
         let edge = |k: usize, i: usize| x[k][i] - x[0][i];
@@ -164,7 +164,7 @@ impl<const D: usize> Form<D> {
             let product = -dot(&normals[a], &normals[b]);
             *cosine = [product * product.abs(), squares[a] * squares[b]];
         }
-        Form { measure, cosines }
+        Angles { measure, cosines }
     }
     /// Cosine of the smallest angle of a simplex that has angles.
     pub fn largest_cosine(&self) -> f64 {
@@ -353,7 +353,7 @@ mod tests {
             for _ in 0..2000 {
                 let mut x = [[0.0; D]; 4];
                 x[..=D].iter_mut().flatten().for_each(|c| *c = next());
-                let (form, (small, large)) = (Form::of(&x), angles(&x));
+                let (form, (small, large)) = (Angles::of(&x), angles(&x));
                 assert!((form.measure - measure(&x)).abs() < 1e-15);
                 assert!((form.largest_cosine() - small).abs() < 1e-12);
                 for limit in [-0.9, -0.2, 0.0, 0.4, 0.95].map(|c: f64| c + 1e-3 * next()) {
@@ -365,7 +365,7 @@ mod tests {
         check::<2>(1);
         check::<3>(2);
         // A flat simplex has no angles.
-        assert!(!Form::of(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 0.0]]).none_above(1.0));
+        assert!(!Angles::of(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 0.0]]).none_above(1.0));
     }
 
     #[test]

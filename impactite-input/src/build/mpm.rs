@@ -148,12 +148,8 @@ fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mp
                 continue;
             }
             (Some(region), Some(body), None) => {
-                let bodies = &world.scene.expanded;
-                if !bodies.contains_key(body) {
-                    let names: Vec<&str> = bodies.keys().map(String::as_str).collect();
-                    let message = format!("there is no body `{body}`; the bodies are {}", names.join(", "));
-                    return wrong(format!("{key}.moves_with"), message);
-                }
+                let bodies = world.scene.expanded.keys().map(String::as_str);
+                known(&format!("{key}.moves_with"), "body", body, bodies)?;
                 let region = world.region(&format!("{key}.region"), region)?;
                 Box::new(WithBody { region, body: body.clone() })
             }
@@ -190,16 +186,9 @@ fn refine<const D: usize>(world: &World<'_, D>, mpm: &mut Scene<D>, options: &Mp
 fn check_states<const D: usize>(mpm: &Scene<D>, options: &Mpm) -> Made<()> {
     for (key, refine) in options.refine.keyed("method.mpm.refine") {
         let Some(state) = &refine.state else { continue };
-        let known: BTreeSet<String> = mpm.bodies().iter().flat_map(|body| body.state_names()).collect();
-        if !known.contains(&state.name) {
-            let known: Vec<String> = known.into_iter().collect();
-            let message = format!(
-                "no law of the scene has the state variable `{}`; they have {}",
-                state.name,
-                known.join(", ")
-            );
-            return wrong(format!("{key}.state.name"), message);
-        }
+        let names: BTreeSet<String> = mpm.bodies().iter().flat_map(|body| body.state_names()).collect();
+        let names = names.iter().map(String::as_str);
+        known(&format!("{key}.state.name"), "state variable of the scene", &state.name, names)?;
         if !state.least.is_finite() {
             return wrong(
                 format!("{key}.state.least"),

@@ -212,8 +212,12 @@ impl<T: Float, const D: usize> Criterion<T, D> for WithBody<D> {
         if thin { Err("the region is smaller than a ninth of four cells") } else { Ok(()) }
     }
     fn describe(&self) -> String {
-        let bounds = self.region.bounds();
-        format!("region of {:?} to {:?} with {}", bounds.min, bounds.max, self.body)
+        let (bounds, measure, centroid) =
+            (self.region.bounds(), self.region.measure(), self.region.centroid());
+        format!(
+            "region of {:?} to {:?}, {measure:?}, {centroid:?} with {}",
+            bounds.min, bounds.max, self.body
+        )
     }
 }
 

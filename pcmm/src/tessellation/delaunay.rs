@@ -1,7 +1,7 @@
 //! Tessellation with single coverage.
 
 use super::{Inspected, Limits, Revision, Tessellation, View, corners, inspect, orient, sorted};
-use crate::simplex::{Corners, Form, circumsphere, distance_squared, measure, overlap};
+use crate::simplex::{Angles, Corners, circumsphere, distance_squared, measure, overlap};
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
@@ -74,8 +74,8 @@ impl LocalDelaunay {
 }
 
 /// Cosine of the smallest angle of a triangle; one for a triangle that is not positively oriented.
-fn cosine<const D: usize>(form: &Form<D>) -> f64 {
-    if form.measure > 0.0 { form.largest_cosine() } else { 1.0 }
+fn cosine<const D: usize>(angles: &Angles<D>) -> f64 {
+    if angles.measure > 0.0 { angles.largest_cosine() } else { 1.0 }
 }
 
 impl LocalDelaunay {
@@ -90,8 +90,8 @@ impl LocalDelaunay {
                 continue;
             }
             let element = view.element(e);
-            let form = |nodes: &[u32]| Form::of(&corners(view.particles, nodes));
-            let own = cosine(&form(element));
+            let angles = |nodes: &[u32]| Angles::of(&corners(view.particles, nodes));
+            let own = cosine(&angles(element));
             let mut best: Option<(f64, usize, [u32; 6])> = None;
             for k in 0..3 {
                 let Some((other, opposite)) = view.across(e, k) else { continue };
@@ -101,11 +101,11 @@ impl LocalDelaunay {
                 let (top, a, b) = (element[k], element[(k + 1) % 3], element[(k + 2) % 3]);
                 let foot = view.element(other)[opposite];
                 let pair = [top, a, foot, top, foot, b];
-                let halves = [form(&pair[..3]), form(&pair[3..])];
+                let halves = [angles(&pair[..3]), angles(&pair[3..])];
                 if halves.iter().any(|half| half.measure <= 0.0) {
                     continue;
                 }
-                let across = form(view.element(other));
+                let across = angles(view.element(other));
                 let before = if across.measure > 0.0 && across.none_above(own) {
                     own
                 } else {

@@ -13,7 +13,7 @@ pub use fan::AzimuthFan;
 use crate::elements::Incidence;
 use crate::particles::Particle;
 use crate::search::Neighbours;
-use crate::simplex::{Corners, Form, distance_squared, measure};
+use crate::simplex::{Angles, Corners, distance_squared, measure};
 use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 
@@ -226,7 +226,7 @@ impl Limits {
 
     /// Return the first condition that the element of the particles `nodes` fails, if any. An inverted element has a [`Flaw::SmallAngle`].
     pub fn flaw<const D: usize>(&self, particles: &[Particle<D>], nodes: &[u32]) -> Option<Flaw> {
-        self.flaw_of(particles, nodes, &Form::of(&corners(particles, nodes)))
+        self.flaw_of(particles, nodes, &Angles::of(&corners(particles, nodes)))
     }
 
     /// Return the first failed condition, with the element's angles.
@@ -234,7 +234,7 @@ impl Limits {
         &self,
         particles: &[Particle<D>],
         nodes: &[u32],
-        form: &Form<D>,
+        angles: &Angles<D>,
     ) -> Option<Flaw> {
         let mean = nodes.iter().map(|&n| particles[n as usize].radius).sum::<f64>() / nodes.len() as f64;
         let shortest = (self.shortest_edge * mean).powi(2);
@@ -250,10 +250,10 @@ impl Limits {
             }
         }
         // A flat simplex has no angles.
-        if !(form.measure > 0.0 && form.none_above(self.cosine_small)) {
+        if !(angles.measure > 0.0 && angles.none_above(self.cosine_small)) {
             return Some(Flaw::SmallAngle);
         }
-        if !form.none_below(self.cosine_large) {
+        if !angles.none_below(self.cosine_large) {
             return Some(Flaw::LargeAngle);
         }
         short.then_some(Flaw::ShortEdge)
@@ -283,11 +283,11 @@ pub(crate) fn inspect<const D: usize>(view: &View<'_, D>, limits: &Limits, poor:
     let mut parts: Vec<Inspected> = (0..elements.div_ceil(CHUNK)).map(|_| none()).collect();
     view.team.each(&mut parts, |chunk, part| {
         for e in chunk * CHUNK..((chunk + 1) * CHUNK).min(elements) {
-            let form = Form::of(&view.corners(view.element(e)));
-            if !form.none_above(poor) {
+            let angles = Angles::of(&view.corners(view.element(e)));
+            if !angles.none_above(poor) {
                 part.poor.push(e as u32);
             }
-            if let Some(flaw) = limits.flaw_of(view.particles, view.element(e), &form) {
+            if let Some(flaw) = limits.flaw_of(view.particles, view.element(e), &angles) {
                 part.failing.dead.push(e as u32);
                 part.failing.flaws[flaw as usize] += 1;
             }

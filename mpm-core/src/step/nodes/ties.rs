@@ -1,7 +1,7 @@
 //! Dependent nodes at the borders of levels of cells: u_j = sum_i C_ji u_i.
 //!
 //! Sums of a dependent node j belong to its parents i, by the same coefficients: mass, momentum and force are conserved. Affine
-//! transfers map the velocity field of each particle at the positions of the nodes, which are the Greville points of tmaster
+//! transfers map the velocity field of each particle at the positions of the nodes, which are the Greville points of their
 //! functions. The momentum of a dependent node is that of the field at x_j; its parents receive that at x_i,
 //!
 //! p_i += C_ji (p_j + sum_p n_j(x_p) m_p B_p (x_i - x_j))
@@ -73,7 +73,7 @@ struct LevelEnds {
 pub struct Ties<T> {
     ties: Vec<Tie<T>>,
     parents: Vec<Parent<T>>,
-    /// Parents of each level, once each, with tmaster children in order.
+    /// Parents of each level, once each, with their children in order.
     masters: Vec<Master<T>>,
     children: Vec<Child>,
     ends: Vec<LevelEnds>,
@@ -129,7 +129,7 @@ impl<T: Float> Master<T> {
 }
 
 impl<T: Float> Ties<T> {
-    /// Find the dependent nodes and tmaster parents, of which every body has its own.
+    /// Find the dependent nodes and their parents, of which every body has its own.
     pub(super) fn arrange<const D: usize>(&mut self, grid: &dyn GridStorage<T, D>, fields: &Fields<D>) {
         self.ties.clear();
         self.parents.clear();
@@ -191,7 +191,7 @@ impl<T: Float> Ties<T> {
         }
     }
 
-    /// List the parents of the dependent nodes of a level, which begin at `first`, with tmaster children in the order of these.
+    /// List the parents of the dependent nodes of a level, which begin at `first`, with their children in the order of these.
     fn arrange_masters(&mut self, first: usize) {
         let Ties { ties, parents, masters, children, master_at, .. } = self;
         let (first_master, first_child) = (masters.len(), children.len());
@@ -234,7 +234,7 @@ impl<T: Float> Ties<T> {
         self.ties.is_empty()
     }
 
-    /// Move the sums of dependent nodes to tmaster parents.
+    /// Move the sums of dependent nodes to their parents.
     pub(in crate::step) fn fold<const D: usize>(
         &mut self,
         nodes: &mut [Node<T>],
@@ -278,7 +278,7 @@ impl<T: Float> Ties<T> {
         }
     }
 
-    /// Set the vectors of dependent nodes from those of tmaster parents, those of coarser levels first.
+    /// Set the vectors of dependent nodes from those of their parents, those of coarser levels first.
     pub(in crate::step) fn extend(&mut self, nodes: &mut [Node<T>], team: &Team) {
         let Ties { ties, parents, ends, .. } = self;
         for level in (0..ends.len()).rev() {
