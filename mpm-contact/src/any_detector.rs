@@ -1,7 +1,7 @@
 //! Contact detector of the grid chosen at run time, so that a step is compiled once for all detectors.
 
 use crate::detect::{Compression, ContactDetector, Criterion, SurfaceDistance};
-use crate::normal::{Gradients, Memory, Nodal, NormalRule};
+use crate::normal::{Gradients, Memory, Nodal, NormalNodes, NormalRule};
 use crate::places::Places;
 use crate::regression::Regression;
 use crate::separate::SeparatingPlane;
@@ -57,6 +57,9 @@ impl<const D: usize> ContactDetector<f64, D> for AnyDetector {
             Test::Distance => ContactDetector::<f64, D>::criterion(&self.distance, spacing),
         }
     }
+    fn measures_surfaces(&self) -> bool {
+        self.test == Test::Distance
+    }
     fn normals(&self) -> &AnyNormals {
         ContactDetector::<f64, D>::normals(&self.distance)
     }
@@ -108,6 +111,22 @@ impl<const D: usize> NormalRule<f64, D> for AnyNormals {
             AnyNormals::Gradients(rule) => rule.normals(at, pair, nodes, memory, normals),
             AnyNormals::Plane => NormalRule::normals(&SeparatingPlane, at, pair, nodes, memory, normals),
             AnyNormals::Regression => NormalRule::normals(&Regression, at, pair, nodes, memory, normals),
+        }
+    }
+    fn normals_within(
+        &self,
+        at: &dyn Places<f64, D>,
+        pair: [usize; 2],
+        nodes: u64,
+        gap: f64,
+        memory: &Memory<'_, f64>,
+        normals: &mut Nodal<[f64; 3]>,
+    ) -> NormalNodes {
+        match self {
+            AnyNormals::Plane => SeparatingPlane.normals_within(at, pair, nodes, gap, memory, normals),
+            AnyNormals::Gradients(_) | AnyNormals::Regression => {
+                NormalNodes { found: self.normals(at, pair, nodes, memory, normals), apart: 0 }
+            }
         }
     }
 }

@@ -26,6 +26,11 @@ pub trait ContactDetector<T: Float, const D: usize>: std::fmt::Debug + Send + Sy
     fn criterion(&self, _spacing: f64) -> Criterion {
         Criterion::State
     }
+    /// True if no gap is smaller than the distance of the particles' surfaces along the normal, as with [`SurfaceQuantity::Reach`]. With
+    /// [`Criterion::Gap`] normals are then omitted where the particles of a pair are farther apart ([`NormalRule::normals_within`]).
+    fn measures_surfaces(&self) -> bool {
+        false
+    }
     /// Type of the normal rule.
     type Normals: NormalRule<T, D>;
     /// Normal rule.
@@ -153,6 +158,9 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
     type Normals = N;
     fn criterion(&self, spacing: f64) -> Criterion {
         Criterion::Gap(self.threshold * spacing)
+    }
+    fn measures_surfaces(&self) -> bool {
+        true
     }
     fn normals(&self) -> &N {
         &self.normals

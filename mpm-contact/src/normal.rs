@@ -2,6 +2,7 @@
 
 use impactite_simd::Float;
 
+use crate::field_points::FieldPoints;
 use crate::places::{Places, SurfaceQuantity, each_place};
 use crate::vector::{difference, times, unit};
 
@@ -10,12 +11,23 @@ use crate::vector::{difference, times, unit};
 pub struct Memory<'a, T> {
     /// Numbers of nodes.
     pub numbers: &'a mut Vec<[T; 4]>,
+    /// Particles near the nodes.
+    pub points: &'a mut FieldPoints,
     /// Selected nodes of each field (bit set); the field has mass at others, too.
     pub nodes: &'a [u64],
 }
 
 /// Nodal values of a block.
 pub type Nodal<X> = [X; 64];
+
+/// Nodes at which a [`NormalRule`] was asked for normals, one bit each.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NormalNodes {
+    /// Nodes with a normal.
+    pub found: u64,
+    /// Nodes whose normal was omitted, since the surfaces are too far apart.
+    pub apart: u64,
+}
 
 /// Rule for the contact normal between two bodies at a node, from the positions of their particles. One normal serves both (the bodies' own
 /// normals are not opposite, and momentum would drift).
@@ -31,6 +43,19 @@ pub trait NormalRule<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 
         memory: &Memory<'_, T>,
         normals: &mut Nodal<[T; 3]>,
     ) -> u64;
+    /// Compute the normals as [`NormalRule::normals`] does, with leave to omit those along which the surfaces of all particles near the node
+    /// are more than `gap`, m, apart. By default none is omitted.
+    fn normals_within(
+        &self,
+        at: &dyn Places<T, D>,
+        pair: [usize; 2],
+        nodes: u64,
+        _gap: f64,
+        memory: &Memory<'_, T>,
+        normals: &mut Nodal<[T; 3]>,
+    ) -> NormalNodes {
+        NormalNodes { found: self.normals(at, pair, nodes, memory, normals), apart: 0 }
+    }
 }
 
 /// Weighting of particles in the normal of a body.

@@ -98,6 +98,9 @@ impl<T: Float, const D: usize, P: PairDetector, N: NormalRule<T, D>> ContactDete
     fn criterion(&self, spacing: f64) -> Criterion {
         self.detector.criterion(spacing)
     }
+    fn measures_surfaces(&self) -> bool {
+        true
+    }
     fn normals(&self) -> &N {
         &self.normals
     }

@@ -29,6 +29,8 @@ pub struct NearPoint<T> {
     pub offset: [T; 3],
     /// Half sizes, m.
     pub half: [T; 3],
+    /// Bound of the half size in any direction, m.
+    pub radius: T,
     /// Mass, kg.
     pub mass: T,
 }

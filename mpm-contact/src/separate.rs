@@ -4,7 +4,8 @@ use std::cell::RefCell;
 
 use impactite_simd::Float;
 
-use crate::normal::{Gradients, Memory, Nodal, NormalRule};
+use crate::field_points::{NearNode, are_apart};
+use crate::normal::{Gradients, Memory, Nodal, NormalNodes, NormalRule};
 use crate::places::{Places, each_place};
 use crate::vector::{difference, dot, sum, times, unit};
 
@@ -31,13 +32,8 @@ const STEPS: usize = 40;
 /// Convergence tolerance: largest possible relative reduction of the squared distance by another step.
 const FOUND: f64 = 1e-13;
 
-/// Run of particles that are near the same nodes.
-#[derive(Clone, Copy)]
-struct Run {
-    nodes: u64,
-    start: usize,
-    end: usize,
-}
+/// Distance in cells that exceeds the rounding of positions, in single precision too.
+const ROUNDING: f64 = 1e-4;
 
 /// Centres in cells, one vector per axis.
 #[derive(Default)]
@@ -47,23 +43,14 @@ impl Centres {
     fn clear(&mut self) {
         self.0.iter_mut().for_each(Vec::clear);
     }
-    fn push(&mut self, x: [f64; 3]) {
-        self.0.iter_mut().zip(x).for_each(|(axis, x)| axis.push(x));
+    fn extend(&mut self, run: &[[f64; 3]]) {
+        self.0.iter_mut().enumerate().for_each(|(d, axis)| axis.extend(run.iter().map(|x| x[d])));
     }
     fn len(&self) -> usize {
         self.0[0].len()
     }
     fn get(&self, i: usize) -> [f64; 3] {
         [self.0[0][i], self.0[1][i], self.0[2][i]]
-    }
-    /// Select the centres near a node.
-    fn choose(&mut self, all: &Centres, runs: &[Run], node: usize) {
-        self.clear();
-        for run in runs.iter().filter(|r| r.nodes >> node & 1 != 0) {
-            for (axis, all) in self.0.iter_mut().zip(&all.0) {
-                axis.extend_from_slice(&all[run.start..run.end]);
-            }
-        }
     }
     fn centroid(&self) -> [f64; 3] {
         let share = 1.0 / self.len() as f64;
@@ -73,21 +60,24 @@ impl Centres {
     fn farthest(&self, direction: [f64; 3], along: &mut Vec<f64>) -> [f64; 3] {
         let [x, y, z] = &self.0;
         let count = self.len();
-        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
-        along.clear();
-        along.resize(count, 0.0);
-        for i in 0..count {
-            along[i] = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+        if along.len() < count {
+            along.resize(count, 0.0);
         }
+        let (x, y, z, along) = (&x[..count], &y[..count], &z[..count], &mut along[..count]);
         // Find the largest of every fourth value first: a chain of single comparisons would wait for each.
         let mut four = [f64::NEG_INFINITY; 4];
-        let mut parts = along.chunks_exact(4);
-        for part in &mut parts {
-            for i in 0..4 {
-                four[i] = if part[i] > four[i] { part[i] } else { four[i] };
+        let whole = count - count % 4;
+        for start in (0..whole).step_by(4) {
+            for lane in 0..4 {
+                let i = start + lane;
+                along[i] = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+                four[lane] = if along[i] > four[lane] { along[i] } else { four[lane] };
             }
         }
-        let largest = four.iter().chain(parts.remainder()).fold(f64::NEG_INFINITY, |a, &b| a.max(b));
+        for i in whole..count {
+            along[i] = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+        }
+        let largest = four.iter().chain(&along[whole..]).fold(f64::NEG_INFINITY, |a, &b| a.max(b));
         let first = along.iter().position(|&a| a == largest).unwrap_or(0);
         self.get(first)
     }
@@ -96,9 +86,8 @@ impl Centres {
 /// Scratch memory of a thread, kept from block to block.
 #[derive(Default)]
 struct Workspace {
-    all: [Centres; 2],
-    runs: [Vec<Run>; 2],
-    near: [Centres; 2],
+    near: [NearNode; 2],
+    sets: [Centres; 2],
     along: Vec<f64>,
 }
 
@@ -108,7 +97,9 @@ thread_local! {
 
 impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
     fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>) {
-        if !at.around_nodes() {
+        if at.around_nodes() {
+            memory.points.collect(at, memory.nodes);
+        } else {
             Gradients::default().prepare(at, memory);
         }
     }
@@ -124,60 +115,115 @@ impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
         if !at.around_nodes() {
             return Gradients::default().normals(at, pair, nodes, memory, normals);
         }
-        WORKSPACE.with_borrow_mut(|work| {
-            let per_cell = 1.0 / at.spacing();
-            for side in 0..2 {
-                let (all, runs) = (&mut work.all[side], &mut work.runs[side]);
-                all.clear();
-                runs.clear();
-                at.near_points(pair[side], nodes, &mut |nodes, near| {
-                    let start = all.len();
-                    all.push(near.offset.map(|x| x.to_double() * per_cell));
-                    match runs.last_mut().filter(|r| r.nodes == nodes) {
-                        Some(run) => run.end = start + 1,
-                        None => runs.push(Run { nodes, start, end: start + 1 }),
-                    }
-                });
-            }
-            let mut have = 0;
+        self.normals_within(at, pair, nodes, f64::INFINITY, memory, normals).found
+    }
+
+    fn normals_within(
+        &self,
+        at: &dyn Places<T, D>,
+        pair: [usize; 2],
+        nodes: u64,
+        gap: f64,
+        memory: &Memory<'_, T>,
+        normals: &mut Nodal<[T; 3]>,
+    ) -> NormalNodes {
+        if !at.around_nodes() {
+            return NormalNodes { found: self.normals(at, pair, nodes, memory, normals), apart: 0 };
+        }
+        let sides = pair.map(|field| memory.points.of(field));
+        // Distance of the hulls beyond which surfaces are more than the gap apart: the normal is along the shortest vector between the hulls,
+        // and no two centres are closer along it than that.
+        let room = gap / at.spacing() + sides[0].radius + sides[1].radius + ROUNDING;
+        WORKSPACE.with_borrow_mut(|Workspace { near, sets, along }| {
+            let mut asked = NormalNodes::default();
             for node in each_place(nodes) {
-                for side in 0..2 {
-                    work.near[side].choose(&work.all[side], &work.runs[side], node);
+                sides.iter().zip(&mut *near).for_each(|(side, near)| side.select(node, near));
+                if are_apart(&sides, near, room) {
+                    asked.apart |= 1 << node;
+                    continue;
                 }
-                if let Some(normal) = separating(&work.near, &mut work.along) {
-                    normals[node] = normal.map(T::of);
-                    have |= 1 << node;
+                for side in 0..2 {
+                    sets[side].clear();
+                    sides[side].runs(&near[side]).for_each(|run| sets[side].extend(run));
+                }
+                match separating(sets, room, along) {
+                    Separation::Along(normal) => {
+                        normals[node] = normal.map(T::of);
+                        asked.found |= 1 << node;
+                    }
+                    Separation::Apart => asked.apart |= 1 << node,
+                    Separation::Unknown => {}
                 }
             }
-            have
+            asked
         })
     }
 }
 
-/// Unit normal from the first to the second of two sets; none if one is empty or both have the same centroid.
-fn separating(sets: &[Centres; 2], along: &mut Vec<f64>) -> Option<[f64; 3]> {
-    if sets[0].len() == 0 || sets[1].len() == 0 {
-        return None;
-    }
-    let centroids = difference(sets[1].centroid(), sets[0].centroid());
-    let apart = SHRINKS.into_iter().find_map(|shrink| nearest(sets, centroids, shrink, along));
-    unit(apart.unwrap_or(centroids))
+/// Separation of the particles of two bodies near a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Separation {
+    /// Unit normal from the first to the second.
+    Along([f64; 3]),
+    /// Hulls too far apart to touch.
+    Apart,
+    /// One set is empty, or both have the same centroid.
+    Unknown,
 }
 
-/// Shortest vector from the hull of the first set to that of the second, both shrunk about their centroids, which are `centroids` apart;
-/// none if they overlap.
-fn nearest(sets: &[Centres; 2], centroids: [f64; 3], shrink: f64, along: &mut Vec<f64>) -> Option<[f64; 3]> {
+/// Separation of two sets, apart if their hulls are farther from each other than `room`.
+fn separating(sets: &[Centres; 2], room: f64, along: &mut Vec<f64>) -> Separation {
+    if sets[0].len() == 0 || sets[1].len() == 0 {
+        return Separation::Unknown;
+    }
+    let centroids = difference(sets[1].centroid(), sets[0].centroid());
+    let mut apart = centroids;
+    for shrink in SHRINKS {
+        // The distance of shrunk hulls is not that of the particles.
+        let room = if shrink == 0.0 { room } else { f64::INFINITY };
+        match nearest(sets, centroids, (shrink, room), along) {
+            Hulls::Overlap => continue,
+            Hulls::Apart => return Separation::Apart,
+            Hulls::Nearest(v) => apart = v,
+        }
+        break;
+    }
+    unit(apart).map_or(Separation::Unknown, Separation::Along)
+}
+
+/// Places of two hulls.
+enum Hulls {
+    Overlap,
+    /// Farther from each other than needed.
+    Apart,
+    /// Shortest vector from the first to the second.
+    Nearest([f64; 3]),
+}
+
+/// Places of the hulls of two sets, both shrunk by `shrink` about their centroids, which are `centroids` apart; the search ends once they
+/// are known to be farther from each other than `room`.
+fn nearest(
+    sets: &[Centres; 2],
+    centroids: [f64; 3],
+    (shrink, room): (f64, f64),
+    along: &mut Vec<f64>,
+) -> Hulls {
     let mut v = centroids;
     let mut simplex = Simplex::default();
     for step in 0..STEPS {
         let square = dot(v, v);
         if square < NEAREST * NEAREST {
-            return None;
+            return Hulls::Overlap;
         }
         let (first, second) = (sets[0].farthest(v, along), sets[1].farthest(times(v, -1.0), along));
         let whole = times(difference(second, first), 1.0 - shrink);
         let vertex = sum(whole, times(centroids, shrink));
-        if square - dot(v, vertex) <= FOUND * square || simplex.has(vertex) {
+        // Both hulls are beyond their farthest points along v, on either side.
+        let slab = dot(v, vertex);
+        if slab > room * square.sqrt() {
+            return Hulls::Apart;
+        }
+        if square - slab <= FOUND * square || simplex.has(vertex) {
             break;
         }
         simplex.add(vertex);
@@ -188,7 +234,7 @@ fn nearest(sets: &[Centres; 2], centroids: [f64; 3], shrink: f64, along: &mut Ve
         }
         v = next;
     }
-    Some(v)
+    Hulls::Nearest(v)
 }
 
 /// Simplex of up to four vertices of the difference of two hulls, which contains its nearest point to the origin.
@@ -285,8 +331,15 @@ mod tests {
 
     fn set(points: impl IntoIterator<Item = [f64; 3]>) -> Centres {
         let mut centres = Centres::default();
-        points.into_iter().for_each(|p| centres.push(p));
+        points.into_iter().for_each(|p| centres.extend(&[p]));
         centres
+    }
+
+    fn normal(sets: &[Centres; 2]) -> Option<[f64; 3]> {
+        match separating(sets, f64::INFINITY, &mut Vec::new()) {
+            Separation::Along(normal) => Some(normal),
+            Separation::Apart | Separation::Unknown => None,
+        }
     }
 
     /// Rows of a block, rotated by an angle about z.
@@ -316,7 +369,7 @@ mod tests {
                     let low = block(-3..3, -3..0, depth.clone(), angle);
                     let high = block(-3..right, 0..3, depth.clone(), angle);
                     let exact = [-f64::sin(angle), f64::cos(angle), 0.0];
-                    let found = separating(&[low, high], &mut Vec::new()).unwrap();
+                    let found = normal(&[low, high]).unwrap();
                     let off = difference(found, exact);
                     assert!(dot(off, off).sqrt() < 1e-12, "{angle} {right} {found:?}");
                 }
@@ -338,12 +391,39 @@ mod tests {
         };
         let make = || [ball(1, [0.0; 3]), ball(2, [0.8, 0.5, 0.4])];
         let [a, b] = make();
-        let there = separating(&[a, b], &mut Vec::new()).unwrap();
+        let there = normal(&[a, b]).unwrap();
         let [a, b] = make();
-        let back = separating(&[b, a], &mut Vec::new()).unwrap();
+        let back = normal(&[b, a]).unwrap();
         assert_eq!(there, times(back, -1.0));
         let line = unit([0.8, 0.5, 0.4]).unwrap();
         assert!(dot(line, there) > 0.97, "{there:?}");
+    }
+
+    #[test]
+    fn only_hulls_beyond_the_room_are_apart() {
+        let mut x = 3u32;
+        let mut next = || {
+            x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(x >> 8) / f64::from(1u32 << 24) - 0.5
+        };
+        let room = 0.6;
+        let mut counts = [0; 2];
+        for _ in 0..400 {
+            let gap = 1.2 + next();
+            let first: Vec<[f64; 3]> = (0..12).map(|_| [next(), next(), next()]).collect();
+            let second: Vec<[f64; 3]> = (0..9).map(|_| [next() + gap, next() + 0.3, next()]).collect();
+            let sets = [set(first.clone()), set(second.clone())];
+            let exact = normal(&sets).unwrap();
+            let end = first.iter().map(|x| dot(*x, exact)).fold(f64::NEG_INFINITY, f64::max);
+            let start = second.iter().map(|x| dot(*x, exact)).fold(f64::INFINITY, f64::min);
+            let apart = start - end > room;
+            counts[usize::from(apart)] += 1;
+            match separating(&sets, room, &mut Vec::new()) {
+                Separation::Apart => assert!(apart, "{} {room}", start - end),
+                other => assert_eq!(other, Separation::Along(exact)),
+            }
+        }
+        assert!(counts[0] > 50 && counts[1] > 50, "{counts:?}");
     }
 
     #[test]
@@ -352,9 +432,9 @@ mod tests {
         let low = set((-4..4).flat_map(|i| [[f64::from(i), -0.2, 0.0], [f64::from(i), -1.2, 0.0]]));
         let high =
             set((-4..4).flat_map(|i| [[f64::from(i) + 0.3, -0.3, 0.0], [f64::from(i) + 0.3, 0.7, 0.0]]));
-        let found = separating(&[low, high], &mut Vec::new()).unwrap();
+        let found = normal(&[low, high]).unwrap();
         assert!(found[1] > 0.999, "{found:?}");
-        assert_eq!(separating(&[set([[1.0; 3]]), set([])], &mut Vec::new()), None);
-        assert_eq!(separating(&[set([[1.0; 3]]), set([[1.0; 3]])], &mut Vec::new()), None);
+        assert_eq!(normal(&[set([[1.0; 3]]), set([])]), None);
+        assert_eq!(normal(&[set([[1.0; 3]]), set([[1.0; 3]])]), None);
     }
 }

@@ -10,6 +10,7 @@ use super::places::{FacingPair, PairPlaces, Side};
 use super::solve::{Touch, gather, solve};
 use super::surface::meet_surfaces;
 use crate::detect::{ContactDetector, Criterion};
+use crate::field_points::FieldPoints;
 use crate::law::{Contact, Pairs};
 use crate::normal::{Memory, Nodal, NormalRule};
 use crate::vector::{difference, dot, wide};
@@ -165,12 +166,12 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
 ) -> Vec<Touching<D>> {
     let bodies = |p: &FacingPair<D>| p.sides.map(|s| s.place.body);
     let mut list = Vec::new();
-    let mut scratch = Vec::new();
+    let (mut scratch, mut points) = (Vec::new(), FieldPoints::default());
     for batch in pairs.chunk_by(|a, b| bodies(a) == bodies(b)).flat_map(|of_two| of_two.chunks(BATCH)) {
         let at = PairPlaces { pairs: batch, members, spacing };
         let all = if batch.len() == BATCH { u64::MAX } else { (1 << batch.len()) - 1 };
         scratch.clear();
-        let mut memory = Memory { numbers: &mut scratch, nodes: &[all, all] };
+        let mut memory = Memory { numbers: &mut scratch, points: &mut points, nodes: &[all, all] };
         let mut normals: Nodal<[f64; 3]> = [[0.0; 3]; BATCH];
         let mut gaps: Nodal<Option<f64>> = [None; BATCH];
         detector.normals().prepare(&at, &mut memory);

@@ -119,7 +119,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
                 let offset: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - origin[d] } else { 0.0 });
                 let mut halves = [0.0; 3];
                 halves[..D].fill(half);
-                visit(1 << n, &NearPoint { offset, half: halves, mass });
+                visit(1 << n, &NearPoint { offset, half: halves, radius: half, mass });
             };
             match self.part(side) {
                 None => show(&side.position, side.mass, side.beyond),

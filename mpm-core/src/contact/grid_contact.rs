@@ -3,8 +3,8 @@
 use impactite_simd::Float;
 use mpm_contact::vector::{difference, dot, length, sum, times};
 use mpm_contact::{
-    Contact, ContactDetector, ContactLaw, Criterion, Memory, Nodal, NormalRule, Outcome, Pairs, Remembers,
-    SurfaceQuantity, each_place,
+    Contact, ContactDetector, ContactLaw, Criterion, FieldPoints, Memory, Nodal, NormalRule, Outcome, Pairs,
+    Remembers, SurfaceQuantity, each_place,
 };
 use mpm_materials::{Check, ParameterError};
 
@@ -94,14 +94,14 @@ where
     }
 
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut BlockContacts<T>, scratch: &mut Scratch<T>) {
-        let Scratch { numbers, bits, vectors } = scratch;
+        let Scratch { numbers, bits, vectors, points } = scratch;
         let crowded = share(at, bits);
         if bits.iter().all(|&nodes| nodes == 0) {
             found.pairs.clear();
             found.touches.clear();
             return;
         }
-        self.look(at, found, bits, numbers, crowded);
+        self.look(at, found, bits, (numbers, points), crowded);
         let (zero, criterion) = ([T::of(0.0); 3], self.detector.criterion(at.spacing()));
         for touch in &mut found.touches {
             let Pair { fields, bodies, .. } = &found.pairs[touch.pair as usize];
@@ -258,7 +258,7 @@ impl<S, T: Float> GridContact<S, T> {
         at: &SharedNodes<'_, T, D>,
         found: &mut BlockContacts<T>,
         shared: &mut Vec<u64>,
-        numbers: &mut Vec<[T; 4]>,
+        (numbers, points): (&mut Vec<[T; 4]>, &mut FieldPoints),
         crowded: u64,
     ) where
         S: ContactDetector<T, D>,
@@ -284,7 +284,7 @@ impl<S, T: Float> GridContact<S, T> {
             return;
         }
         numbers.clear();
-        let mut memory = Memory { numbers, nodes: unknown };
+        let mut memory = Memory { numbers, points, nodes: unknown };
         self.detector.normals().prepare(at, &mut memory);
         let before = found.touches.len();
         for r in 0..fields {
@@ -318,14 +318,26 @@ impl<S, T: Float> GridContact<S, T> {
         let mut gaps: Nodal<Option<T>> = [None; 64];
         let bodies = pair.map(|f| at.body(f));
         let fields = pair.map(|f| f as u32);
-        let mut nodes = self.detector.normals().normals(at, pair, nodes, memory, &mut normals);
+        let law = self.laws.law(bodies[0], bodies[1]);
+        let criterion = self.detector.criterion(at.spacing());
+        // Largest gap of nodes that are in contact or may come into contact before the next update.
+        let gap = match criterion {
+            Criterion::Gap(_) => furthest(law, criterion, at.spacing()) + self.keeps * at.spacing(),
+            Criterion::State | Criterion::Always => f64::INFINITY,
+        };
+        let gap_of_surfaces = if self.detector.measures_surfaces() { gap } else { f64::INFINITY };
+        let rule = self.detector.normals();
+        let asked = rule.normals_within(at, pair, nodes, gap_of_surfaces, memory, &mut normals);
+        let mut nodes = asked.found;
         let place = found.pairs.iter().position(|p| p.fields == fields).unwrap_or_else(|| {
             found.pairs.push(Pair::new(fields, bodies.map(|b| b as u32)));
             found.pairs.len() - 1
         });
-        let law = self.laws.law(bodies[0], bodies[1]);
         let all = found.pairs[place].lasts || acts_on_parting(law) || remembers(law);
-        if !all {
+        if all {
+            // Bodies that are apart do not meet before the next update.
+            found.pairs[place].known |= asked.apart;
+        } else {
             let closes = |n: &usize| has(crowded, *n as u8) || approach(at, &fields, *n as u8, normals[*n]);
             nodes = each_place(nodes).filter(closes).fold(0, |bits, n| bits | 1 << n);
         }
@@ -333,10 +345,8 @@ impl<S, T: Float> GridContact<S, T> {
             return;
         }
         let mut touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
-        let criterion = self.detector.criterion(at.spacing());
         if let Criterion::Gap(_) = criterion {
-            // Include nodes that may come into contact before the next update.
-            let limit = T::of(furthest(law, criterion, at.spacing()) + self.keeps * at.spacing());
+            let limit = T::of(gap);
             let near = |n: &usize| gaps[*n].is_some_and(|gap| gap <= limit);
             touching |= each_place(nodes).filter(near).fold(0, |bits, n| bits | 1 << n);
         }

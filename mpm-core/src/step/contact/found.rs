@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use mpm_contact::FieldPoints;
+
 use crate::step::nodes::fields::Member;
 use impactite_simd::Float;
 
@@ -214,11 +216,13 @@ pub struct Scratch<T> {
     pub bits: Vec<u64>,
     /// Vectors of pairs, three each.
     pub vectors: Vec<[[T; 3]; 3]>,
+    /// Particles near nodes.
+    pub points: FieldPoints,
 }
 
 impl<T> Default for Scratch<T> {
     fn default() -> Self {
-        Scratch { numbers: Vec::new(), bits: Vec::new(), vectors: Vec::new() }
+        Scratch { numbers: Vec::new(), bits: Vec::new(), vectors: Vec::new(), points: FieldPoints::default() }
     }
 }
 
@@ -228,6 +232,7 @@ impl<T> Scratch<T> {
         self.numbers.capacity() * size_of::<[T; 4]>()
             + self.bits.capacity() * size_of::<u64>()
             + self.vectors.capacity() * size_of::<[[T; 3]; 3]>()
+            + self.points.bytes()
     }
 }
 

@@ -19,19 +19,40 @@ use crate::step::nodes::layout::LAYERS;
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 
 /// Stencil nodes of a bin among the requested ones: index in the block of each, or [`OUTSIDE`].
-struct Reached {
-    node: [u8; block_nodes(3)],
-    /// Offset of the bin's block from the block of the nodes.
+type Reached = [u8; block_nodes(3)];
+
+const OUTSIDE: u8 = u8::MAX;
+
+/// Place of a bin relative to a node block.
+struct BinPlace {
+    /// First node of the stencil, from the first node of the block.
+    first: [i32; 3],
+    /// Offset of the bin's block.
     block: [i32; 3],
 }
 
-const OUTSIDE: u8 = u8::MAX;
+/// Return the nodes of a block in a bin's stencil, of `count` nodes per axis, one bit each. `first` are the coordinates of
+/// its first stencil node, relative to the block's first node.
+#[inline(always)]
+fn stencil_nodes<const D: usize>(count: usize, first: [i32; 3]) -> u64 {
+    let mut nodes = u64::MAX;
+    for d in 0..D {
+        let mut layers = 0;
+        for place in first[d]..first[d] + count as i32 {
+            if (0..BLOCK as i32).contains(&place) {
+                layers |= LAYERS[d] << (place as usize * BLOCK.pow(d as u32));
+            }
+        }
+        nodes &= layers;
+    }
+    nodes
+}
 
 /// Find the nodes of a bin's stencil, of `count` nodes per axis, that are in `nodes` of a node block. `first` are the
 /// coordinates of its first stencil node, relative to the block's first node.
 #[inline(always)]
 fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached {
-    let mut found = Reached { node: [OUTSIDE; block_nodes(3)], block: [0; 3] };
+    let mut found = [OUTSIDE; block_nodes(3)];
     let inside = 0..BLOCK as i32;
     for c in 0..if D == 3 { count } else { 1 } {
         let z = if D == 3 { first[2] + c as i32 } else { 0 };
@@ -47,7 +68,7 @@ fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached
                 }
                 let node = (z * BLOCK as i32 + y) * BLOCK as i32 + x;
                 if nodes & (1 << node) != 0 {
-                    found.node[(c * count + b) * count + a] = node as u8;
+                    found[(c * count + b) * count + a] = node as u8;
                 }
             }
         }
@@ -130,8 +151,9 @@ macro_rules! for_bins {
                     let place = $bin / BLOCK.pow(d as u32) % BLOCK;
                     first[d] = o[d] * BLOCK as i32 + place as i32 + first_node($count);
                 }
-                let mut $at = reached::<$d>($count, first, $nodes);
-                $at.block[..$d].copy_from_slice(&o);
+                let mut place = BinPlace { first, block: [0; 3] };
+                place.block[..$d].copy_from_slice(&o);
+                let $at = place;
                 $do
             }
         }
@@ -188,7 +210,7 @@ pub(in crate::step) fn asked<T: Float, const D: usize>(
         return said;
     }
     let SurfaceTask { slots, contributors, nodes, masses, material, .. } = about;
-    for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, _at| {
+    for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, _place| {
         let mut groups = Vec::new();
         let mut next = slot.block.last_group(bin);
         while let Some((group, _)) = next {
@@ -259,6 +281,7 @@ where
         let lane_index = lane_numbers::<T, A::Pack>();
         let mut visited = 0;
         for_bins!(slots, contributors, nodes, count, D, masses, |slot, bin, at| {
+            let reached = reached::<D>(count, at.first, nodes);
             let of_bin = said.get(visited);
             visited += 1;
             let mut number = 0;
@@ -307,7 +330,7 @@ where
                             let (yz, dyz) = (y * z, w[1].slope[b] * z);
                             let ydz = if D == 3 { y * (w[2].slope[c] * amount) } else { zero };
                             for a in 0..count {
-                                let node = at.node[(c * count + b) * count + a] as usize;
+                                let node = reached[(c * count + b) * count + a] as usize;
                                 if node >= block_nodes(3) {
                                     continue;
                                 }
@@ -430,14 +453,31 @@ pub struct NearTask<'a, T: Float, const D: usize> {
 }
 
 impl<T: Float, const D: usize, S: ShapeFunction<T, D>> NearPoints<'_, T, D, S> {
+    /// Return the half sizes of a particle along the axes, and a bound of that in any direction, m; `number` reads its columns.
+    #[inline(always)]
+    fn sizes(&self, number: impl Fn(usize) -> T) -> ([T; 3], T) {
+        let NearTask { domains, spacing: h, .. } = &self.about;
+        let domain = domains.of::<T::Single, S, D>(|n: usize| T::Single::from(number(domains.column + n)));
+        let (mut sizes, mut largest, mut squares) = ([T::default(); 3], T::default(), T::default());
+        for d in 0..D {
+            let mut axis = [T::Single::zero(); 3];
+            axis[d] = T::Single::one();
+            let half: T = S::DOMAIN.half_along::<T::Single, D>(&domain, &axis).into();
+            sizes[d] = half * *h;
+            largest = largest.max(sizes[d]);
+            squares += sizes[d] * sizes[d];
+        }
+        // The sum of the squares is that of the half edges of an oblique domain.
+        (sizes, if S::DOMAIN.convects() { squares.sqrt() } else { largest })
+    }
+
     pub(in crate::step) fn visit(&self, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
-        let NearTask { slots, contributors, nodes, domains, spacing: h, masses } = &self.about;
+        let NearTask { slots, contributors, nodes, spacing: h, masses, .. } = &self.about;
         let count = S::Extent::NODES;
+        // Constant domains are equal for all particles.
+        let of_all = (!S::DOMAIN.carried()).then(|| self.sizes(|_| T::default()));
         for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, at| {
-            let mut mask = 0;
-            for node in at.node.into_iter().filter(|n| *n != OUTSIDE) {
-                mask |= 1 << node;
-            }
+            let mask = stencil_nodes::<D>(count, at.first) & *nodes;
             // Nodes of the block have integer coordinates; the centre of the bin is that of its stencil.
             let mut centre = [T::default(); 3];
             for d in 0..D {
@@ -445,23 +485,20 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> NearPoints<'_, T, D, S> {
                 let block = at.block[d] * BLOCK as i32;
                 centre[d] = T::of(f64::from(block + place) + bin_centre::<S::Extent>());
             }
-            for place in slot.block.bin_places(bin) {
-                let number = |column: usize| slot.block.get(place, column);
-                let mut near = NearPoint {
-                    offset: [T::default(); 3],
-                    half: [T::default(); 3],
-                    mass: masses.read(number),
-                };
-                let carried = |n: usize| T::Single::from(number(domains.column + n));
-                let domain = domains.of::<T::Single, S, D>(carried);
-                for d in 0..D {
-                    let mut axis = [T::Single::zero(); 3];
-                    axis[d] = T::Single::one();
-                    let half: T = S::DOMAIN.half_along::<T::Single, D>(&domain, &axis).into();
-                    near.half[d] = half * *h;
-                    near.offset[d] = (centre[d] + number(Columns::position() + d)) * *h;
+            let mut next = slot.block.last_group(bin);
+            while let Some((group, in_group)) = next {
+                next = slot.block.group_before(group);
+                let group = slot.block.group(group);
+                for lane in 0..in_group {
+                    let number = |column: usize| group[column].as_ref()[lane];
+                    let (half, radius) = of_all.unwrap_or_else(|| self.sizes(number));
+                    let mut near =
+                        NearPoint { offset: [T::default(); 3], half, radius, mass: masses.read(number) };
+                    for d in 0..D {
+                        near.offset[d] = (centre[d] + number(Columns::position() + d)) * *h;
+                    }
+                    visit(mask, &near);
                 }
-                visit(mask, &near);
             }
         });
     }
@@ -472,6 +509,22 @@ const _: () = assert!(block_nodes(3) == u64::BITS as usize, "a node of a block i
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nodes_of_a_stencil_are_those_of_its_table() {
+        for count in [2, 3, 4] {
+            for place in 0..512 {
+                let first = [0, 1, 2].map(|d| place / 8i32.pow(d) % 8 - 4);
+                let nodes = 0x0123_4567_89ab_cdef;
+                let table = reached::<3>(count, first, nodes);
+                let bits = table.iter().filter(|n| **n != OUTSIDE).fold(0, |bits, n| bits | 1 << n);
+                assert_eq!(stencil_nodes::<3>(count, first) & nodes, bits, "{count} {first:?}");
+                let table = reached::<2>(count, first, 0x9bdf);
+                let bits = table.iter().filter(|n| **n != OUTSIDE).fold(0, |bits, n| bits | 1 << n);
+                assert_eq!(stencil_nodes::<2>(count, first) & 0x9bdf, bits, "{count} {first:?}");
+            }
+        }
+    }
 
     #[test]
     fn bins_beside_spill_into_blocks_around() {
