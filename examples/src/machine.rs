@@ -3,6 +3,8 @@
 use std::process::Command;
 use std::time::Instant;
 
+use mpm_core::parallel::{Arch, Float, Kernel, Lane, Vectors};
+
 /// Return the commit that is checked out, with `+` if files differ from it; `unknown` outside a repository.
 pub fn commit() -> String {
     let git = |arguments: &[&str]| {
@@ -44,13 +46,27 @@ pub fn into_huge_pages() {
     }
 }
 
-/// Return the processor model, the number of processors and the operating system.
+/// Kernel that returns the number of points in a vector.
+struct Lanes;
+
+impl Kernel<f64> for Lanes {
+    const VECTORS: Vectors = Vectors::Avx512;
+    type Output = usize;
+    #[inline(always)]
+    fn run<A: Arch<f64>>(self) -> usize {
+        <A::Batch as Lane>::WIDTH
+    }
+}
+
+/// Return the processor model, the number of processors, the points in a vector of the compiled kernels, and the operating
+/// system.
 pub fn class() -> String {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let list = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = list.lines().find(|l| l.starts_with("model name")).and_then(|l| l.split(": ").nth(1));
     let model = model.unwrap_or(std::env::consts::ARCH).trim();
-    format!("{model}, {processors} processors, {}", std::env::consts::OS)
+    let lanes = f64::dispatch(Lanes);
+    format!("{model}, {processors} processors, vectors of {lanes} numbers, {}", std::env::consts::OS)
 }
 
 /// Return the processor time of finished child processes so far, s; `None` if the system does not report it.

@@ -32,7 +32,7 @@ pub struct Job {
     pub source: Source,
     /// Folder of the run's files.
     pub folder: PathBuf,
-    /// Number of threads; all processors if `None`.
+    /// Largest number of threads; all processors that this process may use if `None`.
     pub threads: Option<usize>,
     /// Wall-clock time between checkpoints.
     pub checkpoint: Duration,
@@ -210,6 +210,9 @@ impl Job {
         let scene = self.source.parse()?;
         let threads = self.threads();
         let team = Team::new(threads).map_err(|e| CliError::option("--threads", e.to_string()))?;
+        if let Some(wanted) = self.threads.filter(|wanted| *wanted > threads) {
+            tracing::info!("{threads} of {wanted} threads: this process may use {threads} processors");
+        }
         let mut solver = team.run(|| self.source.build(&scene))?;
         if self.advance.as_ref().is_some_and(|advance| !advance.begin(stop)) {
             let (time, steps) = (solver.time(), solver.steps());
@@ -228,10 +231,10 @@ impl Job {
         outcome
     }
 
-    /// Number of threads of the run.
+    /// Number of threads of the run: at most one per processor that this process may use.
     pub(crate) fn threads(&self) -> usize {
-        let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
-        self.threads.unwrap_or_else(all)
+        let all = std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
+        self.threads.map_or(all, |threads| threads.min(all))
     }
 
     fn steps(

@@ -239,7 +239,20 @@ struct Gathered {
 impl Gathered {
     fn new(bodies: &[&dyn Body]) -> Self {
         let names = state_fields(bodies);
-        Gathered { state: vec![Vec::new(); names.len()], names, ..Self::default() }
+        let count = bodies.iter().map(|body| body.len()).sum();
+        Gathered {
+            positions: Vec::with_capacity(count),
+            sizes: Vec::with_capacity(count),
+            bodies: Vec::with_capacity(count),
+            velocity: Vec::with_capacity(count),
+            stress: Vec::with_capacity(count),
+            pressure: Vec::with_capacity(count),
+            von_mises: Vec::with_capacity(count),
+            particle: Vec::with_capacity(count),
+            state: names.iter().map(|_| Vec::with_capacity(count)).collect(),
+            names,
+            ..Self::default()
+        }
     }
 
     /// Return for every column the index of its variable in a body's state.

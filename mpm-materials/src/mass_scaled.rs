@@ -89,6 +89,9 @@ impl<T: Float> Material<T> for MassScaled<T> {
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]) {
         self.law.volume_ratios(states, ratios);
     }
+    fn energies(&self, states: States<'_, T>, energies: &mut [T::Row], heats: &mut [T::Row]) {
+        self.law.energies(states, energies, heats);
+    }
     fn describe_point(&self, state: &[T]) -> Option<Described<T>> {
         let said = self.law.describe_point(state)?;
         Some(Described { wave_speed: self.slowness * said.wave_speed, ..said })

@@ -242,6 +242,9 @@ pub trait Material<T: Float>: Send + Sync {
     fn describe(&self, states: States<'_, T>, length: T, response: &mut Response<T>);
     /// Compute volume ratios only, a row per group of the list.
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]);
+    /// Compute internal energies and the heats of viscosity that are part of them, J/m^3 of reference volume, a row each per
+    /// group of the list: [`Material::energy_of`], [`Material::viscous_heat_of`].
+    fn energies(&self, states: States<'_, T>, energies: &mut [T::Row], heats: &mut [T::Row]);
     /// Return the response at one state; `None` unless it has [`Material::numbers`] numbers.
     fn describe_point(&self, state: &[T]) -> Option<Described<T>>;
     /// Return [`Constitutive::step_speed`] of one state, m/s; `None` unless it has [`Material::numbers`] numbers.
@@ -646,6 +649,19 @@ impl<T: Float, C: Constitutive<T>, const WIDE: bool> Material<T> for Compiled<C,
             for lane in 0..T::GROUP {
                 let now = self.read(rows.iter().map(|row| row.as_ref()[lane]));
                 ratio.as_mut()[lane] = self.law.volume_ratio(&now).into();
+            }
+        }
+    }
+    fn energies(&self, states: States<'_, T>, energies: &mut [T::Row], heats: &mut [T::Row]) {
+        let (numbers, heated) = (Stored::count::<T, C>(&self.law), self.law.has_viscous_heat());
+        let groups = states.groups.iter().zip(energies.iter_mut().zip(heats));
+        for (&group, (energy, heat)) in groups.filter(|(group, _)| **group != NO_GROUP) {
+            let rows = &states.all[group as usize * states.stride + states.first..][..numbers];
+            for lane in 0..T::GROUP {
+                let now = self.read(rows.iter().map(|row| row.as_ref()[lane]));
+                energy.as_mut()[lane] = self.law.energy(&now).into();
+                let given = if heated { self.law.viscous_heat(&now).into() } else { T::default() };
+                heat.as_mut()[lane] = given;
             }
         }
     }

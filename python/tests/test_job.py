@@ -22,7 +22,7 @@ def test_a_run_leaves_its_files_and_the_bits_of_steps(scene, tmp_path):
     assert result.measures == simulation.measures() and result.units == scene.measures
     assert (result.steps, result.time, result.points) == (simulation.steps, scene.end, len(simulation.bodies["disc"]))
     assert result.title == scene.title and result.settings["parameters"] == scene.parameters
-    assert result.settings["threads"] == 2 and result.wall_seconds > 0
+    assert result.settings["threads"] in (1, 2) and result.wall_seconds > 0
     # The largest of the run is at least that of its end.
     assert abs(result.energy_error) >= abs(simulation.energy()["error"]) > 0
     (check,) = result.checks

@@ -128,6 +128,14 @@ impl Material<f64> for Stretched {
     fn volume_ratios(&self, states: States<'_, f64>, ratios: &mut [<f64 as Float>::Row]) {
         self.law.volume_ratios(States { first: states.first + STRETCH, ..states }, ratios);
     }
+    fn energies(
+        &self,
+        states: States<'_, f64>,
+        energies: &mut [<f64 as Float>::Row],
+        heats: &mut [<f64 as Float>::Row],
+    ) {
+        self.law.energies(States { first: states.first + STRETCH, ..states }, energies, heats);
+    }
     fn describe_point(&self, state: &[f64]) -> Option<Described<f64>> {
         self.law.describe_point(self.own(state)?)
     }

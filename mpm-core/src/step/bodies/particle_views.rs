@@ -8,6 +8,7 @@ use crate::step::between_steps::deactivated::Deactivated;
 use crate::step::passes::slot::{Outline, Scratch, Slot};
 use impactite_scene::{Body, Bounds, Parts, PointView, Totals};
 use impactite_simd::{Float, Team};
+use mpm_materials::material::States;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     pub(in crate::step) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> PointView {
@@ -58,18 +59,34 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Position of a particle, m; `way` is that of the lead.
     #[inline]
     fn position_of(&self, block: &Block<T, D>, bin: usize, at: Place, way: &[f64; 3]) -> [f64; 3] {
-        let (lattice, coordinates) = self.lattices.of_node(&block.bin_coordinates(bin));
+        self.positions(block, way)(bin, at)
+    }
+
+    /// Positions of the particles of a block, m, by bin and place; `way` is that of the lead.
+    #[inline]
+    fn positions<'a>(
+        &'a self,
+        block: &'a Block<T, D>,
+        way: &'a [f64; 3],
+    ) -> impl FnMut(usize, Place) -> [f64; 3] + 'a {
         let (centre, total) = (self.bin_centre(), self.facts().total);
-        let mut position = [0.0; 3];
-        for d in 0..D {
-            let mut cells =
-                f64::from(coordinates[d]) + centre + block.get(at, Columns::position() + d).to_double();
-            if total {
-                cells += block.get(at, self.columns.frame() + d).to_double();
+        let (mut known, mut lattice, mut coordinates) = (usize::MAX, self.lattice, [0; D]);
+        move |bin, at| {
+            if bin != known {
+                known = bin;
+                (lattice, coordinates) = self.lattices.of_node(&block.bin_coordinates(bin));
             }
-            position[d] = lattice.origin()[d] + lattice.spacing() * cells - way[d];
+            let mut position = [0.0; 3];
+            for d in 0..D {
+                let mut cells =
+                    f64::from(coordinates[d]) + centre + block.get(at, Columns::position() + d).to_double();
+                if total {
+                    cells += block.get(at, self.columns.frame() + d).to_double();
+                }
+                position[d] = lattice.origin()[d] + lattice.spacing() * cells - way[d];
+            }
+            position
         }
-        position
     }
 
     /// State variables of the law among the values of a particle.
@@ -89,23 +106,31 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         numbers
     }
 
+    /// States of groups of a block.
+    fn states_of<'a>(&self, block: &'a Block<T, D>, groups: &'a [u32]) -> States<'a, T> {
+        let (all, stride) = block.all_rows();
+        States { all, stride, first: Columns::state(D), groups }
+    }
+
     pub(super) fn totals_of(&self, slot: &Slot<T, D>) -> Totals {
         let mut part = Totals::default();
-        let mut state = Vec::with_capacity(self.columns.count());
         let (way, density) = (self.lead.way(), self.material.density());
+        let groups = groups_of(&slot.block);
+        let (mut energies, mut heats) =
+            (vec![T::Row::default(); groups.len()], vec![T::Row::default(); groups.len()]);
+        self.material.energies(self.states_of(&slot.block, &groups), &mut energies, &mut heats);
+        let (mut place, mut position) = (InGroups::default(), self.positions(&slot.block, &way));
         for (bin, at) in slot.block.places() {
             let number = |column: usize| slot.block.get(at, column);
-            state.clear();
-            state.extend((Columns::state(D)..self.columns.domain()).map(number));
-            let x = self.position_of(&slot.block, bin, at, &way);
+            let (group, lane) = place.next(&groups, at);
+            let x = position(bin, at);
             let mut v = [0.0; 3];
             for d in 0..D {
                 v[d] = number(Columns::velocity(D) + d).to_double();
             }
             let mass = self.masses.read(number);
-            let energy = self.material.energy_of(&state).unwrap_or_default();
+            let [energy, heat] = [&energies, &heats].map(|rows| rows[group].as_ref()[lane]);
             part.internal += (energy * (mass / density)).to_double();
-            let heat = self.material.viscous_heat_of(&state);
             part.viscous_heat += (heat * (mass / density)).to_double();
             let mass = mass.to_double();
             part.particles += 1;
@@ -162,16 +187,18 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
         let mut parts = vec![Bounds::default(); self.index.len()];
         let way = self.lead.way();
         Team::ambient().each(&mut parts, |n, held| {
-            let (mut state, mut p) = (Vec::new(), PointView::default());
+            let mut p = PointView::default();
             let block = &self.slots[self.index[n].1 as usize].block;
+            let groups = groups_of(block);
+            let mut ratios = vec![T::Row::default(); groups.len()];
+            self.material.volume_ratios(self.states_of(block, &groups), &mut ratios);
+            let (mut place, mut position) = (InGroups::default(), self.positions(block, &way));
             for (bin, at) in block.places() {
-                p.position = self.position_of(block, bin, at, &way);
-                state.clear();
-                state.extend((Columns::state(D)..self.columns.domain()).map(|column| block.get(at, column)));
-                if let Some(ratio) = self.material.volume_ratio_of(&state) {
-                    let mass = self.mass_at(block, at).to_double();
-                    p.volume = mass / self.material.density().to_double() * ratio.to_double();
-                }
+                p.position = position(bin, at);
+                let (group, lane) = place.next(&groups, at);
+                let mass = self.mass_at(block, at).to_double();
+                let ratio = ratios[group].as_ref()[lane].to_double();
+                p.volume = mass / self.material.density().to_double() * ratio;
                 held.hold(&p, dimensions, axisymmetric);
             }
         });
@@ -201,5 +228,28 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
             + self.forces.capacity() * size_of::<[f64; 3]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
             + self.resting.as_ref().map_or(0, Deactivated::bytes)
+    }
+}
+
+/// Groups of the particles of a block, in the order of [`Block::places`].
+fn groups_of<T: Float, const D: usize>(block: &Block<T, D>) -> Vec<u32> {
+    let mut groups = Vec::with_capacity(block.len().div_ceil(T::GROUP) + 1);
+    for (_, at) in block.places() {
+        if groups.last() != Some(&at.group) {
+            groups.push(at.group);
+        }
+    }
+    groups
+}
+
+/// Position in the list of the groups of a block, as its places are visited.
+#[derive(Default)]
+struct InGroups(usize);
+
+impl InGroups {
+    /// Return the index of the group of the next place, and its lane.
+    fn next(&mut self, groups: &[u32], at: Place) -> (usize, usize) {
+        self.0 += usize::from(groups[self.0] != at.group);
+        (self.0, at.lane as usize)
     }
 }

@@ -55,6 +55,10 @@ impl<T: Float> Material<T> for Undeformed<T> {
     fn volume_ratios(&self, _: States<'_, T>, ratios: &mut [T::Row]) {
         ratios.fill(undeformed::<T>().volume_ratio.0[0]);
     }
+    fn energies(&self, _: States<'_, T>, energies: &mut [T::Row], heats: &mut [T::Row]) {
+        energies.fill(T::Row::default());
+        heats.fill(T::Row::default());
+    }
     fn describe_point(&self, state: &[T]) -> Option<Described<T>> {
         let (zero, volume_ratio) = (T::default(), T::of(1.0));
         state.is_empty().then_some(Described {
