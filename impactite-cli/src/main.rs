@@ -71,7 +71,7 @@ struct SceneOptions {
 
 #[derive(Debug, Args)]
 struct HowOptions {
-    /// Largest number of threads [default: all processors]; no more than processors; results are the same for any number
+    /// Largest number of threads, at most one per processor [default: all processors]; results are the same for any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=Team::MOST as i64))]
     threads: Option<u16>,
     /// Wall-clock seconds between checkpoints (0: after every step)

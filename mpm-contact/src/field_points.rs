@@ -93,7 +93,7 @@ pub(crate) struct PointsOf<'a> {
 #[derive(Default)]
 pub(crate) struct NearNode {
     ranges: Vec<Range<usize>>,
-    /// Mean of the centres; not a number without any.
+    /// Mean of the centres; zero without any.
     middle: [f64; 3],
 }
 
@@ -107,7 +107,7 @@ impl<'a> PointsOf<'a> {
             count += run.end - run.start;
             near.ranges.push(run.start..run.end);
         }
-        near.middle = times(sum, 1.0 / count as f64);
+        near.middle = times(sum, 1.0 / count.max(1) as f64);
     }
     /// Centres of selected particles, run by run.
     pub fn runs(self, near: &NearNode) -> impl Iterator<Item = &'a [[f64; 3]]> {
@@ -129,6 +129,9 @@ impl<'a> PointsOf<'a> {
 /// True if the hulls of two fields' centres near a node are farther apart than `room`, in cells, since a slab as thick across the line of
 /// their middles separates them. False says nothing.
 pub(crate) fn are_apart(sides: &[PointsOf<'_>; 2], near: &[NearNode; 2], room: f64) -> bool {
+    if near.iter().any(|near| near.ranges.is_empty()) {
+        return false;
+    }
     let v = difference(near[1].middle, near[0].middle);
     let slab = -sides[1].end(&near[1], times(v, -1.0)) - sides[0].end(&near[0], v);
     slab > 0.0 && slab.is_finite() && slab > room * length(v)

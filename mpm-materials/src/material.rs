@@ -587,6 +587,22 @@ impl<C, const WIDE: bool> Compiled<C, WIDE> {
     {
         (numbers.len() == Stored::count::<T, C>(&self.law)).then(|| self.read(numbers.iter().copied()))
     }
+    /// Visit the state of every lane of the groups: position of the group in the list, lane and state.
+    fn each_state<T: Float>(
+        &self,
+        states: &States<'_, T>,
+        mut visit: impl FnMut(usize, usize, C::State<T::Single>),
+    ) where
+        C: Constitutive<T>,
+    {
+        let numbers = Stored::count::<T, C>(&self.law);
+        for (n, &group) in states.groups.iter().enumerate().filter(|(_, group)| **group != NO_GROUP) {
+            let rows = &states.all[group as usize * states.stride + states.first..][..numbers];
+            for lane in 0..T::GROUP {
+                visit(n, lane, self.read(rows.iter().map(|row| row.as_ref()[lane])));
+            }
+        }
+    }
     /// Return the stored numbers of a state, or what belongs to them.
     fn stored<T: Float, X>(&self, all: impl IntoIterator<Item = X>) -> Vec<X>
     where
@@ -642,28 +658,17 @@ impl<T: Float, C: Constitutive<T>, const WIDE: bool> Material<T> for Compiled<C,
         T::dispatch(Describe { law: &self.law, states, length, outputs: &mut response.outputs[..] });
     }
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]) {
-        let numbers = Stored::count::<T, C>(&self.law);
-        let groups = states.groups.iter().zip(ratios);
-        for (&group, ratio) in groups.filter(|(group, _)| **group != NO_GROUP) {
-            let rows = &states.all[group as usize * states.stride + states.first..][..numbers];
-            for lane in 0..T::GROUP {
-                let now = self.read(rows.iter().map(|row| row.as_ref()[lane]));
-                ratio.as_mut()[lane] = self.law.volume_ratio(&now).into();
-            }
-        }
+        self.each_state(&states, |n, lane, now| {
+            ratios[n].as_mut()[lane] = self.law.volume_ratio(&now).into();
+        });
     }
     fn energies(&self, states: States<'_, T>, energies: &mut [T::Row], heats: &mut [T::Row]) {
-        let (numbers, heated) = (Stored::count::<T, C>(&self.law), self.law.has_viscous_heat());
-        let groups = states.groups.iter().zip(energies.iter_mut().zip(heats));
-        for (&group, (energy, heat)) in groups.filter(|(group, _)| **group != NO_GROUP) {
-            let rows = &states.all[group as usize * states.stride + states.first..][..numbers];
-            for lane in 0..T::GROUP {
-                let now = self.read(rows.iter().map(|row| row.as_ref()[lane]));
-                energy.as_mut()[lane] = self.law.energy(&now).into();
-                let given = if heated { self.law.viscous_heat(&now).into() } else { T::default() };
-                heat.as_mut()[lane] = given;
-            }
-        }
+        let heated = self.law.has_viscous_heat();
+        self.each_state(&states, |n, lane, now| {
+            energies[n].as_mut()[lane] = self.law.energy(&now).into();
+            let heat = if heated { self.law.viscous_heat(&now).into() } else { T::default() };
+            heats[n].as_mut()[lane] = heat;
+        });
     }
     fn describe_point(&self, state: &[T]) -> Option<Described<T>> {
         let now = self.single(state)?;
