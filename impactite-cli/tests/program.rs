@@ -100,6 +100,31 @@ fn a_run_leaves_its_page_its_numbers_and_the_same_bits_for_any_number_of_threads
 }
 
 #[test]
+fn a_run_has_no_more_threads_than_processors() {
+    let folder = folder("threads");
+    let path = scene(&folder, DISC);
+    let all = std::thread::available_parallelism().expect("a number of processors").get();
+    let out = folder.join("out");
+    let arguments = ["run", path.to_str().unwrap(), "--out", out.to_str().unwrap(), "--no-pictures"];
+    let asked = [&arguments[..], &["--threads", "1024"]].concat();
+    let check = |output: Output, processors: usize| {
+        let text = said(&output);
+        assert!(output.status.success(), "{text}");
+        assert!(text.contains(&format!("{processors} of 1024 threads")), "{text}");
+        let run: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(out.join("run.json")).unwrap()).expect("run.json");
+        assert_eq!(run["machine"]["threads"], serde_json::json!(processors));
+    };
+    check(run(&asked), all);
+    // The same on one processor, where the system has `taskset`.
+    let program = env!("CARGO_BIN_EXE_impactite");
+    if let Ok(output) = Command::new("taskset").args(["-c", "0", program]).args(&asked).output() {
+        check(output, 1);
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn what_is_wrong_is_told_with_its_place() {
     let folder = folder("wrong");
     let cases: &[(&str, &str, &[&str])] = &[

@@ -303,6 +303,28 @@ fn a_film_keeps_size_window_and_colours() {
     assert!(SeriesView::new().with_window([1.0; 3], [1.0, 2.0, 0.0], 2).is_err());
 }
 
+/// A film reuses the memory of its pictures; a clone begins without it.
+#[test]
+fn the_memory_of_a_film_leaves_no_trace() {
+    let mut film = SeriesView::new();
+    for h in [2.0e-4, 4.0e-4, 3.0e-4] {
+        let field = FieldPicture::new(300, 500).colour_by(strain()).mirrored([Mirror::x(0.0)]);
+        for mark in [Mark::Cell, Mark::Square, Mark::Disc] {
+            let (mut fresh, field) = (film.clone(), field.clone().mark(mark));
+            let scene = axisymmetric(h);
+            let drawn = field.draw_in(&mut film, &scene).expect("drawn");
+            assert!(drawn == field.draw_in(&mut fresh, &scene).expect("drawn"), "{mark:?}, {h}");
+        }
+    }
+    let mut film = SeriesView::new();
+    let picture = ParticlePicture::new(300, 300);
+    for scene in [bar(4.0e-4, true), bricks(3), bar(8.0e-4, false)] {
+        let mut fresh = film.clone();
+        let drawn = picture.draw_in(&mut film, &scene).expect("drawn");
+        assert!(drawn == picture.draw_in(&mut fresh, &scene).expect("drawn"), "{} points", scene.len());
+    }
+}
+
 #[test]
 fn stretched_surfaces_have_no_holes() {
     // Tube wall of two layers, with columns 1.9 sizes apart.

@@ -6,6 +6,8 @@ use std::path::Path;
 
 use png::{BitDepth, BlendOp, ColorType, Compression, Decoder, DisposeOp, Encoder, Transformations};
 
+use impactite_simd::Team;
+
 use crate::error::ReportError;
 
 /// Maximum number of frames: of longer series, frames at equal intervals are selected.
@@ -16,6 +18,9 @@ pub const WIDEST: usize = 640;
 pub const DELAY: u16 = 100;
 /// Delay of the last frame before the animation restarts, s / 1000.
 pub const LAST_DELAY: u16 = 1500;
+
+/// Number of frames that are read at a time, on all threads.
+const READ_TOGETHER: usize = 8;
 
 /// Picture with three bytes per pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,14 +48,12 @@ pub fn taken(count: usize) -> Vec<usize> {
 /// # Errors
 /// No files; a file that cannot be read, is no PNG, or has another size than the first.
 pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError> {
-    let frames: Vec<&Path> = taken(files.len()).into_iter().map(|n| files[n].as_ref()).collect();
-    let Some(first) = frames.first() else {
+    let paths: Vec<&Path> = taken(files.len()).into_iter().map(|n| files[n].as_ref()).collect();
+    let mut frames = paths.chunks(READ_TOGETHER).flat_map(read_all);
+    let (Some(first), Some(frame)) = (paths.first(), frames.next()) else {
         return Err(ReportError::Field { field: "frames", value: "0".into(), allowed: "at least 1" });
     };
-    let mut before = read(first)?;
-    let (width, height) = (before.width, before.height);
-    let scaled = width.div_ceil(WIDEST);
-    before = before.averaged(scaled);
+    let ([width, height], mut before) = frame?;
 
     let failed = |error| ReportError::damaged(first, format!("no animation: {error}"));
     let mut bytes = Vec::new();
@@ -58,23 +61,21 @@ pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError>
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Fast);
-    encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
+    encoder.set_animated(paths.len() as u32, 0).map_err(failed)?;
     encoder.set_blend_op(BlendOp::Source).map_err(failed)?;
     encoder.set_dispose_op(DisposeOp::None).map_err(failed)?;
     let mut writer = encoder.write_header().map_err(failed)?;
-    let delay = |n: usize| if n + 1 == frames.len() { LAST_DELAY } else { DELAY };
+    let delay = |n: usize| if n + 1 == paths.len() { LAST_DELAY } else { DELAY };
     writer.set_frame_delay(delay(0), 1000).map_err(failed)?;
     writer.write_image_data(&before.bytes).map_err(failed)?;
-    for (n, path) in frames.iter().enumerate().skip(1) {
-        let frame = read(path)?;
-        if (frame.width, frame.height) != (width, height) {
+    for ((n, path), frame) in paths.iter().enumerate().skip(1).zip(frames) {
+        let ([own_width, own_height], frame) = frame?;
+        if [own_width, own_height] != [width, height] {
             let why = format!(
-                "it has {} x {} pixels, and the frames before it {width} x {height}",
-                frame.width, frame.height
+                "it has {own_width} x {own_height} pixels, and the frames before it {width} x {height}"
             );
             return Err(ReportError::damaged(path, why));
         }
-        let frame = frame.averaged(scaled);
         let [left, top, right, bottom] = frame.changed_from(&before);
         // The encoder checks a size against the position of the previous frame.
         writer.set_frame_position(0, 0).map_err(failed)?;
@@ -86,6 +87,18 @@ pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError>
     }
     writer.finish().map_err(failed)?;
     Ok(bytes)
+}
+
+/// Read these PNG files on the threads of the team: width and height of each, and its downsampled pixels.
+fn read_all(paths: &[&Path]) -> Vec<Result<([usize; 2], Pixels), ReportError>> {
+    let read_one = |path: &Path| {
+        let pixels = read(path)?;
+        let (size, over) = ([pixels.width, pixels.height], pixels.width.div_ceil(WIDEST));
+        Ok((size, pixels.averaged(over)))
+    };
+    let mut frames: Vec<_> = paths.iter().map(|path| (*path, None)).collect();
+    Team::ambient().each(&mut frames, |_, (path, frame)| *frame = Some(read_one(path)));
+    frames.into_iter().filter_map(|(_, frame)| frame).collect()
 }
 
 /// Read a PNG file as three bytes per pixel, blended over white.
@@ -126,21 +139,20 @@ impl Pixels {
         }
         let (width, height) = (self.width.div_ceil(n), self.height.div_ceil(n));
         let mut bytes = Vec::with_capacity(RGB * width * height);
-        for y in 0..height {
-            for x in 0..width {
-                let columns = n * x..(n * (x + 1)).min(self.width);
-                let rows = n * y..(n * (y + 1)).min(self.height);
-                let count = (columns.len() * rows.len()) as u32;
-                for c in 0..RGB {
-                    let row = |y: usize| {
-                        columns
-                            .clone()
-                            .map(move |x| (y * self.width + x) * RGB + c)
-                            .map(|at| u32::from(self.bytes[at]))
-                    };
-                    let sum: u32 = rows.clone().flat_map(row).sum();
-                    bytes.push(((sum + count / 2) / count) as u8);
+        let mut sums = vec![[0_u32; RGB]; width];
+        for rows in self.bytes.chunks(RGB * self.width * n) {
+            sums.fill([0; RGB]);
+            for row in rows.chunks_exact(RGB * self.width) {
+                for (sum, square) in sums.iter_mut().zip(row.chunks(RGB * n)) {
+                    for pixel in square.chunks_exact(RGB) {
+                        (0..RGB).for_each(|c| sum[c] += u32::from(pixel[c]));
+                    }
                 }
+            }
+            for (x, sum) in sums.iter().enumerate() {
+                let columns = n.min(self.width - n * x);
+                let count = (columns * (rows.len() / (RGB * self.width))) as u32;
+                bytes.extend(sum.map(|sum| ((sum + count / 2) / count) as u8));
             }
         }
         Pixels { width, height, bytes }

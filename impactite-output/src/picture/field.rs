@@ -9,7 +9,8 @@ use super::colour::Rgb;
 use super::faces;
 use super::legend::Legend;
 use super::quantity::{Quantity, colours_of};
-use super::series_view::SeriesView;
+use super::samples::{FINE, Part, Point, Samples, packed, range_of};
+use super::series_view::{Buffers, SeriesView};
 
 /// Representation of a particle in the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -66,11 +67,6 @@ struct Lines {
     width: f32,
     colour: Rgb,
 }
-
-/// Samples per pixel along each side (supersampling).
-const FINE: usize = 3;
-/// Distance assigned to samples inside an element: less than that of any particle.
-const ELEMENT: f32 = -1.0;
 
 impl FieldPicture {
     /// Create a picture of this size in pixels, framed to fit, coloured by body.
@@ -223,7 +219,7 @@ impl FieldPicture {
             ),
             None => (self.width, self.height),
         };
-        let (width, height) = film.map_or((width, height), |film| film.size((width, height)));
+        let (width, height) = film.as_mut().map_or((width, height), |film| film.size((width, height)));
         let samples =
             FINE * FINE * (size_of::<f32>() + size_of::<u8>() + size_of::<u32>()) + size_of::<Rgb>();
         super::budget("a picture of so many pixels", "make the picture smaller")
@@ -245,7 +241,9 @@ impl FieldPicture {
         let x_ticks = sx.ticks(((across / (4.5 * size)) as usize).clamp(2, 8));
         let y_ticks = if down < 12.0 * size { sy.ticks(3) } else { y_ticks };
 
-        self.fill(snapshot, &coloured.colours, &frame, factor, &mut picture);
+        let mut own = Buffers::default();
+        let buffers = film.map_or(&mut own, SeriesView::buffers);
+        self.fill(snapshot, &coloured.colours, (&frame, factor), &mut buffers.field, &mut picture);
         self.draw_lines(&frame, factor, &mut picture);
         let titles =
             [axis_title(&self.axes[0], unit, x_ticks.power), axis_title(&self.axes[1], unit, y_ticks.power)];
@@ -347,175 +345,92 @@ impl FieldPicture {
     }
 
     /// Rasterize particles and elements at three times the resolution, then average.
-    fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
+    fn fill(
+        &self,
+        snapshot: &Snapshot,
+        colours: &[Rgb],
+        (frame, factor): (&Frame, f64),
+        samples: &mut Samples,
+        picture: &mut Picture,
+    ) {
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
         let rows = (frame.bottom - frame.top).max(0.0) as usize * FINE;
-        let mut nearest = vec![f32::INFINITY; columns * rows];
-        let mut colour = vec![packed(PAPER); columns * rows];
         let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
-        let mut copies = Vec::new();
-        let mut bars = Vec::new();
-        // Extension of cells before the outside is eroded again, samples: by the mean size over the area, where sizes differ.
-        let [mut areas, mut sizes] = [0.0; 2];
-        for size in (0..snapshot.len()).map(|i| snapshot.size_of(i)) {
-            areas += size * size;
-            sizes += size * size * size;
-        }
-        let sizes = if areas > 0.0 { sizes / areas } else { 0.0 };
-        let margin = (0.6 * sizes * self.scale * per_metre).round().clamp(0.0, 60.0) as usize;
+        let onto = |x: &[f64; 3]| {
+            [
+                ((x[0] * factor - frame.x.low) / factor * per_metre) as f32,
+                ((frame.y.high - x[1] * factor) / factor * per_metre) as f32,
+            ]
+        };
+        let margin = if self.mark == Mark::Cell { self.margin(snapshot, per_metre) } else { 0 };
+        let mut points = std::mem::take(&mut samples.points);
+        points.clear();
+        let [mut copies, mut others] = [Vec::new(), Vec::new()];
+        let (mut elements, mut bars) = (Vec::new(), Vec::new());
         for (i, x) in snapshot.positions().iter().enumerate() {
             if !is_place(x) {
                 continue;
             }
-            let half = (0.5 * snapshot.size_of(i) * self.scale * per_metre).max(0.5) as f32;
-            // Extended cells overlap their neighbours; the nearest particle wins.
-            let reach = if self.mark == Mark::Cell { half + margin as f32 } else { half };
             if let Some(corners) = element(snapshot, i) {
                 let mut outlines: Vec<Vec<[f32; 2]>> = Vec::new();
                 for corner in &corners {
                     Mirror::copies(&self.mirrors, *corner, &mut copies);
                     outlines.resize(copies.len(), Vec::new());
                     for (outline, x) in outlines.iter_mut().zip(&copies) {
-                        outline.push([
-                            ((x[0] * factor - frame.x.low) / factor * per_metre) as f32,
-                            ((frame.y.high - x[1] * factor) / factor * per_metre) as f32,
-                        ]);
+                        outline.push(onto(x));
                     }
                 }
-                for outline in &outlines {
-                    let edge = edge_strength(outline);
-                    within(outline, columns, rows, &mut |at| {
-                        nearest[at] = ELEMENT;
-                        colour[at] = packed(colours[i]);
-                        if edge > 0.0 {
-                            let place = [(at % columns) as f32 + 0.5, (at / columns) as f32 + 0.5];
-                            let covered = (EDGE + 0.5 - distance_to(outline, place, true)).clamp(0.0, 1.0);
-                            let light = 1.0 - edge * covered;
-                            colour[at] = packed(colours[i].map(|c| (f32::from(c) * light) as u8));
-                        }
-                    });
-                }
+                elements.extend(outlines.into_iter().map(|outline| (outline, colours[i])));
                 continue;
             }
+            let size = snapshot.size_of(i);
             if let Some(ends) = faces::line(snapshot, i) {
-                bars.push((ends, i));
+                let along = (0..2).map(|d| (ends[1][d] - ends[0][d]).powi(2)).sum::<f64>().sqrt();
+                let section = if along > 0.0 { (size * size / along).min(size) } else { size };
+                let half = (0.5 * section * self.scale * per_metre).clamp(1.3 * FINE as f64, 1e4) as f32;
+                Mirror::copies(&self.mirrors, ends[0], &mut copies);
+                Mirror::copies(&self.mirrors, ends[1], &mut others);
+                let lines = copies.iter().zip(&others);
+                bars.extend(lines.map(|(from, to)| ([onto(from), onto(to)], half, colours[i])));
                 continue;
             }
+            let half = (0.5 * size * self.scale * per_metre).max(0.5) as f32;
+            // Extended cells overlap their neighbours; the nearest particle wins.
+            let reach = if self.mark == Mark::Cell { half + margin as f32 } else { half };
+            let farthest = if self.mark == Mark::Disc { half * half } else { f32::INFINITY };
             Mirror::copies(&self.mirrors, *x, &mut copies);
-            for x in &copies {
-                let cx = ((x[0] * factor - frame.x.low) / factor * per_metre) as f32;
-                let cy = ((frame.y.high - x[1] * factor) / factor * per_metre) as f32;
-                let range = |c: f32, n: usize| {
-                    let low = (c - reach + 0.5).floor().max(0.0) as usize;
-                    low.min(n)..((c + reach + 0.5).floor().max(0.0) as usize).min(n)
-                };
-                let farthest = if self.mark == Mark::Disc { half * half } else { f32::INFINITY };
-                let (across, own) = (range(cx, columns), packed(colours[i]));
-                for y in range(cy, rows) {
-                    let dy = y as f32 + 0.5 - cy;
-                    let row = y * columns + across.start..y * columns + across.end;
-                    // Branch-free, for vectorization over samples.
-                    let samples = nearest[row.clone()].iter_mut().zip(&mut colour[row]);
-                    for (n, (nearest, colour)) in (across.start as i32..).zip(samples) {
-                        let dx = n as f32 + 0.5 - cx;
-                        let distance = dx * dx + dy * dy;
-                        let wins = (distance < *nearest) & (distance <= farthest);
-                        *nearest = if wins { distance } else { *nearest };
-                        *colour = if wins { own } else { *colour };
-                    }
-                }
-            }
+            let colour = packed(colours[i]);
+            points.extend(copies.iter().map(|x| Point { centre: onto(x), reach, farthest, colour }));
         }
+
+        let all = [columns, rows];
+        let mut part = Part::NONE;
+        points.iter().for_each(|point| part.cover(&point.range(all)));
+        elements.iter().for_each(|(outline, _)| part.cover(&range_of(outline, 0.0, all)));
+        bars.iter().for_each(|(line, half, _)| part.cover(&range_of(line, *half, all)));
+        // One sample of background on each side, for the erosion, and whole pixels.
+        samples.clear(part.widened(all));
+        points.iter().for_each(|point| samples.add_point(point, all));
+        samples.points = points;
+        elements.iter().for_each(|(outline, colour)| samples.add_element(outline, *colour, all));
         if self.mark == Mark::Cell {
-            let mut kept: Vec<u8> = nearest.iter().map(|d| u8::from(d.is_finite())).collect();
-            shrink(&mut kept, columns, rows, margin);
-            for ((colour, kept), nearest) in colour.iter_mut().zip(kept).zip(&nearest) {
-                if kept == 0 && *nearest != ELEMENT {
-                    *colour = packed(PAPER);
-                }
-            }
+            samples.erode(margin);
         }
         // Lines are drawn last, with a dark border for contrast.
-        for (ends, i) in bars {
-            let size = snapshot.size_of(i);
-            let along = (0..2).map(|d| (ends[1][d] - ends[0][d]).powi(2)).sum::<f64>().sqrt();
-            let section = if along > 0.0 { (size * size / along).min(size) } else { size };
-            let half = (0.5 * section * self.scale * per_metre).clamp(1.3 * FINE as f64, 1e4) as f32;
-            let [mut from, mut to] = [Vec::new(), Vec::new()];
-            Mirror::copies(&self.mirrors, ends[0], &mut from);
-            Mirror::copies(&self.mirrors, ends[1], &mut to);
-            for ends in from.into_iter().zip(to) {
-                let line = [ends.0, ends.1].map(|x| {
-                    [
-                        ((x[0] * factor - frame.x.low) / factor * per_metre) as f32,
-                        ((frame.y.high - x[1] * factor) / factor * per_metre) as f32,
-                    ]
-                });
-                let range = |d: usize, count: usize| {
-                    let (low, high) = (line[0][d].min(line[1][d]) - half, line[0][d].max(line[1][d]) + half);
-                    low.floor().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count)
-                };
-                for y in range(1, rows) {
-                    for x in range(0, columns) {
-                        let distance = distance_to(&line, [x as f32 + 0.5, y as f32 + 0.5], false);
-                        if distance <= half {
-                            let light = if distance > half - EDGE { 0.4 } else { 1.0 };
-                            colour[y * columns + x] =
-                                packed(colours[i].map(|c| (f32::from(c) * light) as u8));
-                        }
-                    }
-                }
-            }
-        }
-        let (left, top) = (frame.left as usize, frame.top as usize);
-        let width = picture.width();
-        let pixels = picture.pixels_mut();
-        for py in 0..rows / FINE {
-            for px in 0..columns / FINE {
-                let mut sum = [0_u32; 3];
-                for y in py * FINE..(py + 1) * FINE {
-                    for sample in &colour[y * columns + px * FINE..][..FINE] {
-                        for c in 0..3 {
-                            sum[c] += sample >> (8 * c) & 0xff;
-                        }
-                    }
-                }
-                let all = (FINE * FINE) as u32;
-                if let Some(pixel) = pixels.get_mut((top + py) * width + left + px) {
-                    *pixel = sum.map(|s| ((s + all / 2) / all) as u8);
-                }
-            }
-        }
+        bars.iter().for_each(|(line, half, colour)| samples.add_bar(line, *half, *colour, all));
+        samples.average([frame.left as usize, frame.top as usize], picture);
     }
-}
 
-/// Pack a colour into one number.
-fn packed([r, g, b]: Rgb) -> u32 {
-    u32::from_le_bytes([r, g, b, 0])
-}
-
-/// Half width of the edges of elements, samples.
-const EDGE: f32 = 1.0;
-
-/// Opacity of the edges of an element: 0 if edges would cover small elements.
-fn edge_strength(outline: &[[f32; 2]]) -> f32 {
-    let next = outline.iter().cycle().skip(1);
-    let sides = outline.iter().zip(next).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
-    let shortest = sides.fold(f32::INFINITY, f32::min) / FINE as f32;
-    0.45 * ((shortest - 4.0) / 6.0).clamp(0.0, 1.0)
-}
-
-/// Distance of a point from a polyline, closed or open.
-fn distance_to(points: &[[f32; 2]], place: [f32; 2], closed: bool) -> f32 {
-    let count = if closed { points.len() } else { points.len().saturating_sub(1) };
-    let mut nearest = f32::INFINITY;
-    for n in 0..count {
-        let (a, b) = (points[n], points[(n + 1) % points.len()]);
-        let (dx, dy, x, y) = (b[0] - a[0], b[1] - a[1], place[0] - a[0], place[1] - a[1]);
-        let along = ((x * dx + y * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
-        nearest = nearest.min((x - along * dx).hypot(y - along * dy));
+    /// Extension of cells before the outside is eroded again, samples: by the mean size over the area, where sizes differ.
+    fn margin(&self, snapshot: &Snapshot, per_metre: f64) -> usize {
+        let [mut areas, mut sizes] = [0.0; 2];
+        for size in (0..snapshot.len()).map(|i| snapshot.size_of(i)) {
+            areas += size * size;
+            sizes += size * size * size;
+        }
+        let size = if areas > 0.0 { sizes / areas } else { 0.0 };
+        (0.6 * size * self.scale * per_metre).round().clamp(0.0, 60.0) as usize
     }
-    nearest
 }
 
 /// Corners of the plane element of a particle, m.
@@ -523,100 +438,4 @@ fn element(snapshot: &Snapshot, i: usize) -> Option<Vec<[f64; 3]>> {
     let cells = snapshot.cells().filter(|cells| snapshot.dimension() == 2 && cells.of(i).len() > 2)?;
     let corners: Vec<[f64; 3]> = cells.of(i).iter().map(|&n| cells.nodes[n as usize]).collect();
     corners.iter().all(is_place).then_some(corners)
-}
-
-/// Visit the samples whose centre is inside a polygon, by counting crossings of a ray to the right with its edges.
-fn within(polygon: &[[f32; 2]], columns: usize, rows: usize, visit: &mut dyn FnMut(usize)) {
-    let range = |d: usize, count: usize| {
-        let (low, high) =
-            polygon.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(x[d]), h.max(x[d])));
-        low.floor().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count)
-    };
-    for y in range(1, rows) {
-        for x in range(0, columns) {
-            let at = [x as f32 + 0.5, y as f32 + 0.5];
-            let crosses = |n: &usize| {
-                let (a, b) = (polygon[*n], polygon[(n + 1) % polygon.len()]);
-                (a[1] > at[1]) != (b[1] > at[1])
-                    && at[0] < a[0] + (at[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
-            };
-            if (0..polygon.len()).filter(crosses).count() % 2 == 1 {
-                visit(y * columns + x);
-            }
-        }
-    }
-}
-
-/// Erode: set to zero all samples within `margin` samples (along rows or columns, 254 at most) of a zero. Samples beyond the edges of the
-/// picture do not count as zeros.
-fn shrink(kept: &mut [u8], columns: usize, rows: usize, margin: usize) {
-    if columns == 0 || rows == 0 {
-        return;
-    }
-    let margin = margin.min(254);
-    let next = |row: &[u8], from: usize, what: u8| {
-        row[from..].iter().position(|kept| *kept == what).map_or(row.len(), |n| from + n)
-    };
-    for row in kept.chunks_exact_mut(columns) {
-        // Alternate between runs of outside and inside samples.
-        let mut from = next(row, 0, 0);
-        if from < columns {
-            row[from.saturating_sub(margin)..from].fill(0);
-        }
-        while from < columns {
-            let to = next(row, from, 1);
-            from = next(row, to, 0);
-            row[to..(to + margin).min(from)].fill(0);
-            if from < columns {
-                row[from.saturating_sub(margin).max(to)..from].fill(0);
-            }
-        }
-    }
-    // Distance from the outside above and below in samples, for all columns of a row at once.
-    let far = margin as u8 + 1;
-    let mut since = vec![far; columns];
-    for row in kept.chunks_exact_mut(columns).take(rows) {
-        for (kept, since) in row.iter_mut().zip(&mut since) {
-            *since = if *kept == 0 { 0 } else { since.saturating_add(1).min(far) };
-            *kept = *since;
-        }
-    }
-    since.fill(far);
-    for row in kept.chunks_exact_mut(columns).take(rows).rev() {
-        for (kept, since) in row.iter_mut().zip(&mut since) {
-            *since = if *kept == 0 { 0 } else { since.saturating_add(1).min(far) };
-            *kept = u8::from(*kept == far && *since == far);
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_near_the_outside_is_taken_away() {
-        let mut seed = 5_u64;
-        for (columns, rows, margin) in [(1, 1, 0), (7, 5, 1), (40, 23, 3), (31, 17, 60), (12, 300, 60)] {
-            let mut next = || {
-                seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (seed >> 33) % 60
-            };
-            let all: Vec<u8> = (0..columns * rows).map(|_| u8::from(next() > 0)).collect();
-            let mut kept = all.clone();
-            shrink(&mut kept, columns, rows, margin);
-            let near =
-                |place: usize, count: usize| place.saturating_sub(margin)..(place + margin + 1).min(count);
-            for y in 0..rows {
-                for x in 0..columns {
-                    let inside = near(y, rows).all(|y| near(x, columns).all(|x| all[y * columns + x] == 1));
-                    assert_eq!(
-                        kept[y * columns + x],
-                        u8::from(inside),
-                        "{x} {y} of {columns} x {rows}, {margin}"
-                    );
-                }
-            }
-        }
-    }
 }

@@ -1,6 +1,7 @@
 //! Density of balls: hidden balls, surface normals and ambient occlusion.
 
 use super::colour::Rgb;
+use super::refill;
 
 /// Particle to draw.
 pub(super) struct Ball {
@@ -10,6 +11,7 @@ pub(super) struct Ball {
 }
 
 /// Density of balls on a coarse lattice.
+#[derive(Debug, Default)]
 pub(super) struct Matter {
     low: [f64; 3],
     per_metre: f64,
@@ -25,9 +27,11 @@ pub(super) struct Matter {
 }
 
 /// Positions of balls by cell of [`Matter`]: those of cell c are `places[start[c]..start[c + 1]]`.
+#[derive(Debug, Default)]
 pub(super) struct Neighbours {
     start: Vec<u32>,
     places: Vec<[f32; 3]>,
+    next: Vec<u32>,
 }
 
 /// Approximate maximum number of cells of the lattice; cells are enlarged if the bulk needs more.
@@ -37,7 +41,8 @@ const CELLS: f64 = 3.0e6;
 const NOWHERE: u32 = u32::MAX;
 
 impl Matter {
-    pub(super) fn of(balls: &[Ball]) -> Self {
+    /// Measure the density of these balls.
+    pub(super) fn measure(&mut self, balls: &[Ball]) {
         let mut low = [f64::INFINITY; 3];
         let mut high = [f64::NEG_INFINITY; 3];
         let mut radius = 0.0;
@@ -81,9 +86,10 @@ impl Matter {
         let low = low.map(|x| x - 3.5 * cell);
         let per_metre = 1.0 / cell;
         let total = n[0] * n[1] * n[2];
-        let mut fine = vec![0.0_f32; total];
-        let mut taken = vec![false; total];
-        let mut home = Vec::with_capacity(balls.len());
+        let Matter { fine, wide, home, deep, .. } = self;
+        refill(fine, total, 0.0);
+        refill(deep, total, false);
+        home.clear();
         for (ball, outside) in balls.iter().zip(outside) {
             let places = [0, 1, 2].map(|d| (ball.x[d] - low[d]) * per_metre);
             // Far from the origin, rounding may consume the margin.
@@ -100,7 +106,7 @@ impl Matter {
                 part[d] = (places[d] - 0.5) as f32 - base[d] as f32;
             }
             let cell = (own[2] * n[1] + own[1]) * n[0] + own[0];
-            taken[cell] = true;
+            deep[cell] = true;
             home.push(cell as u32);
             for k in 0..8 {
                 let bit = [k & 1, (k >> 1) & 1, k >> 2];
@@ -116,24 +122,23 @@ impl Matter {
         usual.sort_by(f32::total_cmp);
         let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(1.0).max(1e-6);
         // Cap the density, so that dense regions of particles do not cast shadows.
-        for value in &mut fine {
+        for value in fine.iter_mut() {
             *value = value.min(1.3 * usual);
         }
         let strides = [1, n[0], n[0] * n[1]];
         for stride in strides {
-            blur(&mut fine, stride);
+            blur(fine, stride);
         }
-        let mut wide = fine.clone();
+        wide.clone_from(fine);
         for _ in 0..3 {
             for stride in strides {
-                blur(&mut wide, stride);
+                blur(wide, stride);
             }
         }
-        let mut deep = taken;
         for stride in strides {
-            erode(&mut deep, stride);
+            erode(deep, stride);
         }
-        Self { low, per_metre, n, fine, wide, usual, home, deep, coarse }
+        (self.low, self.per_metre, self.n, self.usual, self.coarse) = (low, per_metre, n, usual, coarse);
     }
 
     /// True if ball `i` is surrounded by matter.
@@ -142,22 +147,22 @@ impl Matter {
     }
 
     /// Sort the balls by cell.
-    pub(super) fn neighbours(&self, balls: &[Ball]) -> Neighbours {
-        let mut start = vec![0_u32; self.fine.len() + 1];
+    pub(super) fn sort(&self, balls: &[Ball], neighbours: &mut Neighbours) {
+        let Neighbours { start, places, next } = neighbours;
+        refill(start, self.fine.len() + 1, 0);
         for cell in self.home.iter().filter(|cell| **cell != NOWHERE) {
             start[*cell as usize + 1] += 1;
         }
         for c in 0..self.fine.len() {
             start[c + 1] += start[c];
         }
-        let mut next = start.clone();
-        let mut places = vec![[0.0_f32; 3]; balls.len()];
+        next.clone_from(start);
+        refill(places, balls.len(), [0.0; 3]);
         for (ball, cell) in balls.iter().zip(&self.home).filter(|(_, cell)| **cell != NOWHERE) {
             let at = &mut next[*cell as usize];
             places[*at as usize] = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
             *at += 1;
         }
-        Neighbours { start, places }
     }
 
     /// Growth factor of a ball that closes gaps to its neighbours in stretched matter. The nearest

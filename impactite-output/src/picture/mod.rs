@@ -33,6 +33,7 @@ mod panels;
 mod particles;
 mod quantity;
 mod raster;
+mod samples;
 mod series_view;
 
 use super::OutputError;
@@ -72,6 +73,12 @@ pub fn time_unit(time: f64) -> (&'static str, f64) {
         t if t > 0.0 => ("ns", 1e9),
         _ => ("s", 1.0),
     }
+}
+
+/// Set a list to `count` equal values.
+fn refill<T: Copy>(list: &mut Vec<T>, count: usize, value: T) {
+    list.clear();
+    list.resize(count, value);
 }
 
 /// Check a scale factor of particle sizes.

@@ -16,7 +16,7 @@ use super::legend::Legend;
 use super::matter::Ball;
 use super::quantity::{Quantity, colours_of};
 use super::raster::{FINE, Flat, Seen, Shapes, Viewport};
-use super::series_view::SeriesView;
+use super::series_view::{Buffers, SeriesView};
 
 /// Picture of particles in space, coloured by a field or by body.
 ///
@@ -228,7 +228,7 @@ impl ParticlePicture {
             }
             None => (self.width, self.height),
         };
-        let (width, height) = film.map_or((width, height), |film| film.size((width, height)));
+        let (width, height) = film.as_mut().map_or((width, height), |film| film.size((width, height)));
         let samples = FINE * FINE * (size_of::<f32>() + size_of::<u32>()) + size_of::<Rgb>();
         super::budget("a picture of so many pixels", "make the picture smaller")
             .holds(width as f64 * height as f64 * samples as f64)?;
@@ -266,7 +266,9 @@ impl ParticlePicture {
         }
         let view = Viewport { left: pad, top, width, height, camera, pixels_per_metre };
         let matter = self.matter(snapshot, &coloured.colours)?;
-        view.render(&matter, &mut picture);
+        let mut own = Buffers::default();
+        let buffers = film.map_or(&mut own, SeriesView::buffers);
+        view.render(&matter, &mut buffers.space, &mut picture);
         if self.marks {
             view.marks(&mut picture, size, snapshot.dimension());
         }

@@ -5,7 +5,8 @@ use super::camera::{Camera, dot, sub};
 use super::canvas::{Pen, Picture};
 use super::colour::hex;
 use super::faces::Face;
-use super::matter::{Ball, Matter, dot3};
+use super::matter::{Ball, Matter, Neighbours, dot3};
+use super::refill;
 
 /// Balls and faces of a picture.
 pub(super) struct Shapes {
@@ -30,7 +31,7 @@ pub(super) struct Viewport {
 
 /// Projected ball: centre, radius and depth (towards the eye) in samples, with its shading parameters apart from the
 /// roundness of the ball.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Seen {
     x: f32,
     y: f32,
@@ -56,6 +57,7 @@ pub(super) struct Flat {
 }
 
 /// Sample buffers of the viewport.
+#[derive(Debug, Default)]
 struct Samples {
     depth: Vec<f32>,
     /// Index of the visible object: balls, then faces.
@@ -64,8 +66,26 @@ struct Samples {
     rows: usize,
 }
 
+/// Memory of a picture in space while it is drawn.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    matter: Matter,
+    neighbours: Neighbours,
+    samples: Samples,
+    seen: Vec<Seen>,
+}
+
+impl Samples {
+    /// Set all samples to the background.
+    fn clear(&mut self, columns: usize, rows: usize) {
+        (self.columns, self.rows) = (columns, rows);
+        refill(&mut self.depth, columns * rows, f32::NEG_INFINITY);
+        refill(&mut self.who, columns * rows, u32::MAX);
+    }
+}
+
 impl Viewport {
-    pub fn render(&self, shapes: &Shapes, picture: &mut Picture) {
+    pub fn render(&self, shapes: &Shapes, buffers: &mut Buffers, picture: &mut Picture) {
         let [right, up, out] = self.camera.basis();
         let at = self.camera.target();
         let fine = FINE as f64;
@@ -95,9 +115,10 @@ impl Viewport {
         };
 
         let balls = &shapes.balls;
-        let matter = Matter::of(balls);
-        let mut seen = Vec::with_capacity(balls.len() / 4);
-        let neighbours = matter.neighbours(balls);
+        let Buffers { matter, neighbours, samples, seen } = buffers;
+        matter.measure(balls);
+        seen.clear();
+        matter.sort(balls, neighbours);
         for (i, ball) in balls.iter().enumerate() {
             if matter.hides(i) {
                 continue;
@@ -110,7 +131,7 @@ impl Viewport {
             }
             let Some(([x, y, depth], zoom)) = project(ball.x) else { continue };
             let front = (ball.radius * scale * zoom).max(0.75);
-            let radius = front * f64::from(matter.growth(i, ball, &neighbours));
+            let radius = front * f64::from(matter.growth(i, ball, neighbours));
             if is_outside(x, y, radius) {
                 continue;
             }
@@ -157,26 +178,21 @@ impl Viewport {
         let (left, top) = (left.min(columns), top.min(rows));
         let columns = ((part[2] as usize).saturating_add(2 + FINE) / FINE * FINE).clamp(left, columns) - left;
         let rows = ((part[3] as usize).saturating_add(2 + FINE) / FINE * FINE).clamp(top, rows) - top;
-        for ball in &mut seen {
+        for ball in seen.iter_mut() {
             (ball.x, ball.y) = (ball.x - left as f32, ball.y - top as f32);
         }
         for corner in flats.iter_mut().flat_map(|flat| &mut flat.corners) {
             (corner[0], corner[1]) = (corner[0] - left as f32, corner[1] - top as f32);
         }
-        let mut samples = Samples {
-            depth: vec![f32::NEG_INFINITY; columns * rows],
-            who: vec![u32::MAX; columns * rows],
-            columns,
-            rows,
-        };
+        samples.clear(columns, rows);
         for (i, ball) in seen.iter().enumerate() {
             splat(ball, i as u32, &mut samples.depth, &mut samples.who, columns, rows);
         }
-        close_gaps(&seen, &mut samples);
+        close_gaps(seen, samples);
         for (i, flat) in flats.iter().enumerate() {
-            flat.fill((seen.len() + i) as u32, &mut samples);
+            flat.fill((seen.len() + i) as u32, samples);
         }
-        shade(&seen, &flats, &samples, picture, [px0 + left / FINE, py0 + top / FINE]);
+        shade(seen, &flats, samples, picture, [px0 + left / FINE, py0 + top / FINE]);
     }
 
     /// Draw the coordinate axes and, in orthographic projection, a scale bar.

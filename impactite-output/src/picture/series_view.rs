@@ -1,6 +1,7 @@
 //! View settings shared by the pictures of a series, for a steady film.
 
 use super::super::{FARTHEST, OutputError, is_place};
+use super::{raster, samples};
 
 /// View of a series of pictures: constant size, and a window and colour range that change rarely.
 ///
@@ -30,6 +31,27 @@ pub struct SeriesView {
     range: [f64; 2],
     set: Option<[[f64; 3]; 2]>,
     foreseen: Option<[[f64; 3]; 2]>,
+    buffers: Buffers,
+}
+
+/// Memory of a picture while it is drawn, kept for the next one of the series: the operating system takes as long to hand it out
+/// as a picture takes to draw. It is no part of the view: clones begin without it, and comparisons ignore it.
+#[derive(Debug, Default)]
+pub(super) struct Buffers {
+    pub(super) field: samples::Samples,
+    pub(super) space: raster::Buffers,
+}
+
+impl Clone for Buffers {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl PartialEq for Buffers {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Margin around matter in the first picture over the longest side.
@@ -49,7 +71,14 @@ impl SeriesView {
     /// Create the view before the first picture.
     #[must_use]
     pub fn new() -> Self {
-        Self { size: [f64::NAN; 2], window: [f64::NAN; 6], range: [f64::NAN; 2], set: None, foreseen: None }
+        Self {
+            size: [f64::NAN; 2],
+            window: [f64::NAN; 6],
+            range: [f64::NAN; 2],
+            set: None,
+            foreseen: None,
+            buffers: Buffers::default(),
+        }
     }
 
     /// Show the box between two corners (m; z is ignored in the plane) in all pictures.
@@ -74,6 +103,11 @@ impl SeriesView {
     /// Mutable state that changes from picture to picture: numbers for a checkpoint.
     pub fn numbers(&mut self) -> impl Iterator<Item = &mut f64> {
         self.size.iter_mut().chain(&mut self.window).chain(&mut self.range)
+    }
+
+    /// Memory of the pictures of the series.
+    pub(super) fn buffers(&mut self) -> &mut Buffers {
+        &mut self.buffers
     }
 
     /// Fixed window, if set, m.
