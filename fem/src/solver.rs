@@ -523,7 +523,7 @@ impl<const D: usize> Fem<D> {
         let mut watcher = std::mem::take(&mut self.watcher);
         let gain = self.gain();
         let looked = watcher.look(&totals, self.hoop, &at, || broken.unwrap_or_default(), gain);
-        watcher.look_for_bands(&clock, &Solver::bodies(self), (D, self.hoop), None);
+        watcher.look_at_fields(&clock, &Solver::bodies(self), (D, self.hoop), None);
         let scale = watcher.account(&totals, &exchange, self.hoop).energy_scale;
         for body in &self.bodies {
             let (largest, joules) = (body.largest_energy, body.hourglass_energy());

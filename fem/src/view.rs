@@ -239,6 +239,9 @@ impl<const D: usize> Body for ElementBody<D> {
     fn softens_from(&self, rate: f64) -> Option<f64> {
         mpm_materials::softening::softens_from(&*self.material, rate)
     }
+    fn chosen_sound_speed(&self) -> Option<f64> {
+        mpm_materials::chosen_sound_speed(&*self.material)
+    }
     fn state_names(&self) -> Vec<String> {
         self.material.state_names()
     }

@@ -90,9 +90,9 @@ impl<const D: usize> Flow<D> {
         self.find_advected_divergence(dt, walls);
         // Viscosity in the middle of the impulse: of second order.
         self.apply_body_force(0.5 * kick);
+        self.find_jump(kick);
         self.apply_viscosity(kick, walls)?;
         self.apply_body_force(0.5 * kick);
-        self.find_jump(kick);
         (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
         Ok(())
     }
@@ -190,11 +190,14 @@ impl<const D: usize> Flow<D> {
     /// Apply the viscous stress, and book its heat and the impulse of walls.
     fn apply_viscosity(&mut self, kick: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
         let Some(fluid) = self.fluid.filter(|fluid| fluid.viscosity > 0.0) else { return Ok(()) };
-        let (grid, h) = (&self.grid, self.frame.h);
+        let h = self.frame.h;
         let stick = self.sticking_faces(walls);
+        let mut jump = std::mem::take(&mut self.grid.jump);
+        let grid = &self.grid;
         let stress = Stress {
             blocks: &grid.blocks,
             kind: &grid.surface.kind,
+            level: &grid.surface.level,
             marks: &grid.marks,
             open: &grid.open,
             stick: &stick,
@@ -203,11 +206,24 @@ impl<const D: usize> Flow<D> {
         };
         let mut u: Vec<f64> = grid.velocity.iter().flatten().copied().collect();
         let stepped = stress.step(&self.team, &mut u);
+        let mut lost = 0.0;
+        if stress.bears() {
+            let mut pressure = vec![0.0; grid.blocks.cells()];
+            stress.add_surface_pressure(&self.team, &u, &mut pressure);
+            lost = stress.work_at_surface(&u, &pressure);
+            if jump.is_empty() {
+                jump = pressure;
+            } else {
+                jump.iter_mut().zip(&pressure).for_each(|(jump, p)| *jump += p);
+            }
+        }
+        self.grid.jump = jump;
+        let grid = &self.grid;
         stepped.map_err(|error| {
             self.clock.stopped(Stopped::Solve { what: "the viscous step", why: error.to_string() })
         })?;
         let (count, mass) = (grid.blocks.cells(), fluid.density * h.powi(D as i32));
-        let (mut impulse, mut heat) = ([0.0; D], 0.0);
+        let (mut impulse, mut heat) = ([0.0; D], mass * lost);
         for d in 0..D {
             for (old, new) in self.grid.velocity[d].iter_mut().zip(&u[d * count..(d + 1) * count]) {
                 impulse[d] += mass * (new - *old);

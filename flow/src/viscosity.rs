@@ -1,7 +1,8 @@
 //! Viscous stress on the staggered grid: tau = mu (grad v + grad v^T), in full, so that solid rotation has no stress.
 //!
 //! Normal stresses are at liquid cells, shear stresses at the edges between four cells that are liquid or wall. At a surface the shear stress
-//! is zero. At a wall without slip, velocity gradients are those to the wall, half a cell from the face beside it; at a slip wall the shear
+//! is zero, and the pressure is that of the normal stress, n . tau . n, in explicit steps; in implicit ones the stress beyond the faces beside
+//! air is zero, and these faces have the mass of their liquid share. At a wall without slip, velocity gradients are those to the wall, half a cell from the face beside it; at a slip wall the shear
 //! stress is zero. Steps are explicit, by the second-order Runge-Kutta method, up to [`EXPLICIT`] of mu dt / (rho h^2), and implicit beyond
 //! by conjugate gradients: the trapezoidal rule while the fastest mode decays by a rate times dt below 6, and towards Euler's method,
 //! of first order, for larger ones.
@@ -11,7 +12,8 @@ use impactite_solve::{Identity, Operator, SolveError, Stop, conjugate_gradients}
 
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::extrapolate::SOLVED;
-use crate::surface::{AIR, LIQUID};
+use crate::pressure::theta;
+use crate::surface::{AIR, LIQUID, SOLID};
 
 /// Largest mu dt / (rho h^2) of explicit steps: the limit of stability is 1 / (2 (1 + D)), 1/8 in space.
 pub(crate) const EXPLICIT: f64 = 0.1;
@@ -27,6 +29,8 @@ const ITERATIONS: usize = 2000;
 pub(crate) struct Stress<'a, const D: usize> {
     pub blocks: &'a Blocks<D>,
     pub kind: &'a [u8],
+    /// Level set of the surface, in cells.
+    pub level: &'a [f64],
     pub marks: &'a [Vec<u8>; D],
     pub open: &'a [Vec<f64>; D],
     /// 1 at closed faces of walls without slip, else 0; empty without such walls.
@@ -37,9 +41,21 @@ pub(crate) struct Stress<'a, const D: usize> {
     pub number: f64,
 }
 
+/// Liquid share of the control volume of the lower face of a cell, as in the pressure equation: below one beside air.
+#[inline]
+fn liquid_share(kind: &[u8; TILE_CELLS], level: &[f64; TILE_CELLS], d: usize, at: usize) -> f64 {
+    let low = at - stride(d);
+    match (kind[low], kind[at]) {
+        (LIQUID, AIR) => theta(level[low], level[at]).min(1.0),
+        (AIR, LIQUID) => theta(level[at], level[low]).min(1.0),
+        _ => 1.0,
+    }
+}
+
 /// Copies of the fields around a block.
 struct Tiles {
     kind: [u8; TILE_CELLS],
+    level: [f64; TILE_CELLS],
     open: [[f64; TILE_CELLS]; 3],
     stick: [[f64; TILE_CELLS]; 3],
     wall: [[f64; TILE_CELLS]; 3],
@@ -84,14 +100,62 @@ impl Tiles {
     fn normal(&self, d: usize, at: usize) -> f64 {
         if self.kind[at] == LIQUID { 2.0 * (self.u[d][at + stride(d)] - self.u[d][at]) } else { 0.0 }
     }
+
+    /// Difference of the normal stresses at both sides of the lower face of a cell over mu / h. Towards air it is zero if the surface has
+    /// a pressure by viscosity (`bears`), and else that to a stress of zero.
+    #[inline]
+    fn across(&self, d: usize, at: usize, bears: bool) -> f64 {
+        let low = at - stride(d);
+        if bears && (self.kind[at] == AIR || self.kind[low] == AIR) {
+            return 0.0;
+        }
+        self.normal(d, at) - self.normal(d, low)
+    }
+
+    /// Stress along the normal of the surface over mu / h, at a liquid cell. Shear stresses are the mean of those at the edges without air.
+    fn along_normal<const D: usize>(&self, at: usize) -> f64 {
+        let slope: [f64; D] = std::array::from_fn(|d| {
+            let to = |other: usize| {
+                if self.kind[other] == SOLID { self.level[at] } else { self.level[other] }
+            };
+            to(at + stride(d)) - to(at - stride(d))
+        });
+        let square: f64 = slope.iter().map(|s| s * s).sum();
+        if square < 1e-6 {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        for d in 0..D {
+            sum += slope[d] * slope[d] * self.normal(d, at);
+            for e in 0..d {
+                let (a, b) = (stride(d), stride(e));
+                let (mut shear, mut count) = (0.0, 0.0f64);
+                for edge in [at, at + a, at + b, at + a + b] {
+                    if [edge, edge - a, edge - b, edge - a - b].iter().all(|c| self.kind[*c] != AIR) {
+                        (shear, count) = (shear + self.shear(d, e, edge, 1.0), count + 1.0);
+                    }
+                }
+                sum += 2.0 * slope[d] * slope[e] * shear / count.max(1.0);
+            }
+        }
+        sum / square
+    }
 }
 
 impl<const D: usize> Stress<'_, D> {
     fn load(&self, b: usize, u: &[f64]) -> Tiles {
         let zero = [[0.0; TILE_CELLS]; 3];
-        let mut tiles = Tiles { kind: [0; TILE_CELLS], open: zero, stick: zero, wall: zero, u: zero };
+        let mut tiles = Tiles {
+            kind: [0; TILE_CELLS],
+            level: [0.0; TILE_CELLS],
+            open: zero,
+            stick: zero,
+            wall: zero,
+            u: zero,
+        };
         let count = self.blocks.cells();
         self.blocks.load(b, self.kind, 0, &mut tiles.kind);
+        self.blocks.load(b, self.level, 1.0, &mut tiles.level);
         for d in 0..D {
             self.blocks.load(b, &self.open[d], 1.0, &mut tiles.open[d]);
             self.blocks.load(b, &u[d * count..(d + 1) * count], 0.0, &mut tiles.u[d]);
@@ -105,8 +169,8 @@ impl<const D: usize> Stress<'_, D> {
         tiles
     }
 
-    /// Change of velocity in the step by the stresses of the velocity `u`, at the faces of one axis after another. Walls have their
-    /// velocity if `moves` is 1, and rest if it is 0.
+    /// Change of velocity in the step by the stresses of the velocity `u`, at the faces of one axis after another, times the liquid shares of
+    /// faces beside air in implicit steps. Walls have their velocity if `moves` is 1, and rest if it is 0.
     fn change(&self, team: &Team, u: &[f64], moves: f64, out: &mut [f64]) {
         let (cells, blocks) = (Blocks::<D>::CELLS, self.blocks.len());
         team.each_piece(out, cells, &mut vec![(); D * blocks], |n, out, ()| {
@@ -121,13 +185,88 @@ impl<const D: usize> Stress<'_, D> {
                     continue;
                 }
                 let at = in_tile(&local::<D>(i));
-                let mut sum = tiles.normal(d, at) - tiles.normal(d, at - stride(d));
+                let mut sum = tiles.across(d, at, self.bears());
                 for e in (0..D).filter(|e| *e != d) {
                     sum += tiles.shear(d, e, at + stride(e), moves) - tiles.shear(d, e, at, moves);
                 }
                 *out = self.number * sum;
             }
         });
+    }
+
+    /// Add the velocities times the liquid shares of their faces.
+    fn add_weighed(&self, team: &Team, u: &[f64], out: &mut [f64]) {
+        let (cells, blocks) = (Blocks::<D>::CELLS, self.blocks.len());
+        team.each_piece(out, cells, &mut vec![(); D * blocks], |n, out, ()| {
+            let (d, b) = (n / blocks, n % blocks);
+            let u = &u[n * cells..(n + 1) * cells];
+            if !self.marks[d][b * cells..(b + 1) * cells].contains(&SOLVED) {
+                out.iter_mut().zip(u).for_each(|(out, u)| *out += u);
+                return;
+            }
+            let (mut kind, mut level) = ([0; TILE_CELLS], [0.0; TILE_CELLS]);
+            self.blocks.load(b, self.kind, 0, &mut kind);
+            self.blocks.load(b, self.level, 1.0, &mut level);
+            for (i, (out, u)) in out.iter_mut().zip(u).enumerate() {
+                let at = in_tile(&local::<D>(i));
+                *out += liquid_share(&kind, &level, d, at) * u;
+            }
+        });
+    }
+
+    /// True if the surface has a pressure by viscosity: in explicit steps.
+    pub fn bears(&self) -> bool {
+        self.number <= EXPLICIT
+    }
+
+    /// Add the pressure at the surface by viscosity, n . tau . n, to `out`, in the unit of q: at liquid cells beside air, and at cells of air
+    /// the mean of those beside them.
+    pub fn add_surface_pressure(&self, team: &Team, u: &[f64], out: &mut [f64]) {
+        let cells = Blocks::<D>::CELLS;
+        team.each_piece(out, cells, &mut vec![(); self.blocks.len()], |b, out, ()| {
+            let kinds = &self.kind[b * cells..(b + 1) * cells];
+            if kinds.iter().all(|k| *k == SOLID) {
+                return;
+            }
+            let tiles = self.load(b, u);
+            if !tiles.kind.contains(&AIR) || !tiles.kind.contains(&LIQUID) {
+                return;
+            }
+            for (i, out) in out.iter_mut().enumerate() {
+                let at = in_tile(&local::<D>(i));
+                let around = || (0..D).flat_map(|d| [at - stride(d), at + stride(d)]);
+                if tiles.kind[at] == LIQUID && around().any(|c| tiles.kind[c] == AIR) {
+                    *out += self.number * tiles.along_normal::<D>(at);
+                } else if tiles.kind[at] == AIR {
+                    let (mut sum, mut count) = (0.0, 0.0f64);
+                    for liquid in around().filter(|c| tiles.kind[*c] == LIQUID) {
+                        (sum, count) = (sum + tiles.along_normal::<D>(liquid), count + 1.0);
+                    }
+                    *out += self.number * sum / count.max(1.0);
+                }
+            }
+        });
+    }
+
+    /// Return the work of the surface pressure `q` on the faces of velocity `u` between liquid and air, over rho h^D: what the liquid loses.
+    pub fn work_at_surface(&self, u: &[f64], q: &[f64]) -> f64 {
+        let (cells, count) = (Blocks::<D>::CELLS, self.blocks.cells());
+        let mut sum = 0.0;
+        for (b, d) in (0..self.blocks.len()).flat_map(|b| (0..D).map(move |d| (b, d))) {
+            for i in 0..cells {
+                let up = b * cells + i;
+                let Some(low) = self.blocks.beside(b, i, d, false) else { continue };
+                let out = match (self.kind[low], self.kind[up]) {
+                    (LIQUID, AIR) => 1.0,
+                    (AIR, LIQUID) => -1.0,
+                    _ => continue,
+                };
+                if self.open[d][up] > 0.0 {
+                    sum += out * 0.5 * (q[low] + q[up]) * u[d * count + up];
+                }
+            }
+        }
+        sum
     }
 
     /// Update the velocity `u`, at the faces of one axis after another, by the viscous stress.
@@ -146,22 +285,23 @@ impl<const D: usize> Stress<'_, D> {
             }
             return Ok(());
         }
-        // (1 - s L) u = u* + (1 - s) L u* + c, where the change is L u + c with c from the walls.
+        // (m - s L) u = m u* + (1 - s) L u* + c, where the change of m u is L u + c with c from the walls and the liquid shares m of faces.
         let largest = 4.0 * (1 + D) as f64 * self.number;
         let share = (1.0 - DAMPED / largest).max(0.5);
         let mut walls = vec![0.0; u.len()];
         self.change(team, &walls.clone(), 1.0, &mut walls);
         self.change(team, u, 0.0, &mut first);
-        for (right, (u, c)) in first.iter_mut().zip(u.iter().zip(&walls)) {
-            *right = u + (1.0 - share) * *right + c;
+        for (right, c) in first.iter_mut().zip(&walls) {
+            *right = (1.0 - share) * *right + c;
         }
+        self.add_weighed(team, u, &mut first);
         let stop = Stop { relative: TOLERANCE, iterations: ITERATIONS, ..Stop::default() };
         conjugate_gradients(team, &Implicit(self, share), &mut Identity, &first, u, &stop)?;
         Ok(())
     }
 }
 
-/// Operator of an implicit step, 1 - s L, with the share s.
+/// Operator of an implicit step, m - s L, with the liquid shares m of faces and the share s.
 struct Implicit<'a, 'b, const D: usize>(&'a Stress<'b, D>, f64);
 
 impl<const D: usize> Operator for Implicit<'_, '_, D> {
@@ -171,6 +311,7 @@ impl<const D: usize> Operator for Implicit<'_, '_, D> {
     fn apply(&self, team: &Team, x: &[f64], y: &mut [f64]) {
         // Faces that are not solved are no unknowns: what they have does not reach the others.
         self.0.change(team, x, 0.0, y);
-        y.iter_mut().zip(x).for_each(|(y, x)| *y = x - self.1 * *y);
+        y.iter_mut().for_each(|y| *y *= -self.1);
+        self.0.add_weighed(team, x, y);
     }
 }

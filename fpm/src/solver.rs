@@ -558,7 +558,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let bodies: [&dyn Body; 1] = [self];
         let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);
         let looked = watcher.look(&totals, false, &at, || not_finite(&bodies), gain);
-        watcher.look_for_bands(&clock, &bodies, (D, false), None);
+        watcher.look_at_fields(&clock, &bodies, (D, false), None);
         self.watcher = watcher;
         looked
     }

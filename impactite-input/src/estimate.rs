@@ -204,6 +204,16 @@ impl Source {
 
     /// Return what the scene has by default for its materials.
     fn choices(scene: &SceneFile) -> Vec<String> {
+        if let Method::Sph(_) = &scene.method {
+            let first = scene.bodies.iter().find(|(_, body)| liquid::smoothed(scene, body));
+            let said = first.map(|(name, _)| {
+                format!(
+                    "bodies.{name}: a liquid: present configuration, scaled gradients, viscosity of pairs, diffusion of density, and walls of mirror images, along \
+                     which it slips and from which it does not part"
+                )
+            });
+            return said.into_iter().collect();
+        }
         let Method::Mpm(options) = &scene.method else { return Vec::new() };
         let liquid = |body: &Body| liquid::renewed(scene, options, body).is_some();
         let first = scene.bodies.iter().find(|(_, body)| liquid(body));
@@ -253,6 +263,14 @@ impl Source {
                      `initial_stress` gives one"
                 ));
             }
+        }
+        if let Method::Sph(_) = &scene.method
+            && let Some(why) = liquid::smoothed_without_pressure(scene)
+        {
+            notes.push(format!(
+                "gravity: the pressure at the start is not computed for liquids {why}; they start without it and ring with the period 4 H / c; \
+                 `initial_stress` gives one"
+            ));
         }
         if let (Method::Mpm(options), true) = (&scene.method, weighed) {
             let splines = match &options.parts {

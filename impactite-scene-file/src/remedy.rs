@@ -25,6 +25,14 @@ pub const REMEDIES: &[Remedy] = &[
         "quadratic shape functions (`method.mpm.parts.shape_function = \"quadratic_b_spline\"`)",
     ),
     remedy("`Method::total_lagrangian`", "`method.sph.form = \"total_lagrangian\"`"),
+    remedy(
+        "take `Tait` with a larger speed of sound, ten times the largest speed",
+        "take a larger `materials.NAME.fluid.tait.sound_speed`, ten times the largest speed",
+    ),
+    remedy(
+        "take a smaller Courant factor, or a larger speed of sound of the liquid",
+        "take a smaller `time_step.factor`, or a larger `materials.NAME.fluid.tait.sound_speed`",
+    ),
     remedy("`Method::symmetric`", "`method.fpm.flux = \"symmetric\"`"),
     remedy("take `Method::consistent`, or smaller particles", "take a smaller `method.pcmm.spacing`"),
     remedy(

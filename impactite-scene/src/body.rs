@@ -282,6 +282,11 @@ pub trait Body {
         let _ = rate;
         None
     }
+    /// Speed of sound at rest, m/s, of a weakly compressible liquid, a number that is chosen for its speeds
+    /// ([`mpm_materials::chosen_sound_speed`]); none for other bodies.
+    fn chosen_sound_speed(&self) -> Option<f64> {
+        None
+    }
     /// Sums over the points of the body.
     fn totals(&self) -> Totals;
     /// Return the exchange with other bodies since the start, if the body stores it, such as elements in contact with particles. A contact

@@ -357,6 +357,18 @@ impl<const D: usize> Boundaries<D> {
         self.entries.get(n)?.account
     }
 
+    /// Place of the wall `n` of the list along its axis at `time`, s, m; for a motion over time that at the end of the last step.
+    #[must_use]
+    pub fn wall_at(&self, n: usize, time: f64) -> Option<f64> {
+        let entry = self.entries.get(n)?;
+        let (axis, at) = entry.wall()?;
+        match (&entry.course, &entry.boundary) {
+            (Course::Own, Boundary::Wall { velocity, .. }) => Some(at + velocity * time),
+            (Course::Own, Boundary::FrictionWall { velocity, .. }) => Some(at + velocity[axis] * time),
+            _ => Some(at + self.displacements.get(n)?[axis]),
+        }
+    }
+
     /// Account of the first plane of symmetry across an axis.
     #[must_use]
     pub fn symmetry_account(&self, across: usize) -> Option<usize> {

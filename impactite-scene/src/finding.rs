@@ -152,6 +152,19 @@ pub enum Finding {
         /// Position of one of them, m.
         position: [f64; 3],
     },
+    /// Weakly compressible liquid that is too fast for its speed of sound.
+    Compressed {
+        /// Name of the body.
+        body: String,
+        /// Share of its mass above 0.15 of the speed of sound.
+        share: f64,
+        /// Speed that 1 % of its mass exceeds, m/s.
+        speed: f64,
+        /// Speed of sound at rest, m/s.
+        sound: f64,
+        /// Speed of sound that is large enough, m/s.
+        needed: f64,
+    },
     /// Localisation of plastic strain in bands of one or two cells, or softening of a zone that has too few cells for bands to form.
     Localised {
         /// Name of the body.
@@ -241,6 +254,13 @@ impl Finding {
                 "{alone} of {failed} failed particles of body `{body}` have no failed particle in the cells around theirs, one near \
                  {position:?} m: stress noise fails points one by one where a crack would fail a surface"
             ),
+            Finding::Compressed { body, share, speed, sound, needed } => format!(
+                "{:.0} % of body `{body}` moves at up to {speed:.3} m/s, {:.2} of its speed of sound of {sound:.4} m/s: a weakly compressible liquid is \
+                 denser there by about {:.0} %, and its pressure waves are as slow; this needs a speed of sound of {needed:.3} m/s",
+                per_cent(share),
+                speed / sound,
+                50.0 * (speed / sound).powi(2)
+            ),
             Finding::Localised { body, share, width, cells, softens: None, needed, position } => format!(
                 "{:.0} % of the plastic strain of body `{body}` is in bands {width:.2e} m wide, {cells:.1} cells, near {position:?} m: their width is \
                  that of the cells, so that forces, speeds and depths are not converged, even if two resolutions agree; bands of this width need \
@@ -289,6 +309,9 @@ impl Finding {
             Finding::Localised { .. } => {
                 "refine, and compare at least three resolutions (`impactite converge`); a law that softens without rates, conduction of heat or a \
                  length of its own has bands one cell wide at any resolution"
+            }
+            Finding::Compressed { .. } => {
+                "take `Tait` with a larger speed of sound, ten times the largest speed"
             }
             Finding::LoneFailure { .. } => {
                 "take `Method::impact`, a wider shape function, or a time-dependent criterion (`TulerButcher`, `CohesiveSpall`)"

@@ -1,7 +1,10 @@
 //! A compressible fluid from any equation of state.
 
-use crate::eos::{EnergyColumn, Eos, balance};
+use impactite_simd::Float;
+
+use crate::eos::{EnergyColumn, Eos, Tait, balance};
 use crate::lane::{Lane, Real};
+use crate::material::Material;
 use crate::parameter::{Check, ParameterError};
 use crate::point::{
     Breakdown, Constitutive, Fault, Kinematics, Nothing, State, Update, alike, finite_state, mean,
@@ -206,6 +209,15 @@ impl<E, N, V> Fluid<E, N, V> {
     pub fn eos(&self) -> &E {
         &self.eos
     }
+}
+
+/// Speed of sound at rest, m/s, of a liquid by [`Tait`](crate::Tait)'s equation: a number that is chosen for the speeds of a scene, ten
+/// times the largest or more. None for other laws.
+pub fn chosen_sound_speed<T: Float>(material: &dyn Material<T>) -> Option<f64> {
+    if material.name() != Tait::<T>::NAME {
+        return None;
+    }
+    Some(material.describe_point(&material.virgin())?.wave_speed.to_double())
 }
 
 /// State column for viscous heat of a fluid.

@@ -50,7 +50,7 @@ pub use failure::{
     NoCrack, NoFailure, OpeningCrack, PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure,
     TulerButcher,
 };
-pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
+pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian, chosen_sound_speed};
 pub use ground::{Geomaterial, Ground, GroundState};
 pub use impactite_simd::Dual;
 pub use impactite_simd::lane::{self, Lane, Mask, Real, Wide};

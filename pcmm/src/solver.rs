@@ -519,7 +519,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         let bodies: [&dyn Body; 1] = [self];
         let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);
         let looked = watcher.look(&totals, M::Embedding::HOOP, &at, || not_finite(&bodies), gain);
-        watcher.look_for_bands(&clock, &bodies, (D, M::Embedding::HOOP), None);
+        watcher.look_at_fields(&clock, &bodies, (D, M::Embedding::HOOP), None);
         self.watcher = watcher;
         looked
     }

@@ -7,7 +7,7 @@ use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody, Surf
 use crate::kernel::Kernel as _;
 use crate::matrix::inverse;
 use crate::method::Composition;
-use crate::solver::{ADVICE, PRESCRIBED, Sph, TOUCHED};
+use crate::solver::{PRESCRIBED, Sph, TOUCHED};
 use crate::sums::BATCH;
 use crate::tensors::PLACES;
 
@@ -172,7 +172,7 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Sph<D, M> {
         self.speed_at_rest
     }
     fn advice(&self) -> Advice {
-        ADVICE
+        Self::ADVICE
     }
     fn rename(&mut self, name: String) {
         self.name = name;

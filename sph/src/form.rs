@@ -74,6 +74,8 @@ pub trait Correction<F>: Copy + Debug + Send + Sync + 'static {
     const NAME: &'static str;
     /// True if gradients are multiplied by B = (sum V grad W (x) (x_j - x_i))^-1.
     const CORRECTED: bool;
+    /// True if gradients are multiplied by the number that makes those of a full lattice exact.
+    const SCALED: bool = false;
 }
 
 /// Gradients that are exact for linear fields \[Randles1996, BonetLok1999\]: a rigid rotation causes no strain.
@@ -82,6 +84,18 @@ pub struct GradientCorrection;
 impl<F: Form> Correction<F> for GradientCorrection {
     const NAME: &'static str = "corrected gradients";
     const CORRECTED: bool = true;
+}
+
+/// Gradients times one number for all particles, with which those of linear fields are exact within a lattice. For liquids: the forces of a
+/// pair push particles apart that are too close, whatever the gradients at surfaces are, and splashes need no inverse of their few
+/// neighbours. Without the number (0.974 in place of 1 for a lattice in the plane and a smoothing length of 1.3 spacings) a column at rest
+/// in its hydrostatic pressure would lack 2.6 % of its weight, and ring.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ScaledGradients;
+impl Correction<Updated> for ScaledGradients {
+    const NAME: &'static str = "scaled gradients";
+    const CORRECTED: bool = false;
+    const SCALED: bool = true;
 }
 
 /// Uncorrected gradients of the original formulation: about half of the exact value near surfaces.

@@ -9,6 +9,7 @@ mod form;
 mod images;
 mod kernel;
 mod layout;
+mod liquid;
 mod load;
 mod matrix;
 mod method;
@@ -21,7 +22,10 @@ mod surface;
 mod tensors;
 mod view;
 
-pub use form::{Correction, Form, GradientCorrection, NoCorrection, StretchError, TotalLagrangian, Updated};
+pub use form::{
+    Correction, Form, GradientCorrection, NoCorrection, ScaledGradients, StretchError, TotalLagrangian,
+    Updated,
+};
 pub use kernel::{CubicSpline, Kernel, SmoothingError, WendlandC2};
 pub use layout::Layout;
 pub use load::TractionHistory;

@@ -5,9 +5,14 @@ use std::marker::PhantomData;
 
 use impactite_scene::Embedding;
 
-use crate::form::{Correction, Form, GradientCorrection, NoCorrection, TotalLagrangian, Updated};
+use crate::form::{
+    Correction, Form, GradientCorrection, NoCorrection, ScaledGradients, TotalLagrangian, Updated,
+};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
-use crate::stabilisation::{ArtificialStress, PrintedArtificialStress, Stabilisation, ZeroEnergyPenalty};
+use crate::stabilisation::{
+    ArtificialStress, DensityDiffusion, PairViscosity, PrintedArtificialStress, Stabilisation,
+    ZeroEnergyPenalty,
+};
 
 /// Ingredients of a method of smoothed particles.
 ///
@@ -81,6 +86,15 @@ impl<E> Method<E, WendlandC2, Updated, GradientCorrection, ArtificialStress> {
             GradientCorrection,
             ArtificialStress::default(),
         )
+    }
+}
+
+impl<E> Method<E, WendlandC2, Updated, ScaledGradients, (PairViscosity, DensityDiffusion)> {
+    /// Method for liquids, the delta-SPH of \[Antuono2010\]: updated Lagrangian, gradients that are scaled and not corrected, pair viscosity of
+    /// 0.05, diffusion of density. Walls, fixed planes and planes of symmetry are mirrors ([`Sph::bound`](crate::Sph::bound)).
+    pub fn liquid(embedding: E) -> Self {
+        let stabilisation = (PairViscosity::LIQUID, DensityDiffusion::default());
+        Method::new(embedding, WendlandC2::WIDE, Updated, ScaledGradients, stabilisation)
     }
 }
 

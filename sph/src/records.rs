@@ -24,6 +24,8 @@ pub(crate) struct Records<const D: usize> {
     pub fluid: Vec<[f64; 2]>,
     /// With density diffusion: density gradient, kg/m^4; last: density, kg/m^3.
     pub density: Vec<[f64; 4]>,
+    /// With density diffusion: true for particles with enough neighbours for a density gradient.
+    pub diffuses: Vec<bool>,
 }
 
 /// Records that a method requires.
@@ -59,6 +61,7 @@ impl<const D: usize> Records<D> {
         }
         if has.diffusion {
             self.density.resize(count, [0.0; 4]);
+            self.diffuses.resize(count, true);
         }
     }
 
@@ -67,6 +70,7 @@ impl<const D: usize> Records<D> {
         let fours: usize = fours.map(|list| list.capacity()).iter().sum();
         let tensors = self.tensor.capacity() + self.artificial.capacity() + self.balance.capacity();
         32 * fours
+            + self.diffuses.capacity()
             + tensors * size_of::<[[f64; 4]; D]>()
             + 8 * (self.smoothing.capacity() + self.bias.capacity() + 2 * self.fluid.capacity())
     }

@@ -10,9 +10,9 @@ use impactite_scene::control::ControlError;
 use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundaries, Boundary, BoundaryEntry, CheckpointError, Clock, Embedding, Exchange,
-    LocalDamping, SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl, Totals, Warning,
-    Watch,
+    Account, Archive, Body, Boundaries, Boundary, BoundaryEntry, CheckpointError, Clock, Condition,
+    Embedding, Exchange, LocalDamping, SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl,
+    Totals, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -23,7 +23,7 @@ use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 use crate::faces::Surface;
 use crate::form::{Correction as _, Form};
 use crate::images::{Images, Mirror, MirrorKind};
-use crate::kernel::Kernel as _;
+use crate::kernel::{Kernel as _, lattice_scale};
 use crate::layout::{BODY, Layout, number};
 use crate::load::{SurfaceLoad, TractionHistory};
 use crate::matrix::identity;
@@ -66,6 +66,10 @@ pub struct Sph<const D: usize, M> {
     pub(crate) spacing: Vec<f64>,
     /// Distance from the outermost particles to the surface, in half spacings.
     pub(crate) surface: f64,
+    /// Factor of gradients that are not corrected.
+    pub(crate) scale: f64,
+    /// Coefficients of the pair viscosity.
+    pub(crate) viscosity: [f64; 2],
     pub(crate) records: Records<D>,
     pub(crate) batches: Vec<Batch>,
     /// Acceleration by neighbours and hoop stress for the next velocity update, m/s^2; without body force and loads.
@@ -157,6 +161,13 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         velocity: impl Fn([f64; D]) -> [f64; D],
     ) -> Result<Self, SceneError> {
         layout.check(Self::HOOP)?;
+        if M::Correction::SCALED && Self::HOOP {
+            return Err(SceneError::NotWith {
+                what: "a liquid".into(),
+                method: "axisymmetric smoothed particles".into(),
+                why: "images beyond the axis give energy: take a sector in space, or the material point method",
+            });
+        }
         let material = law.into_material();
         let density = material.density();
         if !(density > 0.0 && density.is_finite()) {
@@ -191,6 +202,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             reference,
             spacing,
             surface: layout.surface,
+            scale: if M::Correction::SCALED { lattice_scale(method.kernel(), D) } else { 1.0 },
+            viscosity: method.stabilisation().viscosity(),
             records,
             batches: Vec::new(),
             acceleration: vec![[0.0; 4]; count],
@@ -224,7 +237,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         // Corrected gradients need no images: an axis is a surface for them, and the radius that weights stresses is zero there. The work
         // of images would not be conjugate to their gradients.
         if Self::HOOP && !M::Correction::CORRECTED {
-            solver.mirrors.push(Mirror { axis: 0, at: 0.0, sign: 1.0, kind: MirrorKind::Axis });
+            solver.mirrors.push(Mirror::new(0, 0.0, 1.0, MirrorKind::Axis));
+        }
+        if M::Correction::SCALED {
+            solver.reduce_pair_viscosity();
         }
         solver.make_batches();
         solver.begin_anew_with(|_| ())?;
@@ -258,6 +274,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 }
                 if Self::HAS.diffusion {
                     batch.diffusing.resize(here, 0.0);
+                    if !M::Correction::CORRECTED {
+                        batch.of_density.resize(here, identity(D));
+                        batch.surrounded.resize(here, true);
+                    }
                 }
                 batch
             })
@@ -324,6 +344,12 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// Invalid numbers of a condition; periodic planes; a particle behind a plane of symmetry.
     pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
         let entry = boundary.into();
+        if M::Correction::SCALED {
+            Condition::check(entry.boundary())?;
+            if self.bound_liquid(entry.clone())? {
+                return Ok(());
+            }
+        }
         entry
             .boundary()
             .check_moving("with smoothed particles; take planes of symmetry, or the material point method")?;
@@ -366,12 +392,16 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             number((x[axis] - at) * sign > 0.0, "position", self.numbers[i] as usize, x[axis], allowed)?;
         }
         self.lists.forget();
-        self.begin_anew_with(|sph| sph.mirrors.push(Mirror { axis, at, sign, kind }))
+        self.begin_anew_with(|sph| sph.mirrors.push(Mirror::new(axis, at, sign, kind)))
     }
 
     /// Set the acceleration of all particles over time, m/s^2.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);
+        if M::Correction::SCALED {
+            // Images have the weight of the liquid.
+            self.push();
+        }
     }
 
     /// Apply a traction history to particles: `areas` of their faces by layout number, m^2 (per metre of depth or per radian). Several
@@ -525,7 +555,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         file.same(&of("law"), self.material.name())?;
         file.same(&of("constants of the law"), &self.material.constants())?;
         file.same(&of("number of particles"), &self.positions.len().to_string())?;
-        file.same(&of("mirrors"), &format!("{:?}", self.mirrors))?;
+        let own: Vec<_> = self.mirrors.iter().filter(|mirror| mirror.condition.is_none()).collect();
+        file.same(&of("mirrors"), &format!("{own:?}"))?;
         self.clock.archive(file)?;
         let times = [0.0, self.clock.time];
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
@@ -556,6 +587,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
         file.word(&mut self.renewals)?;
         file.reals([&mut self.rate, &mut self.lag])?;
+        for mirror in self.mirrors.iter_mut().filter(|mirror| mirror.condition.is_some()) {
+            file.reals([&mut mirror.at, &mut mirror.speed])?;
+        }
         self.exchange.archive(file)?;
         if file.reads() {
             self.lists.forget();
@@ -567,14 +601,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
-        let (speed, loss) = (self.speed_at_rest, ADVICE.loss);
+        let (speed, loss) = (self.speed_at_rest, Self::ADVICE.loss);
         let at =
             Look { clock: &clock, exchange: &exchange, rounding: f64::EPSILON, speed, energy: true, loss };
         let mut watcher = std::mem::take(&mut self.watcher);
         let bodies: [&dyn Body; 1] = [self];
-        let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);
+        let gain = gain_at_the_fastest(&bodies, |_| Self::ADVICE.gain);
         let looked = watcher.look(&totals, Self::HOOP, &at, || not_finite(&bodies), gain);
-        watcher.look_for_bands(&clock, &bodies, (D, Self::HOOP), None);
+        watcher.look_at_fields(&clock, &bodies, (D, Self::HOOP), None);
         self.watcher = watcher;
         looked
     }
@@ -600,7 +634,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 }
 
 /// Advice in messages on energy loss and gain.
-pub(crate) const ADVICE: Advice = Advice {
+const ADVICE: Advice = Advice {
     loss: Loss {
         by: "contacts that closed, walls of mirror images, or a reference that was renewed",
         remedy: "take `Method::total_lagrangian`, or smaller particles",
@@ -608,6 +642,20 @@ pub(crate) const ADVICE: Advice = Advice {
     gain: "the particles there are the fastest; take a smaller Courant factor, a law with bulk viscosity, or `Method::total_lagrangian` \
            for what stays whole",
 };
+
+/// The same for liquids.
+const ADVICE_OF_LIQUIDS: Advice = Advice {
+    loss: Loss {
+        by: "liquid that collided, or the viscosity of pairs",
+        remedy: "take smaller particles; a splash or impact of a liquid loses energy by its nature",
+    },
+    gain: "the particles there are the fastest; take a smaller Courant factor, or a larger speed of sound of the liquid",
+};
+
+impl<const D: usize, M: Composition<D>> Sph<D, M> {
+    /// Advice in messages on energy loss and gain.
+    pub(crate) const ADVICE: Advice = if M::Correction::SCALED { ADVICE_OF_LIQUIDS } else { ADVICE };
+}
 
 /// Single body as a scene.
 impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {

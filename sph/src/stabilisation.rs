@@ -162,6 +162,8 @@ impl Default for PairViscosity {
     }
 }
 impl PairViscosity {
+    /// Pair viscosity of liquids: alpha 0.05 and no beta.
+    pub const LIQUID: PairViscosity = PairViscosity([0.05, 0.0]);
     /// Create a pair viscosity with these alpha and beta.
     ///
     /// # Errors

@@ -34,6 +34,10 @@ const GROUPS: [u32; BATCH / GROUP] = {
     groups
 };
 
+/// Largest row sum of a correction of density gradients, for gradients that are not corrected: 1 in a liquid, 2 at a surface, more for
+/// drops and films, whose gradients are those of a few neighbours and do not tell one side from the other.
+const SURROUNDED: f64 = 3.0;
+
 /// Error text for a particle that reaches the axis: cause and remedy.
 const AT_AXIS: &str =
     "it came to the axis: take a smaller Courant factor, or a law that stiffens under compression";
@@ -67,13 +71,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     fn new_velocities(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
         self.boundaries.advance(self.clock.time, dt);
+        self.kick_mirrors(self.lag, 0.5 * dt);
         self.held.iter_mut().for_each(|held| *held &= !(7 * TOUCHED));
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let outer = Outer::new(force, &self.loads, &self.numbers, self.clock.time);
         let particles = self.positions.len();
         let acceleration = &self.acceleration;
         let mut mirrored = [false; 3];
-        for mirror in self.mirrors.iter().filter(|m| m.kind != MirrorKind::Axis) {
+        for mirror in self.mirrors.iter().filter(|m| m.kind != MirrorKind::Axis && m.condition.is_none()) {
             mirrored[mirror.axis] = true;
         }
         let symmetries: [_; D] = std::array::from_fn(|d| self.boundaries.symmetry_account(d));
@@ -139,6 +144,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             self.exchange.add(&batch.report.given);
         }
         self.lag = 0.5 * dt;
+        self.wrap();
         let lost =
             self.batches.iter().enumerate().find_map(|(b, batch)| Some(b * BATCH + batch.report.lost?));
         match lost {
@@ -172,8 +178,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Enforce boundary conditions on velocities.
     fn obey(&mut self, dt: f64) {
-        let walls = self.mirrors.iter().filter(|m| m.kind == MirrorKind::Wall).map(Mirror::wall);
-        let walls: Vec<Boundary<D>> = walls.collect();
+        let walls = self.mirrors.iter().filter(|m| matches!(m.kind, MirrorKind::Wall | MirrorKind::Stick));
+        let walls: Vec<Boundary<D>> = walls.map(Mirror::wall).collect();
         if self.boundaries.is_empty() && walls.is_empty() {
             return;
         }
@@ -181,7 +187,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let Sph { records, boundaries, positions, spacing, clock, team, batches, held, .. } = self;
         let time = clock.time;
         // With corrected gradients `press_on_walls` keeps the surface in front of walls; here only particles are stopped.
-        let surface = if M::Correction::CORRECTED { 0.0 } else { self.surface };
+        let surface = if M::Correction::CORRECTED || M::Correction::SCALED { 0.0 } else { self.surface };
         team.each_piece(&mut records.velocity[..particles], BATCH, batches, |b, velocities, batch| {
             for (n, v) in velocities.iter_mut().enumerate() {
                 let i = b * BATCH + n;
@@ -276,10 +282,15 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     fn strain(&mut self, dt: f64) -> Result<(), StepError> {
         self.images.fill_velocities(&mut self.records);
         let numbers = self.virgin.len();
-        let Sph { records, material, memory, team, positions, spacing, batches, reference, .. } = self;
+        let sticks = self.mirrors.iter().any(|mirror| mirror.kind == MirrorKind::Stick);
+        let Sph { records, material, memory, team, positions, spacing, batches, reference, images, .. } =
+            self;
         team.each(batches, |b, batch| {
             let Batch { near, moments, .. } = batch;
             f64::dispatch(Strain { records, near, first: b * BATCH, places: false, out: moments });
+            if sticks {
+                Self::stick(images, records, near, b * BATCH, moments);
+            }
             let Scratch { deformations, lengths, response } = &mut *team.own(memory);
             let count = batch.moments.len();
             let groups = count.div_ceil(GROUP);
@@ -357,6 +368,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             }
             return Ok(());
         }
+        self.move_mirrors(self.clock.time + dt);
         self.place();
         self.neighbours().map_err(|error| self.searched(error))?;
         self.part(
@@ -376,6 +388,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// Advance velocities to the time of the positions by the present forces: later forces had no part in the last step.
     fn synchronise(&mut self) {
         let lag = std::mem::take(&mut self.lag);
+        self.kick_mirrors(lag, 0.0);
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let outer = Outer::new(force, &self.loads, &self.numbers, self.clock.time);
         for (i, v) in self.records.velocity.iter_mut().take(self.positions.len()).enumerate() {
@@ -388,7 +401,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 self.exchange.load[d] += lag * mass * force[d];
                 self.exchange.work += lag * mass * force[d] * mean;
                 self.exchange.viscosity -= stabilising.map_or(0.0, |a| lag * mass * a[d] * mean);
-                if self.mirrors.iter().any(|m| m.kind != MirrorKind::Axis && m.axis == d) {
+                if self
+                    .mirrors
+                    .iter()
+                    .any(|m| m.kind != MirrorKind::Axis && m.axis == d && m.condition.is_none())
+                {
                     self.exchange.impulse[d] += lag * mass * a;
                     if let Some(account) = self.boundaries.symmetry_account(d) {
                         self.exchange.accounts[account].impulse[d] += lag * mass * a;
@@ -480,6 +497,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.points.clear();
         self.points.extend((0..particles).map(point));
         let skin = self.lists.skin();
+        self.mirrors.iter_mut().for_each(|mirror| mirror.searched = mirror.at);
         self.images = Images::find(&self.mirrors, &self.points, &smoothing[..particles], skin);
         self.records.resize(self.images.all.len(), Self::HAS);
         self.images.fill_places(&mut self.records);
@@ -504,13 +522,26 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Update the gradient correction from the moments.
     fn correct(&mut self) {
-        let Sph { records, batches, team, .. } = self;
+        let Sph { records, batches, team, scale, .. } = self;
+        let mut scaled = identity(D);
+        (0..D).for_each(|d| scaled[d][d] = *scale);
         team.each(batches, |b, batch| {
             if !M::Correction::CORRECTED {
-                return batch.correction.fill(identity(D));
+                batch.correction.fill(scaled);
+                if !Self::HAS.diffusion {
+                    return;
+                }
             }
             let Batch { near, moments, .. } = batch;
             f64::dispatch(Strain { records, near, first: b * BATCH, places: true, out: moments });
+            if !M::Correction::CORRECTED {
+                let Batch { moments, of_density, surrounded, .. } = batch;
+                for ((moments, out), surrounded) in moments.iter().zip(of_density).zip(surrounded) {
+                    *out = inverse_of_moments(moments, D);
+                    *surrounded = largest_row(out, D) <= SURROUNDED;
+                }
+                return;
+            }
             for n in 0..batch.moments.len() {
                 let first = inverse_of_moments(&batch.moments[n], D);
                 batch.correction[n] = if M::Form::TOTAL {
@@ -628,16 +659,26 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// Update the rates of density diffusion.
     fn diffuse(&mut self) {
         self.images.fill_densities(&mut self.records);
+        if M::Correction::SCALED {
+            self.weigh_images();
+        }
         let Sph { records, batches, team, .. } = self;
         team.each(batches, |b, batch| {
-            let Batch { near, correction, moments, .. } = batch;
+            let Batch { near, correction, of_density, moments, .. } = batch;
+            let correction = if M::Correction::CORRECTED { correction } else { of_density };
             let sums = DensityGradient { records, near, first: b * BATCH, correction };
             moments.iter_mut().enumerate().for_each(|(n, out)| out[0] = sums.of(n));
         });
         for (i, density) in records.density[..records.particles].iter_mut().enumerate() {
             density[..3].copy_from_slice(&batches[i / BATCH].moments[i % BATCH][0]);
         }
+        for (i, diffuses) in records.diffuses[..records.particles].iter_mut().enumerate() {
+            *diffuses = batches[i / BATCH].surrounded.get(i % BATCH).copied().unwrap_or(true);
+        }
         self.images.fill_densities(&mut self.records);
+        if M::Correction::SCALED {
+            self.weigh_images();
+        }
         let delta = self.method.stabilisation().diffusion();
         let Sph { records, batches, team, .. } = self;
         team.each(batches, |b, batch| {
@@ -648,11 +689,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     }
 
     /// Assemble accelerations by neighbours and by hoop stress.
-    fn push(&mut self) {
+    pub(crate) fn push(&mut self) {
         if Self::HAS.viscosity {
             self.images.fill_velocities(&mut self.records);
         }
-        let viscosity = self.method.stabilisation().viscosity();
+        let viscosity = self.viscosity;
         let Sph { records, batches, team, acceleration, reference, positions, .. } = self;
         team.each_piece(acceleration, BATCH, batches, |b, acceleration, batch| {
             let first = b * BATCH;
@@ -668,6 +709,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 }
             }
         });
+        if M::Correction::SCALED {
+            self.press_on_mirrors();
+        }
     }
 }
 

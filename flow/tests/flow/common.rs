@@ -25,19 +25,27 @@ pub fn box_of_particles<const D: usize>(low: [f64; D], high: [f64; D], h: f64, p
 
 /// Tank of length `length` with water of depth `depth` and the surface depth + surface(x), `cells` along it, with gravity.
 pub fn tank(length: f64, depth: f64, cells: usize, surface: impl Fn(f64) -> f64) -> Flow<2> {
+    viscous_tank(length, depth, cells, 0.0, surface)
+}
+
+/// [`tank`] of a liquid of this viscosity, Pa s, and a density of 1000 kg/m^3.
+pub fn viscous_tank(
+    length: f64,
+    depth: f64,
+    cells: usize,
+    viscosity: f64,
+    surface: impl Fn(f64) -> f64,
+) -> Flow<2> {
     let h = length / cells as f64;
-    let mut flow = Flow::new(
-        FlowOptions::new(Lattice::new([0.0; 2], h).unwrap())
-            .density_correction(std::env::var("CORR").map_or(0.25, |s| s.parse().unwrap()))
-            .unwrap(),
-    );
+    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 2], h).unwrap()));
     flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [length, 2.0 * depth]).unwrap())).unwrap();
     let mut seeds = box_of_particles([0.0; 2], [length, depth], h, 2);
     for (x, volume) in seeds.positions.iter_mut().zip(&mut seeds.volumes) {
         let stretch = 1.0 + surface(x[0]) / depth;
         (x[1], *volume) = (x[1] * stretch, *volume * stretch);
     }
-    flow.add_fluid("water", Fluid::new(1000.0).unwrap(), &seeds, |_| [0.0; 2]).unwrap();
+    let fluid = Fluid::new(1000.0).unwrap().with_viscosity(viscosity).unwrap();
+    flow.add_fluid("water", fluid, &seeds, |_| [0.0; 2]).unwrap();
     flow.set_body_force(|_| [0.0, -GRAVITY]);
     flow
 }

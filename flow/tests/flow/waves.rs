@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use impactite_scene::Solver;
 
-use crate::common::{GRAVITY, centroid, energy, tank};
+use crate::common::{GRAVITY, centroid, energy, tank, viscous_tank};
 
 /// Period and ratio of successive amplitudes of the first mode of a standing wave.
 fn standing_wave(cells: usize, periods: usize) -> [f64; 2] {
@@ -40,6 +40,51 @@ fn a_standing_wave_has_its_period_and_keeps_its_amplitude() {
         println!("{cells} cells: period {:+.2e}, amplitude {:.4} after 4 periods", found[0], found[1]);
         assert!(found[0].abs() < period, "{cells}: {found:?}");
         assert!((found[1] - 1.0).abs() < growth, "{cells}: {found:?}");
+    }
+}
+
+/// Rate of decay of the amplitude of the first mode, 1/s: fit of the peaks of four periods. And the share of the lost energy that is not
+/// booked as heat.
+fn decay(cells: usize, kinematic: f64) -> [f64; 2] {
+    const PERIOD: f64 = 1.181_816;
+    let mut flow = viscous_tank(1.0, 0.5, cells, 1000.0 * kinematic, |x| 0.01 * (PI * x).cos());
+    let before = (flow.account(), energy(&flow));
+    let (mut times, mut peaks, mut last, mut peak) = (Vec::new(), Vec::new(), 0.0, (0.0, 0.0f64));
+    let end = 4.1 * PERIOD;
+    while !flow.reached(end) {
+        flow.step_towards(end).unwrap();
+        let now = centroid(&flow.points())[0] - 0.5;
+        if now * last < 0.0 {
+            times.push(peak.0);
+            peaks.push(peak.1.ln());
+            peak = (0.0, 0.0);
+        }
+        if now.abs() > peak.1 {
+            peak = (flow.time(), now.abs());
+        }
+        last = now;
+    }
+    // The first peak is the start.
+    let (times, peaks) = (&times[1..], &peaks[1..]);
+    let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
+    let (t, p) = (mean(times), mean(peaks));
+    let slope = times.iter().zip(peaks).map(|(x, y)| (x - t) * (y - p)).sum::<f64>()
+        / times.iter().map(|x| (x - t).powi(2)).sum::<f64>();
+    let lost = before.1 - energy(&flow);
+    [-slope, (flow.account().unexplained - before.0.unexplained) / lost]
+}
+
+/// The root of (s + 2 nu k^2)^2 + w^2 = 4 nu^2 k^3 m tanh(k H) / tanh(m H), m^2 = k^2 + s / nu \[Lamb1932\]: half of the dissipation is the
+/// work of the normal viscous stress at the surface.
+#[test]
+fn a_viscous_wave_decays_at_its_rate() {
+    for (cells, kinematic, exact, tolerance) in
+        [(24, 5e-3, 0.092_501, 0.1), (48, 5e-3, 0.092_501, 0.06), (48, 2e-3, 0.037_915, 0.09)]
+    {
+        let [rate, missing] = decay(cells, kinematic);
+        let off = rate / exact - 1.0;
+        println!("{cells} cells, nu {kinematic}: rate {off:+.3}, energy not booked {missing:+.3}");
+        assert!(off.abs() < tolerance, "{cells} cells, nu {kinematic}: {rate} for {exact} 1/s");
     }
 }
 

@@ -49,7 +49,7 @@ where
 {
     let penalty = Penalty::new(options.penalty.map_or(PENALTY, |eta| eta.value)).at("method.fpm.penalty")?;
     let criterion = criterion(options)?;
-    particles::scene(world, |name| {
+    particles::scene(world, |name, members| {
         let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let cells = cells(world, &key, spec, options)?;
         let velocity = world.velocity(&key, spec, || {
@@ -88,7 +88,8 @@ where
             body.set_time_control(control).at("time_step")?;
         }
         body.set_watch(world.watch());
-        Ok(body)
+        members.add(name, body);
+        Ok(())
     })
 }
 

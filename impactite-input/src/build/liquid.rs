@@ -1,4 +1,4 @@
-//! Weakly compressible liquids among material points: what they are where no option of the method says otherwise.
+//! Weakly compressible liquids: what they are where no option of the method says otherwise.
 //!
 //! A liquid by `fluid.tait` in a scene without `for` and without `parts` has quadratic B-splines with APIC, a density that is renewed
 //! from positions ([`Deformable::with_renewed_density`](impactite::mpm::Deformable::with_renewed_density)) and, under gravity, the
@@ -8,15 +8,17 @@ use std::collections::HashMap;
 
 use impactite::flow::{Flow, FlowOptions, Fluid, Wall};
 use impactite::geometry::{HalfSpace, Lattice, Seeds};
+use impactite::materials::Material;
 use impactite::mpm::{Boundary, Side, TimeControl};
 use impactite::scene::BoundaryEntry;
 
 use super::common::World;
 use super::seeds::{Cells, seeds};
+use super::stressed;
 use super::wrong::{At, Made};
 use crate::model::body::Body;
 use crate::model::condition::Condition;
-use crate::model::material::{FluidLaw, TaitConstants};
+use crate::model::material::{FluidLaw, Library, TaitConstants};
 use crate::model::method::{Mpm, Purpose};
 use crate::model::{Axis, SceneFile};
 
@@ -141,7 +143,52 @@ pub(crate) fn without_pressure(scene: &SceneFile, options: &Mpm) -> Option<&'sta
     None
 }
 
-/// Compute the pressure of incompressible liquids at rest in the first instant, with planes and prescribed rigid bodies as walls.
+/// True for a body of smoothed particles of a liquid.
+pub(crate) fn smoothed(scene: &SceneFile, body: &Body) -> bool {
+    let material = body.material.as_ref().and_then(|name| scene.materials.get(name));
+    material.is_some_and(|spec| {
+        matches!(spec.fluid, Some(FluidLaw::Tait(_) | FluidLaw::MieGruneisen(_)))
+            || matches!(spec.library, Some(Library::Water | Library::WaterShocked))
+    })
+}
+
+/// Why liquids of smoothed particles start without pressure; nothing where they have one, or no weight.
+pub(crate) fn smoothed_without_pressure(scene: &SceneFile) -> Option<&'static str> {
+    let first = scene.bodies.values().find(|body| smoothed(scene, body))?;
+    scene.gravity.as_ref()?;
+    if scene.space == crate::model::Space::Axisymmetric {
+        return Some("in axisymmetric scenes");
+    }
+    if scene.bodies.values().any(|body| !smoothed(scene, body)) {
+        return Some("beside deformable bodies");
+    }
+    if scene.bodies.values().any(|body| body.material != first.material) {
+        return Some("of several materials");
+    }
+    None
+}
+
+/// Compute the pressures of liquids of smoothed particles at the first instant, on cells of twice their distance.
+pub(super) fn pressures_of_smoothed<const D: usize>(
+    world: &World<'_, D>,
+    cells: &Cells<'_, D>,
+) -> Made<Pressures> {
+    let scene = world.scene;
+    if !scene.bodies.values().any(|body| smoothed(scene, body)) || smoothed_without_pressure(scene).is_some()
+    {
+        return Ok(Pressures::default());
+    }
+    let lattice = Lattice::new([0.0; D], 2.0 * cells.lattice.spacing()).at(cells.key)?;
+    let planes: Vec<Boundary<D>> =
+        world.conditions()?.iter().map(|(_, entry)| entry.boundary().clone()).collect();
+    let mut liquids = Vec::new();
+    for (name, body) in &scene.expanded {
+        liquids.push((name.as_str(), body, world.law(&format!("bodies.{name}"), body)?.material.density()));
+    }
+    first_pressures(world, &lattice, &planes, liquids.into_iter(), cells)
+}
+
+/// Compute the pressure of liquids of the material point method in the first instant.
 pub(super) fn pressures<const D: usize>(
     world: &World<'_, D>,
     options: &Mpm,
@@ -149,15 +196,37 @@ pub(super) fn pressures<const D: usize>(
     boundaries: &[Boundary<D>],
 ) -> Made<Pressures> {
     let scene = world.scene;
+    let liquids = || {
+        let of = |b| Some(renewed(scene, options, b)?.density.value);
+        scene.expanded.iter().filter_map(move |(n, b)| Some((n.as_str(), b, of(b)?)))
+    };
+    if liquids().next().is_none() || without_pressure(scene, options).is_some() {
+        return Ok(Pressures::default());
+    }
+    let cells =
+        Cells { lattice, parts: options.particles_per_cell as usize, key: "method.mpm.cell", halvings: 0 };
+    first_pressures(world, lattice, boundaries, liquids(), &cells)
+}
+
+/// Compute the pressure of incompressible liquids at rest in the first instant, with planes and prescribed rigid bodies as walls. `liquids`
+/// are names, bodies and densities, kg/m^3, whose particles are in `cells`.
+fn first_pressures<'a, const D: usize>(
+    world: &World<'_, D>,
+    lattice: &Lattice<D>,
+    boundaries: &[Boundary<D>],
+    liquids: impl Iterator<Item = (&'a str, &'a Body, f64)>,
+    cells: &Cells<'_, D>,
+) -> Made<Pressures> {
+    let scene = world.scene;
     let mut found = Pressures::default();
     let Some(gravity) = world.gravity()? else { return Ok(found) };
     let weight = gravity(0.0);
     let size = weight.iter().map(|g| g * g).sum::<f64>().sqrt();
-    let liquids = || scene.expanded.iter().filter_map(|(n, b)| Some((n, b, renewed(scene, options, b)?)));
-    if size == 0.0 || liquids().next().is_none() || without_pressure(scene, options).is_some() {
+    if size == 0.0 {
         return Ok(found);
     }
-    let mut made = FlowOptions::new(*lattice).density_correction(0.0).at("method.mpm")?;
+    let key_of_method = cells.key;
+    let mut made = FlowOptions::new(*lattice).density_correction(0.0).at(key_of_method)?;
     for boundary in boundaries {
         if let Boundary::Periodic { axis, low, high } = *boundary {
             let cells = ((high - low) / lattice.spacing()).round().max(0.0) as usize;
@@ -182,23 +251,41 @@ pub(super) fn pressures<const D: usize>(
         let key = format!("bodies.{name}");
         flow.add_wall(Wall::solid(world.shape(&key, body)?)).at(&key)?;
     }
-    let cells =
-        Cells { lattice, parts: options.particles_per_cell as usize, key: "method.mpm.cell", halvings: 0 };
     let mut positions: Vec<[f64; D]> = Vec::new();
-    for (name, body, tait) in liquids() {
+    for (name, body, density) in liquids {
         let key = format!("bodies.{name}");
-        let seeds: Seeds<D> = seeds(world, &key, body, &cells)?;
-        let fluid = Fluid::new(tait.density.value).at(&key)?;
-        flow.add_fluid(name.as_str(), fluid, &seeds, |_| [0.0; D]).at(&key)?;
+        let seeds: Seeds<D> = seeds(world, &key, body, cells)?;
+        let fluid = Fluid::new(density).at(&key)?;
+        flow.add_fluid(name, fluid, &seeds, |_| [0.0; D]).at(&key)?;
         positions.extend_from_slice(&seeds.positions);
     }
     flow.set_body_force(move |_| weight);
     let step = INSTANT * (lattice.spacing() / size).sqrt();
-    flow.set_time_control(TimeControl::Fixed(step)).at("method.mpm")?;
+    flow.set_time_control(TimeControl::Fixed(step)).at(key_of_method)?;
     flow.run_until(step).at("gravity")?;
     // Points are sorted by body and number, as positions are.
     for (x, point) in positions.iter().zip(flow.points()) {
         found.at.insert(place(x), point.pressure());
     }
     Ok(found)
+}
+
+/// State vectors of a law by position, m.
+pub(super) type States<'a, const D: usize> = Box<dyn Fn([f64; D]) -> Vec<f64> + 'a>;
+
+/// Return the states of a liquid under its pressures at the start.
+pub(super) fn states<'a, const D: usize>(
+    key: &str,
+    material: &'a dyn Material<f64>,
+    positions: &[[f64; D]],
+    pressures: &'a Pressures,
+) -> Made<States<'a, D>> {
+    let stress = move |x: &[f64; D]| {
+        let p = pressures.of(x).unwrap_or(0.0);
+        [-p, -p, -p, 0.0, 0.0, 0.0]
+    };
+    for x in positions {
+        stressed::state(material, &stress(x)).at(key)?;
+    }
+    Ok(Box::new(move |x| stressed::state(material, &stress(&x)).unwrap_or_else(|_| material.virgin())))
 }

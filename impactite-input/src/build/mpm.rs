@@ -425,7 +425,7 @@ fn add_particles<const D: usize>(
                 let mut stressed = stressed.transpose()?;
                 let renewed = liquid::renewed(world.scene, options, body).is_some();
                 if renewed && stressed.is_none() && !pressures.is_empty() {
-                    stressed = Some(liquid_states(&key, &*material, &seeds.positions, pressures)?);
+                    stressed = Some(liquid::states(&key, &*material, &seeds.positions, pressures)?);
                 }
                 let state = stressed.as_deref();
                 law.add(
@@ -440,26 +440,6 @@ fn add_particles<const D: usize>(
         }
     }
     Ok(())
-}
-
-/// State vectors of a law by position, m.
-type States<'a, const D: usize> = Box<dyn Fn([f64; D]) -> Vec<f64> + 'a>;
-
-/// Return the states of a liquid under its pressures at the start.
-fn liquid_states<'a, const D: usize>(
-    key: &str,
-    material: &'a dyn Material<f64>,
-    positions: &[[f64; D]],
-    pressures: &'a Pressures,
-) -> Made<States<'a, D>> {
-    let stress = move |x: &[f64; D]| {
-        let p = pressures.of(x).unwrap_or(0.0);
-        [-p, -p, -p, 0.0, 0.0, 0.0]
-    };
-    for x in positions {
-        stressed::state(material, &stress(x)).at(key)?;
-    }
-    Ok(Box::new(move |x| stressed::state(material, &stress(&x)).unwrap_or_else(|_| material.virgin())))
 }
 
 /// Refuse a load whose region contains no particle.

@@ -161,9 +161,10 @@ parts! {
     Sph {
         /// Distance of particles.
         spacing: Quantity<Length>,
-        /// Reference configuration.
+        /// Configuration of the kernels; of liquids always `updated`, of other bodies `total_lagrangian` if not given.
         #[serde(default)]
-        form: SphForm,
+        #[schemars(extend("default" = SphForm::default()))]
+        form: Option<SphForm>,
         /// Local damping towards rest: part of the unbalanced force of particles, contact included, that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest.
         #[serde(default)]
         #[schemars(example = 0.7, extend("minimum" = 0, "exclusiveMaximum" = 1))]

@@ -205,9 +205,10 @@ fn points(body: &dyn Body, strain: usize, (dimensions, axisymmetric): (usize, bo
 }
 
 impl Watcher {
-    /// Warn of bodies whose plastic strain localises, once a body: in bands of one or two cells, or in a zone that softens. `cell` is the edge
-    /// of the cells of the method, m; none for the width of the points. Checked at checks 1, 2, 4, 8, with the bodies, and at the end.
-    pub fn look_for_bands(
+    /// Warn of bodies whose plastic strain localises, once a body: in bands of one or two cells, or in a zone that softens; and of weakly
+    /// compressible liquids that are too fast for their speed of sound. `cell` is the edge of the cells of the method, m; none for the width
+    /// of the points. Checked at checks 1, 2, 4, 8, with the bodies, and at the end.
+    pub fn look_at_fields(
         &mut self,
         clock: &Clock,
         bodies: &[&dyn Body],
@@ -217,6 +218,7 @@ impl Watcher {
         if !self.looks_for_bands(clock.steps) {
             return;
         }
+        self.look_for_compression(clock, bodies);
         for body in bodies {
             let known = |f: &Finding| matches!(f, Finding::Localised { body: b, .. } if b == body.name());
             let Some(strain) = body.state_names().iter().position(|name| name == STRAIN) else { continue };
@@ -354,7 +356,7 @@ mod tests {
         watcher.open(0, &Totals::default(), &crate::exchange::Exchange::default(), false);
         for steps in [16, 255, 256, 257, 512] {
             clock.steps = steps;
-            watcher.look_for_bands(&clock, &bodies, (2, false), Some(1.0));
+            watcher.look_at_fields(&clock, &bodies, (2, false), Some(1.0));
         }
         let [warning] = watcher.warnings() else { panic!("{:?}", watcher.warnings()) };
         let Finding::Localised { body, cells, needed, .. } = &warning.finding else { panic!("{warning}") };

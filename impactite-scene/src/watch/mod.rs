@@ -15,6 +15,7 @@
 //! | alternating pressure | volumetric locking | warns |
 //! | points that failed alone | stress noise above the strength | warns |
 //! | localised plastic strain | bands of one or two cells, whose width is that of the cells | warns |
+//! | fast weakly compressible liquid | densities that differ by more than 1 % from the motion | warns above 0.15 of the speed of sound |
 //!
 //! The checks do not change the run: results are the same bits with and without them. A balance check costs one to two steps, a check of
 //! the bodies (every sixteenth) some fifteen: together below 1 % of a run (book, "What the watch costs").
@@ -35,6 +36,7 @@
 //! ```
 
 mod bands;
+mod compression;
 mod suspects;
 mod watcher;
 

@@ -199,7 +199,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         let bodies = self.bodies();
         let gain = gain_at_the_fastest(&bodies, |body| self.advice(body).gain);
         let looked = watcher.look(&totals, axisymmetric, &at, || not_finite(&bodies), gain);
-        watcher.look_for_bands(&clock, &bodies, (self.dimensions(), axisymmetric), None);
+        watcher.look_at_fields(&clock, &bodies, (self.dimensions(), axisymmetric), None);
         self.watcher = watcher;
         looked
     }

@@ -14,6 +14,8 @@ pub struct Tait<T> {
 }
 
 impl<T: Real> Tait<T> {
+    /// Name of the law.
+    pub(crate) const NAME: &'static str = "Tait";
     /// Create from reference density, kg/m^3, and sound speed at rest c0, m/s; for weakly compressible flow choose c0
     /// at least ten times the largest speed.
     ///
@@ -47,7 +49,7 @@ impl<T: Real> Eos<T> for Tait<T> {
     type Energy<L: Lane<Real = T>> = Nothing;
 
     fn name(&self) -> &'static str {
-        "Tait"
+        Self::NAME
     }
     fn density(&self) -> T {
         self.density

@@ -60,6 +60,10 @@ pub(crate) struct Batch {
     pub moments: Vec<Matrix>,
     /// Gradient correction C: grad v = K C.
     pub correction: Vec<Matrix>,
+    /// With density diffusion and gradients that are not corrected: correction of density gradients.
+    pub of_density: Vec<Matrix>,
+    /// With these: true for particles with enough neighbours for a density gradient.
+    pub surrounded: Vec<bool>,
     /// In the total Lagrangian form: gradient correction C0 of the reference, with C = C0 F^-1.
     pub first: Vec<Matrix>,
     /// In the total Lagrangian form: deformation gradient F since the reference.
@@ -74,6 +78,8 @@ pub(crate) struct Batch {
     pub stabilising: Vec<[f64; 4]>,
     /// With density diffusion: its rate of the logarithm of density, 1/s.
     pub diffusing: Vec<f64>,
+    /// Forces of the mirrors of a liquid on the particles, N.
+    pub by_mirror: Vec<[f64; 3]>,
     /// Velocities at the start of the step, m/s.
     pub start: Vec<[f64; 4]>,
     pub report: Report,
@@ -100,6 +106,7 @@ impl Batch {
     pub fn bytes(&self) -> usize {
         let matrices = self.moments.capacity()
             + self.correction.capacity()
+            + self.of_density.capacity()
             + self.first.capacity()
             + self.deformation.capacity()
             + self.before.capacity();
@@ -108,8 +115,9 @@ impl Batch {
             + matrices * size_of::<Matrix>()
             + self.stress.capacity() * size_of::<[f64; 8]>()
             + (self.stabilising.capacity() + self.start.capacity()) * size_of::<[f64; 4]>()
-            + self.spin.capacity() * size_of::<[f64; 3]>()
+            + (self.spin.capacity() + self.by_mirror.capacity()) * size_of::<[f64; 3]>()
             + 8 * self.diffusing.capacity()
+            + self.surrounded.capacity()
     }
 
     /// Return the deformation gradient of a particle since the start, in `d` dimensions, if known.

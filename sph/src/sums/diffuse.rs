@@ -50,9 +50,15 @@ impl<const D: usize> Diffuse<'_, D> {
         let (records, i) = (self.records, self.first + n);
         let (place, density) = (&records.place[i], &records.density[i]);
         let mut sum = 0.0;
+        if !records.diffuses[i] {
+            return 0.0;
+        }
         let (index, slope) = self.near.of(n);
         for (&j, &s) in index.iter().zip(slope) {
             let j = j as usize;
+            if !records.diffuses[j] {
+                continue;
+            }
             let (other, there) = (&records.place[j], &records.density[j]);
             let mut apart = there[3] - density[3];
             for d in 0..D {

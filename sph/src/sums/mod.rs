@@ -8,8 +8,8 @@ mod strain;
 mod weigh;
 
 pub(crate) use balance::Balance;
-pub(crate) use batch::{BATCH, Batch, GROUP, Report, Row};
+pub(crate) use batch::{BATCH, Batch, GROUP, Near, Report, Row};
 pub(crate) use diffuse::{DensityGradient, Diffuse};
-pub(crate) use push::{Push, Pushed};
+pub(crate) use push::{Push, Pushed, Viscous};
 pub(crate) use strain::Strain;
 pub(crate) use weigh::Weigh;

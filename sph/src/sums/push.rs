@@ -93,7 +93,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
                 extra = push.mul_add(A::Quad::splat(weight), extra);
             }
             if M::Stabilisation::VISCOSITY {
-                let push = self.viscous(i, j) * weight;
+                let push = Viscous { records, viscosity: self.viscosity }.between(i, j) * weight;
                 let apart = A::Quad::load(other) - A::Quad::load(own);
                 extra = apart.mul_add(A::Quad::splat(push), extra);
             }
@@ -107,10 +107,19 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
         };
         (fold(sum), fold(extra))
     }
+}
 
+/// Pair viscosity.
+pub(crate) struct Viscous<'a, const D: usize> {
+    pub records: &'a Records<D>,
+    /// Linear and quadratic coefficient.
+    pub viscosity: [f64; 2],
+}
+
+impl<const D: usize> Viscous<'_, D> {
     /// Return the viscous pressure between two approaching particles, negative: Pi rho_i rho_j, Pa.
     #[inline(always)]
-    fn viscous(&self, i: usize, j: usize) -> f64 {
+    pub fn between(&self, i: usize, j: usize) -> f64 {
         let records = self.records;
         let (mut square, mut closing) = (0.0, 0.0);
         for d in 0..D {

@@ -5,6 +5,7 @@ mod common;
 mod contact;
 mod diffusion;
 mod errors;
+mod liquid;
 mod physics;
 mod reference;
 mod solver;

@@ -143,7 +143,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let on_grid =
                 self.scene.bodies.iter().filter(|body| body.client().is_none_or(|client| client.on_grid()));
             let bodies: Vec<&dyn Body> = on_grid.map(|body| &**body as &dyn Body).collect();
-            watcher.look_for_bands(&clock, &bodies, (D, hoop), Some(self.grid.lattice().spacing()));
+            watcher.look_at_fields(&clock, &bodies, (D, hoop), Some(self.grid.lattice().spacing()));
         }
         self.looks.watcher = watcher;
         self.looks.cells = None;

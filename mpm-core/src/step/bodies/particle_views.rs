@@ -164,6 +164,9 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
     fn softens_from(&self, rate: f64) -> Option<f64> {
         mpm_materials::softening::softens_from(&*self.material, rate)
     }
+    fn chosen_sound_speed(&self) -> Option<f64> {
+        mpm_materials::chosen_sound_speed(&*self.material)
+    }
     fn state_names(&self) -> Vec<String> {
         self.columns.state_names().to_vec()
     }
