@@ -9,7 +9,7 @@ use crate::build::{liquid, material, mesh, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
-use crate::model::method::{Method, Purpose, ShapeFunction, TimeStep};
+use crate::model::method::{Method, Purpose, ShapeFunction, SphForm, TimeStep};
 use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 
@@ -204,8 +204,9 @@ impl Source {
 
     /// Return what the scene has by default for its materials.
     fn choices(scene: &SceneFile) -> Vec<String> {
-        if let Method::Sph(_) = &scene.method {
-            let first = scene.bodies.iter().find(|(_, body)| liquid::smoothed(scene, body));
+        if let Method::Sph(options) = &scene.method {
+            let flows = options.form != Some(SphForm::TotalLagrangian);
+            let first = scene.bodies.iter().find(|(_, body)| flows && liquid::smoothed(scene, body));
             let said = first.map(|(name, _)| {
                 format!(
                     "bodies.{name}: a liquid: present configuration, scaled gradients, viscosity of pairs, diffusion of density, and walls of mirror images, along \
@@ -263,6 +264,15 @@ impl Source {
                      `initial_stress` gives one"
                 ));
             }
+        }
+        if let Method::Sph(options) = &scene.method
+            && options.form == Some(SphForm::TotalLagrangian)
+            && scene.bodies.values().any(|body| liquid::smoothed(scene, body))
+        {
+            notes.push(
+                "method.sph.form: with `total_lagrangian` neighbours never change, which is right for sound in a liquid and wrong for its flow; leave it out"
+                    .into(),
+            );
         }
         if let Method::Sph(_) = &scene.method
             && let Some(why) = liquid::smoothed_without_pressure(scene)

@@ -3,7 +3,7 @@
 //! An image has the pressure of its particle and, for a distance d between both, what the weight of the liquid adds: rho b . d. Without
 //! it the pressure would have a cusp at the floor, and those of the first rows would be wrong by up to half of the weight of a row.
 
-use impactite_scene::{Boundary, BoundaryEntry, SceneError};
+use impactite_scene::{Boundary, BoundaryEntry, SceneError, Side};
 
 use crate::images::{Image, Images, Mirror, MirrorKind};
 use crate::layout::number;
@@ -69,8 +69,21 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let open = (x[axis] - at) * side.sign() > 0.0;
             number(open, "position", self.numbers[i] as usize, x[axis], allowed)?;
         }
+        self.check_gap(axis, at, side)?;
         self.bound_by_mirrors(entry)?;
         Ok(true)
+    }
+
+    /// Refuse a wall so near to another one that particles are within reach of the images of images.
+    fn check_gap(&self, axis: usize, at: f64, side: Side) -> Result<(), SceneError> {
+        let reach = 2.0 * self.records.smoothing.iter().fold(0.0f64, |most, h| most.max(*h));
+        let other = self.mirrors.iter().find(|m| m.axis == axis && m.sign != side.sign());
+        let Some(gap) = other.map(|m| (m.at - at).abs()).filter(|gap| *gap < reach) else { return Ok(()) };
+        Err(SceneError::NotWith {
+            what: format!("a gap of {gap:e} m between two walls"),
+            method: format!("the liquid `{}`", self.name),
+            why: "smoothed particles reach across it: take a spacing of at most a quarter of it",
+        })
     }
 
     /// Add periodic planes: particles beyond one of them enter at the other, and have images beyond both.

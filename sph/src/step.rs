@@ -422,13 +422,15 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
         change(self);
         let numbers = self.virgin.len();
+        // The viscosity of a liquid limits its first step, too; that of other laws comes with the first strain.
+        let smallest = self.spacing.iter().fold(f64::INFINITY, |least, x| x.min(least));
+        let length = if M::Correction::SCALED { smallest } else { f64::INFINITY };
         let Sph { material, memory, team, batches, .. } = self;
         team.each(batches, |_, batch| {
             let Scratch { response, .. } = &mut *team.own(memory);
             let groups = &GROUPS[..batch.stress.len().div_ceil(GROUP)];
             let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
-            // Viscous stresses, which limit the time step by the size of particles, come with the first strain.
-            material.describe(states, f64::INFINITY, response);
+            material.describe(states, length, response);
             take(batch, response);
         });
         self.renew(f64::INFINITY).map_err(SceneError::Search)?;

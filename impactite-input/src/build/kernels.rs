@@ -7,7 +7,7 @@ use impactite::mpm::{
 use impactite::scene::Embedding;
 use serde::Serialize;
 
-use super::particles::{Members, Smoothed};
+use super::smoothed::{Members, Smoothed};
 use super::wrong::{At, Made, wrong};
 use crate::model::method::{Mpm, Purpose, ShapeFunction, StressUpdate, Transfer};
 

@@ -16,6 +16,7 @@ use super::common::World;
 use super::seeds::{Cells, seeds};
 use super::stressed;
 use super::wrong::{At, Made};
+use crate::formula::Formula;
 use crate::model::body::Body;
 use crate::model::condition::Condition;
 use crate::model::material::{FluidLaw, Library, TaitConstants};
@@ -143,7 +144,7 @@ pub(crate) fn without_pressure(scene: &SceneFile, options: &Mpm) -> Option<&'sta
     None
 }
 
-/// True for a body of smoothed particles of a liquid.
+/// True for a body of a liquid, of which smoothed particles have a method of its own.
 pub(crate) fn smoothed(scene: &SceneFile, body: &Body) -> bool {
     let material = body.material.as_ref().and_then(|name| scene.materials.get(name));
     material.is_some_and(|spec| {
@@ -165,6 +166,18 @@ pub(crate) fn smoothed_without_pressure(scene: &SceneFile) -> Option<&'static st
     if scene.bodies.values().any(|body| body.material != first.material) {
         return Some("of several materials");
     }
+    let period = scene.conditions.iter().find_map(|condition| match condition {
+        Condition::Periodic(period) => scene.space.axis(period.axis).ok(),
+        _ => None,
+    });
+    // A force along a period drives the liquid, and has no pressure.
+    let across = |axis: usize| {
+        let part = |(n, g): (usize, &Formula<_>)| n != axis && g.as_constant() != Some(0.0);
+        scene.gravity.iter().flatten().enumerate().any(part)
+    };
+    if period.is_some_and(across) {
+        return Some("between periodic planes");
+    }
     None
 }
 
@@ -174,7 +187,10 @@ pub(super) fn pressures_of_smoothed<const D: usize>(
     cells: &Cells<'_, D>,
 ) -> Made<Pressures> {
     let scene = world.scene;
-    if !scene.bodies.values().any(|body| smoothed(scene, body)) || smoothed_without_pressure(scene).is_some()
+    let periodic = |condition: &Condition| matches!(condition, Condition::Periodic(_));
+    if scene.conditions.iter().any(periodic)
+        || !scene.bodies.values().any(|body| smoothed(scene, body))
+        || smoothed_without_pressure(scene).is_some()
     {
         return Ok(Pressures::default());
     }

@@ -18,6 +18,7 @@ mod placement;
 mod seeds;
 pub(crate) mod shape;
 pub(crate) mod size;
+mod smoothed;
 mod solid;
 mod stressed;
 pub(crate) mod wrong;

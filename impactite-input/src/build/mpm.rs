@@ -10,14 +10,14 @@ use impactite::coupling::Elements;
 use impactite::fem::Fem;
 use impactite::geometry::Lattice;
 use impactite::materials::ParameterError;
-use impactite::materials::material::Material;
 use impactite::mpm::{
     BlockGrid, Boundary, ContactAlgorithm, Criterion, DenseGrid, FieldForce, GridContact, Merging,
-    Mpm as Scene, NearContact, OneField, Refinement, Rigid, Splitting, StateAbove, Traction, Twist, WithBody,
+    Mpm as Scene, NearContact, OneField, Refinement, Rigid, Splitting, StateAbove, Twist, WithBody,
 };
 use impactite::scene::Solver;
 
 use super::common::World;
+use super::conditions::loads;
 use super::kernels::Setting;
 use super::liquid::{self, Pressures};
 use super::material::{Acting, Start};
@@ -383,7 +383,7 @@ fn add_particles<const D: usize>(
                 let mut tractions = Vec::new();
                 for (key, spec) in body.traction.keyed(&format!("{key}.traction")) {
                     let load = world.traction_on_particles(&key, spec)?;
-                    loaded(&format!("{key}.region"), &load, &seeds.positions)?;
+                    loads::loaded(&format!("{key}.region"), &load, &seeds.positions)?;
                     tractions.push(load);
                 }
                 let splitting = splitting(&key, body)?;
@@ -440,22 +440,6 @@ fn add_particles<const D: usize>(
         }
     }
     Ok(())
-}
-
-/// Refuse a load whose region contains no particle.
-pub(super) fn loaded<const D: usize>(key: &str, load: &Traction<D>, particles: &[[f64; D]]) -> Made<()> {
-    if particles.iter().any(|x| load.region.contains(*x)) {
-        return Ok(());
-    }
-    let bounds = load.region.bounds();
-    let outside = |x: &[f64; D], d: usize| (bounds.min[d] - x[d]).max(x[d] - bounds.max[d]).max(0.0);
-    let square = |x: &[f64; D]| (0..D).map(|d| outside(x, d).powi(2)).sum::<f64>();
-    let distance = particles.iter().map(square).fold(f64::INFINITY, f64::min).sqrt();
-    Err(Wrong {
-        key: key.into(),
-        message: format!("selects no particle; the nearest one is {distance:.3e} m away"),
-        help: Some("enlarge it by that, so that it holds the outermost layer of particles".into()),
-    })
 }
 
 fn rigid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Rigid<D>> {

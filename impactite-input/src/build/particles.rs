@@ -1,44 +1,27 @@
 //! Scenes of smoothed particles and of the particle-contact meshfree method.
 
-use std::fmt::Debug;
 use std::sync::Arc;
 
 use impactite::contact::SurfaceDistance;
-use impactite::contact::particles::{Bodies, ParticleBody};
+use impactite::contact::particles::Bodies;
 use impactite::geometry::{Lattice, Shape, sampled_measure};
 use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm as PcmmBody};
-use impactite::scene::{Embedding, SceneError, Solver};
-use impactite::sph::{Composition, Layout, Method as SphMethod, Sph as SphBody};
+use impactite::scene::{SceneError, Solver};
+use impactite::sph::Method as SphMethod;
 
 use super::common::{World, centre_of_mass};
 use super::kernels::Setting;
-use super::liquid::{self, Pressures};
+use super::liquid;
 use super::material::Velocity;
-use super::seeds::{Cells, seeds};
+use super::placement;
+use super::seeds::Cells;
 use super::shape::MovedBox;
+use super::smoothed::{Members, Smoothed};
 use super::wrong::{At, Made, Wrong, of_body, wrong};
-use super::{mpm, placement, stressed};
+use crate::model::condition::Condition;
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCES};
 use crate::model::shape::Shape as Spec;
-
-/// Scene of bodies of particles, or the only body as its own solver.
-pub(super) enum Members<'a, const D: usize> {
-    Alone(&'a mut Option<Box<dyn Solver>>),
-    Among(&'a mut Bodies<D, SurfaceDistance>),
-}
-
-impl<const D: usize> Members<'_, D> {
-    /// Add a body.
-    pub(super) fn add(&mut self, name: &str, body: impl ParticleBody<D> + Solver) {
-        match self {
-            Members::Alone(solver) => **solver = Some(Box::new(body)),
-            Members::Among(bodies) => {
-                bodies.add(name, body);
-            }
-        }
-    }
-}
 
 /// Build all bodies of a scene of particles; a single body without contact is its own solver.
 ///
@@ -85,96 +68,24 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
 ) -> Made<Box<dyn Solver>> {
     let lattice = Lattice::new([0.0; D], options.spacing.value).at("method.sph.spacing")?;
     let cells = Cells { lattice: &lattice, parts: 1, key: "method.sph.spacing", halvings: 0 };
+    let periodic =
+        |condition: &Condition| matches!(condition, Condition::Periodic(_)) && world.scene.expanded.len() > 1;
+    if let Some(n) = world.scene.conditions.iter().position(periodic) {
+        let message = "goes with one body: contact of smoothed particles does not reach across it";
+        return wrong(format!("conditions[{n}].periodic"), message);
+    }
     let pressures = liquid::pressures_of_smoothed(world, &cells)?;
     scene(world, |name, members| {
         let of = Smoothed { world, options, cells: &cells, pressures: &pressures, name };
         let spec = &world.scene.expanded[name];
         match (liquid::smoothed(world.scene, spec), options.form) {
-            (true, Some(SphForm::TotalLagrangian)) => Err(Wrong {
-                key: "method.sph.form".into(),
-                message: format!(
-                    "`total_lagrangian` is not for the liquid `{name}`, which has no reference configuration"
-                ),
-                help: Some("leave `form` out: each body then has the form of its material".into()),
-            }),
-            (true, _) => embedding.liquid(&of, members),
+            (true, None | Some(SphForm::Updated)) => embedding.liquid(&of, members),
             (false, Some(SphForm::Updated)) => of.add(SphMethod::updated(embedding), members),
-            (false, _) => of.add(SphMethod::total_lagrangian(embedding), members),
+            (_, None | Some(SphForm::TotalLagrangian)) => {
+                of.add(SphMethod::total_lagrangian(embedding), members)
+            }
         }
     })
-}
-
-/// Body of smoothed particles to build.
-pub(super) struct Smoothed<'a, const D: usize> {
-    world: &'a World<'a, D>,
-    options: &'a Sph,
-    cells: &'a Cells<'a, D>,
-    /// Pressures of liquids at the start.
-    pressures: &'a Pressures,
-    name: &'a str,
-}
-
-impl<const D: usize> Smoothed<'_, D> {
-    /// Build a body of a liquid.
-    pub(super) fn add_liquid<E: Embedding<D> + Debug>(
-        &self,
-        embedding: E,
-        members: &mut Members<'_, D>,
-    ) -> Made<()> {
-        self.add(SphMethod::liquid(embedding), members)
-    }
-
-    /// Refuse a body of a liquid.
-    pub(super) fn refuse_liquid<E>(&self, _: E, _: &mut Members<'_, D>) -> Made<()> {
-        Err(Wrong {
-            key: format!("bodies.{}.material", self.name),
-            message: "is a liquid, of which smoothed particles are not available in axisymmetric scenes"
-                .into(),
-            help: Some("take `method.mpm`, or a sector in `3d`".into()),
-        })
-    }
-
-    /// Build the body by a method, with its conditions and loads.
-    fn add<M: Composition<D>>(&self, method: M, members: &mut Members<'_, D>) -> Made<()> {
-        let Smoothed { world, options, cells, pressures, name } = *self;
-        let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
-        let seeds = seeds(world, &key, spec, cells)?;
-        let velocity = world.velocity(&key, spec, || Ok(seeds.centroid()))?;
-        let law = world.law(&key, spec)?.material;
-        let body = SphBody::new(method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
-        let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
-        placement::check_planes(world, &body)?;
-        for (key, boundary) in world.conditions()? {
-            body.bound(boundary).at(key)?;
-        }
-        if let Some(gravity) = world.gravity()? {
-            body.set_body_force(gravity);
-        }
-        let material = world.law(&key, spec)?.material;
-        if let Some(stress) = &spec.initial_stress {
-            let key = format!("{key}.initial_stress");
-            let states = stressed::states(world, &key, stress, &*material, &seeds.positions)?;
-            body.set_numbers(|x, state| state.copy_from_slice(&states(x))).at(&key)?;
-        } else if liquid::smoothed(world.scene, spec) && !pressures.is_empty() {
-            let states = liquid::states(&key, &*material, &seeds.positions, pressures)?;
-            body.set_numbers(|x, state| state.copy_from_slice(&states(x))).at(&key)?;
-        }
-        for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
-            let load = world.traction_on_particles(&key, load)?;
-            mpm::loaded(&format!("{key}.region"), &load, &seeds.positions)?;
-            let areas = seeds.positions.iter().map(|x| load.area(x, &seeds.half_size)).collect();
-            body.load(areas, load.history).at(key)?;
-        }
-        if let Some(part) = options.local_damping {
-            body.set_local_damping(part.value).at("method.sph.local_damping")?;
-        }
-        if let Some(control) = world.time_control() {
-            body.set_time_control(control).at("time_step")?;
-        }
-        body.set_watch(world.watch());
-        members.add(name, body);
-        Ok(())
-    }
 }
 
 pub(super) fn pcmm<E: Setting<D>, const D: usize>(

@@ -161,7 +161,7 @@ parts! {
     Sph {
         /// Distance of particles.
         spacing: Quantity<Length>,
-        /// Configuration of the kernels; of liquids always `updated`, of other bodies `total_lagrangian` if not given.
+        /// Configuration of the kernels; if not given `updated` for liquids and `total_lagrangian` for other bodies.
         #[serde(default)]
         #[schemars(extend("default" = SphForm::default()))]
         form: Option<SphForm>,

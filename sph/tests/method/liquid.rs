@@ -354,6 +354,12 @@ fn conditions_that_a_liquid_has_not_are_refused() {
     assert!(said(rough).contains("friction"));
     assert!(said(Boundary::Periodic { axis: 0, low: 0.0, high: 1.0 }).contains("eight spacings"));
     assert!(said(wall(0, 0.5, Side::Above)).contains("in front of the walls"));
+    // Particles of 0.2 m reach 0.62 m.
+    let thin = block([0.0; 2], [0.4, 1.0], 0.2, false);
+    let mut narrow = Sph::new(Method::liquid(PlaneStrain), water(10.0), &thin, |_| [0.0; 2]).unwrap();
+    narrow.bound(wall(0, 0.0, Side::Above)).unwrap();
+    let gap = narrow.bound(wall(0, 0.4, Side::Below)).unwrap_err().to_string();
+    assert!(gap.contains("a quarter of it"), "{gap}");
     let round = block([0.0; 2], [1.0, 1.0], 0.1, true);
     let error = Sph::new(Method::liquid(Axisymmetric), water(10.0), &round, |_| [0.0; 2]).err().unwrap();
     assert!(error.to_string().contains("axisymmetric"), "{error}");

@@ -7,7 +7,7 @@ use impactite::mpm::Traction as OnParticles;
 
 use crate::build::common::World;
 use crate::build::shape;
-use crate::build::wrong::{At, Made, wrong};
+use crate::build::wrong::{At, Made, Wrong, wrong};
 use crate::formula::Formula;
 use crate::model::body::Traction;
 use crate::model::formulas;
@@ -94,4 +94,24 @@ impl<const D: usize> World<'_, D> {
             _ => wrong(key, "needs a `region`, a `normal` and a `traction`"),
         }
     }
+}
+
+/// Refuse a load whose region contains no particle.
+pub(in crate::build) fn loaded<const D: usize>(
+    key: &str,
+    load: &OnParticles<D>,
+    particles: &[[f64; D]],
+) -> Made<()> {
+    if particles.iter().any(|x| load.region.contains(*x)) {
+        return Ok(());
+    }
+    let bounds = load.region.bounds();
+    let outside = |x: &[f64; D], d: usize| (bounds.min[d] - x[d]).max(x[d] - bounds.max[d]).max(0.0);
+    let square = |x: &[f64; D]| (0..D).map(|d| outside(x, d).powi(2)).sum::<f64>();
+    let distance = particles.iter().map(square).fold(f64::INFINITY, f64::min).sqrt();
+    Err(Wrong {
+        key: key.into(),
+        message: format!("selects no particle; the nearest one is {distance:.3e} m away"),
+        help: Some("enlarge it by that, so that it holds the outermost layer of particles".into()),
+    })
 }
