@@ -29,7 +29,7 @@ impl Watcher {
                     speeds.push((speed, p.mass));
                 }
             });
-            if !(fast > DROPS * mass) {
+            if fast <= DROPS * mass {
                 continue;
             }
             // The speed that a share of the mass exceeds.
