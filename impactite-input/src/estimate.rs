@@ -9,6 +9,7 @@ use crate::build::{liquid, material, mesh, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
+use crate::model::condition::{Condition, Wall};
 use crate::model::method::{Method, Purpose, ShapeFunction, SphForm, TimeStep};
 use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
@@ -273,6 +274,19 @@ impl Source {
                 "method.sph.form: with `total_lagrangian` neighbours never change, which is right for sound in a liquid and wrong for its flow; leave it out"
                     .into(),
             );
+        }
+        if let (Method::Sph(_), Some((name, _))) =
+            (&scene.method, scene.bodies.iter().find(|(_, body)| liquid::smoothed(scene, body)))
+        {
+            for (n, condition) in scene.conditions.iter().enumerate() {
+                if let Condition::Wall(Wall { friction: Some(friction), .. }) = condition
+                    && friction.value > 0.0
+                {
+                    notes.push(format!(
+                        "conditions[{n}].wall.friction: does not act on the liquid `{name}`, which slips along walls; it sticks to a `fixed` plane"
+                    ));
+                }
+            }
         }
         if let Method::Sph(_) = &scene.method
             && let Some(why) = liquid::smoothed_without_pressure(scene)

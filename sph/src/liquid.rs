@@ -53,14 +53,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let (axis, at, side) = match *entry.boundary() {
             Boundary::Symmetry { axis, at, side }
             | Boundary::Fixed { axis, at, side }
-            | Boundary::Wall { axis, at, side, .. } => (axis, at, side),
-            Boundary::FrictionWall { .. } => {
-                return Err(SceneError::NotWith {
-                    what: "a wall with friction".into(),
-                    method: format!("the liquid `{}`", self.name),
-                    why: "it slips along a wall without friction, and sticks to a fixed plane",
-                });
-            }
+            | Boundary::Wall { axis, at, side, .. }
+            | Boundary::FrictionWall { axis, at, side, .. } => (axis, at, side),
             Boundary::Periodic { axis, low, high } => return self.bound_period(entry, axis, low, high),
             _ => return Ok(false),
         };
@@ -117,9 +111,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             sph.mirrors.retain(|mirror| mirror.condition.is_none());
             for (n, boundary) in sph.boundaries.iter().enumerate() {
                 let (axis, at, side, kind) = match *boundary {
-                    Boundary::Symmetry { axis, at, side } | Boundary::Wall { axis, at, side, .. } => {
-                        (axis, at, side, MirrorKind::Slip)
-                    }
+                    Boundary::Symmetry { axis, at, side }
+                    | Boundary::Wall { axis, at, side, .. }
+                    | Boundary::FrictionWall { axis, at, side, .. } => (axis, at, side, MirrorKind::Slip),
                     Boundary::Fixed { axis, at, side } => (axis, at, side, MirrorKind::Stick),
                     Boundary::Periodic { axis, low, high } => {
                         for (at, sign, by) in [(low, 1.0, high - low), (high, -1.0, low - high)] {
@@ -160,7 +154,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     pub(crate) fn set_mirror_speeds(&mut self) {
         for mirror in &mut self.mirrors {
             let wall = mirror.condition.and_then(|n| self.boundaries.get(n));
-            mirror.speed = if let Some(Boundary::Wall { velocity, .. }) = wall { *velocity } else { 0.0 };
+            mirror.speed = match wall {
+                Some(Boundary::Wall { velocity, .. }) => *velocity,
+                Some(Boundary::FrictionWall { velocity, .. }) => velocity[mirror.axis],
+                _ => 0.0,
+            };
         }
     }
 

@@ -336,12 +336,15 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.times.unwrap_or_default()
     }
 
-    /// Add a boundary condition; [`Boundary::hold`](Boundary::check_moving) describes its effect on particles. Beyond a plane of symmetry
+    /// Add a boundary condition; [`Boundary::hold`](Boundary::check_moving) describes its effect on particles. For liquids
+    /// ([`ScaledGradients`](crate::ScaledGradients)) walls, fixed planes and planes of symmetry are mirrors, which carry the weight of the
+    /// liquid: it slips along walls, with or without friction, sticks to fixed planes, and parts from none. Beyond a plane of symmetry
     /// particles have mirror images as neighbours; beyond an axis of revolution they have images only without gradient correction. Walls
     /// keep the surface ([`Layout::surface`]) in front of them. Their order is that of [`Boundaries::add`].
     ///
     /// # Errors
-    /// Invalid numbers of a condition; periodic planes; a particle behind a plane of symmetry.
+    /// Invalid numbers of a condition; periodic planes but for liquids, which need a period of five smoothing lengths; a particle behind a
+    /// plane of symmetry; walls of a liquid that are nearer to each other than particles reach.
     pub fn bound(&mut self, boundary: impl Into<BoundaryEntry<D>>) -> Result<(), SceneError> {
         let entry = boundary.into();
         if M::Correction::SCALED {

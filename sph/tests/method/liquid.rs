@@ -349,9 +349,6 @@ fn conditions_that_a_liquid_has_not_are_refused() {
     let layout = block([0.0; 2], [1.0, 1.0], 0.2, false);
     let made = || Sph::new(Method::liquid(PlaneStrain), water(10.0), &layout, |_| [0.0; 2]).unwrap();
     let said = |boundary: Boundary<2>| made().bound(boundary).unwrap_err().to_string();
-    let rough =
-        Boundary::FrictionWall { axis: 0, at: 0.0, side: Side::Above, velocity: [0.0; 2], friction: 0.3 };
-    assert!(said(rough).contains("friction"));
     assert!(said(Boundary::Periodic { axis: 0, low: 0.0, high: 1.0 }).contains("eight spacings"));
     assert!(said(wall(0, 0.5, Side::Above)).contains("in front of the walls"));
     // Particles of 0.2 m reach 0.62 m.
