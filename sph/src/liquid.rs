@@ -230,7 +230,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let first = b * BATCH;
             let Batch { near, stabilising, by_mirror, .. } = batch;
             by_mirror.clear();
-            by_mirror.resize(count, [0.0; 3]);
+            by_mirror.resize(count, [0.0; 4]);
             for (n, acceleration) in acceleration.iter_mut().enumerate() {
                 let i = first + n;
                 let (index, slope) = near.of(n);
@@ -260,6 +260,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                         extra[a] += pushed[a];
                         if let Some(force) = image.bearer(a).and_then(|m| by_mirror.get_mut(m)) {
                             force[a] += velocity[i][3] * pair[a];
+                            if image.flips[a] < 0.0 {
+                                force[3] += velocity[i][3] * pushed[a];
+                            }
                         }
                     }
                 }
@@ -280,13 +283,16 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.set_mirror_speeds();
         for (m, (mirror, before)) in self.mirrors.iter().zip(before).enumerate() {
             let Some(condition) = mirror.condition.filter(|_| mirror.kind.bounds_liquid()) else { continue };
-            let mut force = [0.0; 3];
+            let mut force = [0.0; 4];
             let forces = self.batches.iter().filter_map(|batch| batch.by_mirror.get(m));
-            forces.for_each(|of| (0..D).for_each(|d| force[d] += of[d]));
-            let impulse = force.map(|force| (lag + half) * force);
-            let work = force[mirror.axis] * (lag * before + half * mirror.speed);
+            forces.for_each(|of| (0..4).for_each(|d| force[d] += of[d]));
+            let impulse: [f64; 3] = std::array::from_fn(|d| (lag + half) * force[d]);
+            let moved = lag * before + half * mirror.speed;
+            let work = force[mirror.axis] * moved;
             (0..D).for_each(|d| self.exchange.impulse[d] += impulse[d]);
             self.exchange.work += work;
+            // The force by weight is booked by its work on the particles, of which this is that of the wall.
+            self.exchange.viscosity += force[3] * moved;
             if let Some(account) = self.boundaries.account(condition) {
                 let booking = &mut self.exchange.accounts[account];
                 (0..D).for_each(|d| booking.impulse[d] += impulse[d]);

@@ -78,8 +78,8 @@ pub(crate) struct Batch {
     pub stabilising: Vec<[f64; 4]>,
     /// With density diffusion: its rate of the logarithm of density, 1/s.
     pub diffusing: Vec<f64>,
-    /// Forces of the mirrors of a liquid on the particles, N.
-    pub by_mirror: Vec<[f64; 3]>,
+    /// Forces of the mirrors of a liquid on the particles, N; last: the part along the axis by the weight between particles and images.
+    pub by_mirror: Vec<[f64; 4]>,
     /// Velocities at the start of the step, m/s.
     pub start: Vec<[f64; 4]>,
     pub report: Report,
@@ -115,7 +115,8 @@ impl Batch {
             + matrices * size_of::<Matrix>()
             + self.stress.capacity() * size_of::<[f64; 8]>()
             + (self.stabilising.capacity() + self.start.capacity()) * size_of::<[f64; 4]>()
-            + (self.spin.capacity() + self.by_mirror.capacity()) * size_of::<[f64; 3]>()
+            + self.spin.capacity() * size_of::<[f64; 3]>()
+            + self.by_mirror.capacity() * size_of::<[f64; 4]>()
             + 8 * self.diffusing.capacity()
             + self.surrounded.capacity()
     }
