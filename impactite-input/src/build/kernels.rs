@@ -7,7 +7,6 @@ use impactite::mpm::{
 use impactite::scene::Embedding;
 use serde::Serialize;
 
-use super::smoothed::{Members, Smoothed};
 use super::wrong::{At, Made, wrong};
 use crate::model::method::{Mpm, Purpose, ShapeFunction, StressUpdate, Transfer};
 
@@ -15,8 +14,6 @@ use crate::model::method::{Mpm, Purpose, ShapeFunction, StressUpdate, Transfer};
 pub(crate) trait Setting<const D: usize>: Embedding<D> + std::fmt::Debug + Copy {
     /// Return the kernels of the material point method.
     fn kernels(self, options: &Mpm) -> Made<Kernels<f64, D>>;
-    /// Add a body of smoothed particles of a liquid, where that is possible.
-    fn liquid(self, body: &Smoothed<'_, D>, members: &mut Members<'_, D>) -> Made<()>;
 }
 
 /// Combinations of parts whose kernels are compiled in this program: key of the shape function, its type, transfer, stress update. One list
@@ -135,20 +132,17 @@ macro_rules! kernels {
 }
 
 macro_rules! settings {
-    ($($space:ty, $d:literal, $liquid:path;)*) => {$(
+    ($($space:ty, $d:literal;)*) => {$(
         impl Setting<$d> for $space {
             fn kernels(self, options: &Mpm) -> Made<Kernels<f64, $d>> {
                 let space = self;
                 kernels!(space, options)
             }
-            fn liquid(self, body: &Smoothed<'_, $d>, members: &mut Members<'_, $d>) -> Made<()> {
-                $liquid(body, self, members)
-            }
         }
     )*};
 }
 settings! {
-    FullSpace, 3, Smoothed::add_liquid;
-    PlaneStrain, 2, Smoothed::add_liquid;
-    Axisymmetric, 2, Smoothed::refuse_liquid;
+    FullSpace, 3;
+    PlaneStrain, 2;
+    Axisymmetric, 2;
 }

@@ -79,7 +79,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
         let of = Smoothed { world, options, cells: &cells, pressures: &pressures, name };
         let spec = &world.scene.expanded[name];
         match (liquid::smoothed(world.scene, spec), options.form) {
-            (true, None | Some(SphForm::Updated)) => embedding.liquid(&of, members),
+            (true, None | Some(SphForm::Updated)) => of.add(SphMethod::liquid(embedding), members),
             (false, Some(SphForm::Updated)) => of.add(SphMethod::updated(embedding), members),
             (_, None | Some(SphForm::TotalLagrangian)) => {
                 of.add(SphMethod::total_lagrangian(embedding), members)

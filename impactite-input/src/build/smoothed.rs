@@ -1,22 +1,20 @@
 //! Bodies of smoothed particles, and the scenes that bodies of particles are members of.
 
-use std::fmt::Debug;
-
 use impactite::contact::SurfaceDistance;
 use impactite::contact::particles::{Bodies, ParticleBody};
-use impactite::scene::{Embedding, Solver};
-use impactite::sph::{Composition, Layout, Method as SphMethod, Sph as SphBody};
+use impactite::scene::Solver;
+use impactite::sph::{Composition, Layout, Sph as SphBody};
 
 use super::common::World;
 use super::conditions::loads;
 use super::liquid::{self, Pressures};
 use super::seeds::{Cells, seeds};
-use super::wrong::{At, Made, Wrong, of_body};
+use super::wrong::{At, Made, of_body};
 use super::{placement, stressed};
 use crate::model::method::Sph;
 
 /// Scene of bodies of particles, or the only body as its own solver.
-pub(crate) enum Members<'a, const D: usize> {
+pub(super) enum Members<'a, const D: usize> {
     /// The only body.
     Alone(&'a mut Option<Box<dyn Solver>>),
     /// One of several bodies.
@@ -25,7 +23,7 @@ pub(crate) enum Members<'a, const D: usize> {
 
 impl<const D: usize> Members<'_, D> {
     /// Add a body.
-    pub(crate) fn add(&mut self, name: &str, body: impl ParticleBody<D> + Solver) {
+    pub(super) fn add(&mut self, name: &str, body: impl ParticleBody<D> + Solver) {
         match self {
             Members::Alone(solver) => **solver = Some(Box::new(body)),
             Members::Among(bodies) => {
@@ -36,7 +34,7 @@ impl<const D: usize> Members<'_, D> {
 }
 
 /// Body of smoothed particles to build.
-pub(crate) struct Smoothed<'a, const D: usize> {
+pub(super) struct Smoothed<'a, const D: usize> {
     pub(super) world: &'a World<'a, D>,
     pub(super) options: &'a Sph,
     pub(super) cells: &'a Cells<'a, D>,
@@ -46,27 +44,8 @@ pub(crate) struct Smoothed<'a, const D: usize> {
 }
 
 impl<const D: usize> Smoothed<'_, D> {
-    /// Build a body of a liquid.
-    pub(crate) fn add_liquid<E: Embedding<D> + Debug>(
-        &self,
-        embedding: E,
-        members: &mut Members<'_, D>,
-    ) -> Made<()> {
-        self.add(SphMethod::liquid(embedding), members)
-    }
-
-    /// Refuse a body of a liquid.
-    pub(crate) fn refuse_liquid<E>(&self, _: E, _: &mut Members<'_, D>) -> Made<()> {
-        Err(Wrong {
-            key: format!("bodies.{}.material", self.name),
-            message: "is a liquid, of which smoothed particles are not available in axisymmetric scenes"
-                .into(),
-            help: Some("take `method.mpm`, or a sector in `3d`".into()),
-        })
-    }
-
     /// Build the body by a method, with its conditions and loads.
-    pub(crate) fn add<M: Composition<D>>(&self, method: M, members: &mut Members<'_, D>) -> Made<()> {
+    pub(super) fn add<M: Composition<D>>(&self, method: M, members: &mut Members<'_, D>) -> Made<()> {
         let Smoothed { world, options, cells, pressures, name } = *self;
         let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let seeds = seeds(world, &key, spec, cells)?;
