@@ -211,7 +211,7 @@ impl<E, N, V> Fluid<E, N, V> {
     }
 }
 
-/// Speed of sound at rest, m/s, of a liquid by [`Tait`](crate::Tait)'s equation: a number that is chosen for the speeds of a scene, ten
+/// Speed of sound at rest, m/s, of a liquid by [`Tait`]'s equation: a number that is chosen for the speeds of a scene, ten
 /// times the largest or more. None for other laws.
 pub fn chosen_sound_speed<T: Float>(material: &dyn Material<T>) -> Option<f64> {
     if material.name() != Tait::<T>::NAME {
