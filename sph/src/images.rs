@@ -69,7 +69,7 @@ pub(crate) struct Image<const D: usize> {
     /// Axes across which the liquid sticks to the mirror.
     pub sticks: [bool; D],
     /// Mirrors across each axis: their number and one, or zero.
-    pub mirrors: [u8; D],
+    pub mirrors: [u16; D],
     /// Factor of radius times stress in radial forces, -1 beyond an axis: the product is zero at the axis, and a uniform stress does not
     /// accelerate. Axial forces use its magnitude, so that a pair and its image conserve momentum.
     pub radial: f64,
@@ -125,7 +125,7 @@ impl<const D: usize> Images<D> {
         for (number, mirror) in mirrors.iter().enumerate() {
             let axis = mirror.axis;
             let across = |image: &mut Image<D>| {
-                image.mirrors[axis] = number as u8 + 1;
+                image.mirrors[axis] = number as u16 + 1;
                 if let MirrorKind::Period(by) = mirror.kind {
                     image.twice[axis] = by;
                     return;

@@ -29,14 +29,14 @@ impl<const D: usize> Image<D> {
 }
 
 /// c h over the kinematic viscosity of a linear pair viscosity of one, which acts on approaching pairs alone.
-const LIKE: f64 = 16.0;
+const PER_KINEMATIC: f64 = 16.0;
 
 fn dot<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
     (0..D).map(|d| a[d] * b[d]).sum()
 }
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// Reduce the linear pair viscosity, which is like a kinematic viscosity of at most alpha c h / [`LIKE`], by that of the law.
+    /// Reduce the linear pair viscosity, which is like a kinematic viscosity of at most alpha c h / [`PER_KINEMATIC`], by that of the law.
     pub(crate) fn reduce_pair_viscosity(&mut self) {
         let sound = self.speed_at_rest;
         let h = self.records.smoothing.iter().fold(0.0f64, |most, h| most.max(*h));
@@ -44,7 +44,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let step = self.material.step_speed(&self.virgin, h).unwrap_or(sound);
         let kinematic = 0.375 * (step - sound).max(0.0) * h;
         if sound > 0.0 {
-            self.viscosity[0] = (self.viscosity[0] - LIKE * kinematic / (sound * h)).max(0.0);
+            self.viscosity[0] = (self.viscosity[0] - PER_KINEMATIC * kinematic / (sound * h)).max(0.0);
         }
     }
 
@@ -104,6 +104,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         Ok(true)
     }
 
+    /// Add a condition, and find the mirrors of all conditions anew.
     fn bound_by_mirrors(&mut self, entry: BoundaryEntry<D>) -> Result<(), SceneError> {
         self.boundaries.add(entry);
         self.lists.forget();
