@@ -74,8 +74,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let other = self.mirrors.iter().find(|m| m.axis == axis && m.sign != side.sign());
         let Some(gap) = other.map(|m| (m.at - at).abs()).filter(|gap| *gap < reach) else { return Ok(()) };
         Err(SceneError::NotWith {
-            what: format!("a gap of {gap:e} m between two walls"),
-            method: format!("the liquid `{}`", self.name),
+            what: format!("a gap of {gap:e} m between two walls of a liquid"),
+            method: self.name.clone(),
             why: "smoothed particles reach across it: take a spacing of at most a quarter of it",
         })
     }
@@ -91,8 +91,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let largest = self.records.smoothing.iter().fold(0.0f64, |most, h| most.max(*h));
         if high - low < 5.0 * largest {
             return Err(SceneError::NotWith {
-                what: format!("a period of {:e} m", high - low),
-                method: format!("the liquid `{}`", self.name),
+                what: format!("a period of {:e} m of a liquid", high - low),
+                method: self.name.clone(),
                 why: "particles would meet themselves: it needs at least five smoothing lengths, eight spacings",
             });
         }
