@@ -206,11 +206,11 @@ impl<const D: usize> Flow<D> {
         };
         let mut u: Vec<f64> = grid.velocity.iter().flatten().copied().collect();
         let stepped = stress.step(&self.team, &mut u);
-        let mut lost = 0.0;
+        let mut work = 0.0;
         if stress.bears() {
             let mut pressure = vec![0.0; grid.blocks.cells()];
             stress.add_surface_pressure(&self.team, &u, &mut pressure);
-            lost = stress.work_at_surface(&u, &pressure);
+            work = stress.work_at_surface(&u, &pressure);
             if jump.is_empty() {
                 jump = pressure;
             } else {
@@ -218,19 +218,14 @@ impl<const D: usize> Flow<D> {
             }
         }
         self.grid.jump = jump;
-        let grid = &self.grid;
-        stepped.map_err(|error| {
+        let (impulse, lost) = stepped.map_err(|error| {
             self.clock.stopped(Stopped::Solve { what: "the viscous step", why: error.to_string() })
         })?;
-        let (count, mass) = (grid.blocks.cells(), fluid.density * h.powi(D as i32));
-        let (mut impulse, mut heat) = ([0.0; D], mass * lost);
+        let (count, mass) = (self.grid.blocks.cells(), fluid.density * h.powi(D as i32));
         for d in 0..D {
-            for (old, new) in self.grid.velocity[d].iter_mut().zip(&u[d * count..(d + 1) * count]) {
-                impulse[d] += mass * (new - *old);
-                heat += 0.5 * mass * (*old * *old - new * new);
-                *old = *new;
-            }
+            self.grid.velocity[d].copy_from_slice(&u[d * count..(d + 1) * count]);
         }
+        let (impulse, heat) = (impulse.map(|sum| mass * sum), mass * (lost + work));
         add_to(&mut self.exchange.impulse, &impulse);
         let volume = |l: &crate::particles::Liquid<D>| l.particles.iter().map(|p| p.volume).sum::<f64>();
         let total: f64 = self.liquids.iter().map(volume).sum();

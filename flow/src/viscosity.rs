@@ -248,34 +248,58 @@ impl<const D: usize> Stress<'_, D> {
         });
     }
 
-    /// Return the work of the surface pressure `q` on the faces of velocity `u` between liquid and air, over rho h^D: what the liquid loses.
-    pub fn work_at_surface(&self, u: &[f64], q: &[f64]) -> f64 {
-        let (cells, count) = (Blocks::<D>::CELLS, self.blocks.cells());
-        let mut sum = 0.0;
+    /// Visit the faces between liquid and air whose velocity is solved: axis, index of the face, that of the cell below it, and true if the
+    /// liquid is below.
+    fn each_surface_face(&self, mut visit: impl FnMut(usize, usize, usize, bool)) {
+        let cells = Blocks::<D>::CELLS;
         for (b, d) in (0..self.blocks.len()).flat_map(|b| (0..D).map(move |d| (b, d))) {
-            for i in 0..cells {
+            for i in (0..cells).filter(|i| self.marks[d][b * cells + i] == SOLVED) {
                 let up = b * cells + i;
                 let Some(low) = self.blocks.beside(b, i, d, false) else { continue };
-                let out = match (self.kind[low], self.kind[up]) {
-                    (LIQUID, AIR) => 1.0,
-                    (AIR, LIQUID) => -1.0,
-                    _ => continue,
-                };
-                if self.open[d][up] > 0.0 {
-                    sum += out * 0.5 * (q[low] + q[up]) * u[d * count + up];
+                match (self.kind[low], self.kind[up]) {
+                    (LIQUID, AIR) => visit(d, up, low, true),
+                    (AIR, LIQUID) => visit(d, up, low, false),
+                    _ => {}
                 }
             }
         }
+    }
+
+    /// Return the work of the surface pressure `q` on the faces of velocity `u` between liquid and air, over rho h^D: what the liquid loses.
+    pub fn work_at_surface(&self, u: &[f64], q: &[f64]) -> f64 {
+        let (count, mut sum) = (self.blocks.cells(), 0.0);
+        self.each_surface_face(|d, up, low, below| {
+            let out = if below { 1.0 } else { -1.0 };
+            sum += out * 0.5 * (q[low] + q[up]) * u[d * count + up];
+        });
         sum
     }
 
-    /// Update the velocity `u`, at the faces of one axis after another, by the viscous stress.
+    /// Return the sum of the changes of velocity by the normal stress at faces beside air, which explicit steps leave to the pressure there.
+    fn left_to_surface(&self, u: &[f64]) -> [f64; D] {
+        let (cells, count) = (Blocks::<D>::CELLS, self.blocks.cells());
+        let mut sum = [0.0; D];
+        self.each_surface_face(|d, up, low, below| {
+            let u = &u[d * count..(d + 1) * count];
+            if below {
+                sum[d] -= 2.0 * self.number * (u[up] - u[low]);
+            } else if let Some(next) = self.blocks.beside(up / cells, up % cells, d, true) {
+                sum[d] += 2.0 * self.number * (u[next] - u[up]);
+            }
+        });
+        sum
+    }
+
+    /// Update the velocity `u`, at the faces of one axis after another, by the viscous stress. Return the impulse of walls and the kinetic
+    /// energy that the liquid loses, both over rho h^D, but for the work of [`Stress::work_at_surface`].
     ///
     /// # Errors
     /// An implicit step that does not reach its tolerance.
-    pub fn step(&self, team: &Team, u: &mut [f64]) -> Result<(), SolveError> {
+    pub fn step(&self, team: &Team, u: &mut [f64]) -> Result<([f64; D], f64), SolveError> {
+        let (count, before) = (self.blocks.cells(), u.to_vec());
         let mut first = vec![0.0; u.len()];
-        if self.number <= EXPLICIT {
+        let mut impulse = [0.0; D];
+        if self.bears() {
             let (mut middle, mut second) = (u.to_vec(), vec![0.0; u.len()]);
             self.change(team, u, 1.0, &mut first);
             middle.iter_mut().zip(&first).for_each(|(m, f)| *m += f);
@@ -283,21 +307,39 @@ impl<const D: usize> Stress<'_, D> {
             for (u, (a, b)) in u.iter_mut().zip(first.iter().zip(&second)) {
                 *u += 0.5 * (a + b);
             }
-            return Ok(());
+            // The change is that of the velocity in the middle, by the linear stress.
+            middle.iter_mut().zip(&before).for_each(|(m, u)| *m = 0.5 * (*m + u));
+            impulse = self.left_to_surface(&middle);
+        } else {
+            // (m - s L) u = m u* + (1 - s) L u* + c, where the change of m u is L u + c with c from the walls and the liquid shares m of faces.
+            let largest = 4.0 * (1 + D) as f64 * self.number;
+            let share = (1.0 - DAMPED / largest).max(0.5);
+            let mut walls = vec![0.0; u.len()];
+            self.change(team, &walls.clone(), 1.0, &mut walls);
+            self.change(team, u, 0.0, &mut first);
+            for (right, c) in first.iter_mut().zip(&walls) {
+                *right = (1.0 - share) * *right + c;
+            }
+            self.add_weighed(team, u, &mut first);
+            let stop = Stop { relative: TOLERANCE, iterations: ITERATIONS, ..Stop::default() };
+            conjugate_gradients(team, &Implicit(self, share), &mut Identity, &first, u, &stop)?;
         }
-        // (m - s L) u = m u* + (1 - s) L u* + c, where the change of m u is L u + c with c from the walls and the liquid shares m of faces.
-        let largest = 4.0 * (1 + D) as f64 * self.number;
-        let share = (1.0 - DAMPED / largest).max(0.5);
-        let mut walls = vec![0.0; u.len()];
-        self.change(team, &walls.clone(), 1.0, &mut walls);
-        self.change(team, u, 0.0, &mut first);
-        for (right, c) in first.iter_mut().zip(&walls) {
-            *right = (1.0 - share) * *right + c;
+        let mut lost = 0.0;
+        for (n, (new, old)) in u.iter().zip(&before).enumerate() {
+            impulse[n / count] += new - old;
+            lost += 0.5 * (old * old - new * new);
         }
-        self.add_weighed(team, u, &mut first);
-        let stop = Stop { relative: TOLERANCE, iterations: ITERATIONS, ..Stop::default() };
-        conjugate_gradients(team, &Implicit(self, share), &mut Identity, &first, u, &stop)?;
-        Ok(())
+        if !self.bears() {
+            // Faces beside air have the mass of their liquid share.
+            self.each_surface_face(|d, up, low, below| {
+                let (liquid, air) = if below { (low, up) } else { (up, low) };
+                let empty = 1.0 - theta(self.level[liquid], self.level[air]).min(1.0);
+                let (new, old) = (u[d * count + up], before[d * count + up]);
+                impulse[d] -= empty * (new - old);
+                lost -= 0.5 * empty * (old * old - new * new);
+            });
+        }
+        Ok((impulse, lost))
     }
 }
 

@@ -10,7 +10,7 @@ use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
 use crate::model::condition::{Condition, Wall};
-use crate::model::method::{Method, Purpose, ShapeFunction, SphForm, TimeStep};
+use crate::model::method::{Method, Purpose, ShapeFunction, Sph, SphForm, TimeStep};
 use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 
@@ -260,41 +260,11 @@ impl Source {
                 ));
             }
             if let Some(why) = liquid::without_pressure(scene, options) {
-                notes.push(format!(
-                    "gravity: the pressure at the start is not computed for liquids {why}; they start without it and ring with the period 4 H / c; \
-                     `initial_stress` gives one"
-                ));
+                notes.push(without_pressure(why));
             }
         }
-        if let Method::Sph(options) = &scene.method
-            && options.form == Some(SphForm::TotalLagrangian)
-            && scene.bodies.values().any(|body| liquid::smoothed(scene, body))
-        {
-            notes.push(
-                "method.sph.form: with `total_lagrangian` neighbours never change, which is right for sound in a liquid and wrong for its flow; leave it out"
-                    .into(),
-            );
-        }
-        if let (Method::Sph(_), Some((name, _))) =
-            (&scene.method, scene.bodies.iter().find(|(_, body)| liquid::smoothed(scene, body)))
-        {
-            for (n, condition) in scene.conditions.iter().enumerate() {
-                if let Condition::Wall(Wall { friction: Some(friction), .. }) = condition
-                    && friction.value > 0.0
-                {
-                    notes.push(format!(
-                        "conditions[{n}].wall.friction: does not act on the liquid `{name}`, which slips along walls; it sticks to a `fixed` plane"
-                    ));
-                }
-            }
-        }
-        if let Method::Sph(_) = &scene.method
-            && let Some(why) = liquid::smoothed_without_pressure(scene)
-        {
-            notes.push(format!(
-                "gravity: the pressure at the start is not computed for liquids {why}; they start without it and ring with the period 4 H / c; \
-                 `initial_stress` gives one"
-            ));
+        if let Method::Sph(options) = &scene.method {
+            notes_of_liquids(scene, options, &mut notes);
         }
         if let (Method::Mpm(options), true) = (&scene.method, weighed) {
             let splines = match &options.parts {
@@ -338,6 +308,38 @@ impl Source {
         }
         notes
     }
+}
+
+/// Add the notes on liquids of smoothed particles.
+fn notes_of_liquids(scene: &SceneFile, options: &Sph, notes: &mut Vec<String>) {
+    let Some((name, _)) = scene.bodies.iter().find(|(_, body)| liquid::smoothed(scene, body)) else { return };
+    if options.form == Some(SphForm::TotalLagrangian) {
+        notes.push(
+            "method.sph.form: with `total_lagrangian` neighbours never change, which is right for sound in a liquid and wrong for its flow; leave it out"
+                .into(),
+        );
+    } else {
+        for (n, condition) in scene.conditions.iter().enumerate() {
+            if let Condition::Wall(Wall { friction: Some(friction), .. }) = condition
+                && friction.value > 0.0
+            {
+                notes.push(format!(
+                    "conditions[{n}].wall.friction: does not act on the liquid `{name}`, which slips along walls; it sticks to a `fixed` plane"
+                ));
+            }
+        }
+    }
+    if let Some(why) = liquid::smoothed_without_pressure(scene) {
+        notes.push(without_pressure(why));
+    }
+}
+
+/// Note on liquids that start without pressure.
+fn without_pressure(why: &str) -> String {
+    format!(
+        "gravity: the pressure at the start is not computed for liquids {why}; they start without it and ring with the period 4 H / c; \
+         `initial_stress` gives one"
+    )
 }
 
 impl BodyEstimate {

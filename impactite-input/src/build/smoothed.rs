@@ -51,7 +51,7 @@ impl<const D: usize> Smoothed<'_, D> {
         let seeds = seeds(world, &key, spec, cells)?;
         let velocity = world.velocity(&key, spec, || Ok(seeds.centroid()))?;
         let law = world.law(&key, spec)?.material;
-        let body = SphBody::new(method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
+        let body = SphBody::new(method, law.clone(), &Layout::of_seeds(&seeds), move |x| velocity(x));
         let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
         placement::check_planes(world, &body)?;
         for (key, boundary) in world.conditions()? {
@@ -60,13 +60,12 @@ impl<const D: usize> Smoothed<'_, D> {
         if let Some(gravity) = world.gravity()? {
             body.set_body_force(gravity);
         }
-        let material = world.law(&key, spec)?.material;
         if let Some(stress) = &spec.initial_stress {
             let key = format!("{key}.initial_stress");
-            let states = stressed::states(world, &key, stress, &*material, &seeds.positions)?;
+            let states = stressed::states(world, &key, stress, &*law, &seeds.positions)?;
             body.set_numbers(|x, state| state.copy_from_slice(&states(x))).at(&key)?;
         } else if !pressures.is_empty() {
-            let states = liquid::states(&key, &*material, &seeds.positions, pressures)?;
+            let states = liquid::states(&key, &*law, &seeds.positions, pressures)?;
             body.set_numbers(|x, state| state.copy_from_slice(&states(x))).at(&key)?;
         }
         for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
