@@ -3,7 +3,7 @@
 //! An image has the pressure of its particle and, for a distance d between both, what the weight of the liquid adds: rho b . d. Without
 //! it the pressure would have a cusp at the floor, and those of the first rows would be wrong by up to half of the weight of a row.
 
-use impactite_scene::{Boundary, BoundaryEntry, SceneError, Side};
+use impactite_scene::{Boundary, BoundaryEntry, SceneError};
 
 use crate::images::{Image, Images, Mirror, MirrorKind};
 use crate::layout::number;
@@ -63,21 +63,32 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let open = (x[axis] - at) * side.sign() > 0.0;
             number(open, "position", self.numbers[i] as usize, x[axis], allowed)?;
         }
-        self.check_gap(axis, at, side)?;
         self.bound_by_mirrors(entry)?;
+        self.check_gaps()?;
         Ok(true)
     }
 
-    /// Refuse a wall so near to another one that particles are within reach of the images of images.
-    fn check_gap(&self, axis: usize, at: f64, side: Side) -> Result<(), SceneError> {
+    /// Refuse walls so near to each other that particles are within reach of the images of images.
+    pub(crate) fn check_gaps(&self) -> Result<(), SceneError> {
         let reach = 2.0 * self.records.smoothing.iter().fold(0.0f64, |most, h| most.max(*h));
-        let other = self.mirrors.iter().find(|m| m.axis == axis && m.sign != side.sign());
-        let Some(gap) = other.map(|m| (m.at - at).abs()).filter(|gap| *gap < reach) else { return Ok(()) };
+        let walls = || self.mirrors.iter().filter(|m| m.kind.bounds_liquid());
+        let gaps = walls().filter(|m| m.sign > 0.0).flat_map(|low| {
+            walls().filter(move |m| m.sign < 0.0 && m.axis == low.axis).map(move |high| high.at - low.at)
+        });
+        let narrowest = gaps.fold(f64::INFINITY, f64::min);
+        if narrowest >= reach {
+            return Ok(());
+        }
         Err(SceneError::NotWith {
-            what: format!("a gap of {gap:e} m between two walls of a liquid"),
+            what: format!("a gap of {narrowest:e} m between two walls of a liquid"),
             method: self.name.clone(),
             why: "smoothed particles reach across it: take a spacing of at most a quarter of it",
         })
+    }
+
+    /// True if a wall of the liquid moves.
+    pub(crate) fn has_moving_walls(&self) -> bool {
+        self.mirrors.iter().any(|mirror| mirror.speed != 0.0)
     }
 
     /// Add periodic planes: particles beyond one of them enter at the other, and have images beyond both.

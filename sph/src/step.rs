@@ -369,6 +369,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             return Ok(());
         }
         self.move_mirrors(self.clock.time + dt);
+        if self.has_moving_walls() {
+            self.check_gaps().map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        }
         self.place();
         self.neighbours().map_err(|error| self.searched(error))?;
         self.part(

@@ -357,6 +357,16 @@ fn conditions_that_a_liquid_has_not_are_refused() {
     narrow.bound(wall(0, 0.0, Side::Above)).unwrap();
     let gap = narrow.bound(wall(0, 0.4, Side::Below)).unwrap_err().to_string();
     assert!(gap.contains("a quarter of it"), "{gap}");
+    // A press that closes stops the run before that.
+    let wide = block([0.0; 2], [1.0, 1.0], 0.2, false);
+    let mut pressed = Sph::new(Method::liquid(PlaneStrain), water(10.0), &wide, |_| [0.0; 2]).unwrap();
+    pressed.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 1.0 }).unwrap();
+    pressed.bound(wall(0, 1.0, Side::Below)).unwrap();
+    let stopped = pressed.run_until(1.0).unwrap_err();
+    assert!(
+        (0.3..0.4).contains(&stopped.time) && stopped.to_string().contains("a quarter of it"),
+        "{stopped}"
+    );
     let round = block([0.0; 2], [1.0, 1.0], 0.1, true);
     let error = Sph::new(Method::liquid(Axisymmetric), water(10.0), &round, |_| [0.0; 2]).err().unwrap();
     assert!(error.to_string().contains("axisymmetric"), "{error}");
