@@ -5,6 +5,7 @@ use impactite_scene::{Cause, PointKind, SceneError, StepError, Stopped};
 use crate::blocks::Blocks;
 use crate::contact::{resolve, supports};
 use crate::couple::{Coupling, Support, Surroundings, product};
+use crate::deformable::loads::Wetted;
 use crate::error::FluidError;
 use crate::extrapolate::FREE;
 use crate::rigid::{Floater, RigidBody, Twist};
@@ -26,6 +27,13 @@ impl<const D: usize> Flow<D> {
     pub fn add_rigid(&mut self, name: impl Into<String>, body: RigidBody<D>) -> Result<usize, FluidError> {
         let name = name.into();
         self.check_name(&name)?;
+        if self.solids.is_some() {
+            return Err(FluidError::Scene(SceneError::NotWith {
+                what: format!("the rigid body `{name}` beside deformable bodies"),
+                method: impactite_scene::Solver::method(self),
+                why: "nothing finds the contact between them; make the stiff body deformable, or prescribe its motion",
+            }));
+        }
         if self.options.period.iter().any(|p| *p > 0) {
             return Err(FluidError::Scene(SceneError::NotWith {
                 what: format!("the rigid body `{name}` in a periodic scene"),
@@ -59,17 +67,22 @@ impl<const D: usize> Flow<D> {
         self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h.powi(D as i32)
     }
 
-    /// Find the cells and faces near the rigid bodies.
+    /// Find the cells and faces near the bodies that the liquid moves.
     pub(crate) fn surround_bodies(&mut self, walls: &Walls<'_, D>) {
         let around = |body| Surroundings::new((&self.grid, &self.frame), walls, body);
         self.around = self.rigid.iter().enumerate().map(around).collect();
+        if let Some(solids) = &mut self.solids {
+            solids.wetted = Wetted::new(&self.grid, &self.frame, walls);
+            solids.wetted.sweep(&solids.velocities, &mut self.swept);
+        }
     }
 
-    /// Subtract the net outflow of cells by the motion of the rigid bodies.
+    /// Subtract the net outflow of cells by the motion of the bodies that the liquid moves.
     pub(crate) fn subtract_bodies(&self, right: &mut [f64]) {
         for (body, around) in self.rigid.iter().zip(&self.around) {
             around.subtract_outflow(&body.twist, right);
         }
+        self.swept.iter().for_each(|(cell, by)| right[*cell as usize] -= by);
     }
 
     /// Solve for the pressure together with the velocities of the rigid bodies, and the contacts with walls that hold them: contacts that
@@ -80,6 +93,9 @@ impl<const D: usize> Flow<D> {
         kick: f64,
         walls: &mut Walls<'_, D>,
     ) -> Result<(), StepError> {
+        if self.solids.is_some() {
+            return self.project_with_solids(dt, kick, walls);
+        }
         if self.rigid.is_empty() {
             return self.project();
         }
@@ -160,7 +176,7 @@ impl<const D: usize> Flow<D> {
 
     /// Give the liquid in pockets, and in what is narrower, the velocity of the walls around it: no pressure would hold it.
     pub(crate) fn hold_pockets(&mut self, walls: &Walls<'_, D>) {
-        if self.rigid.is_empty() {
+        if !self.moves_bodies() {
             return;
         }
         let (grid, frame, cells) = (&self.grid, &self.frame, Blocks::<D>::CELLS);
@@ -181,10 +197,10 @@ impl<const D: usize> Flow<D> {
                     let list: Vec<usize> = (0..walls.list.len()).filter(near).collect();
                     grid.open[d][slot] <= 0.0
                         && list.len() > 1
-                        && list.iter().any(|n| walls.list[*n].body.is_some())
+                        && list.iter().any(|n| walls.list[*n].follows())
                 };
                 if pocket || narrow() {
-                    held.push((d, slot, walls.motions[cut.sample(&at).2].component(&x, d)));
+                    held.push((d, slot, walls.velocity(cut.sample(&at).2, &x, d)));
                 }
             }
         }

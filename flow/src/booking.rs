@@ -25,10 +25,10 @@ impl<const D: usize> Flow<D> {
                     let wall = if walls.moving() {
                         let at = face_centre::<D>(i, d);
                         let n = cut.sample(&at).2;
-                        if walls.list[n].body.is_some() {
+                        if walls.list[n].follows() {
                             continue;
                         }
-                        walls.motions[n].component(&self.frame.place(&grid.blocks.keys[b], &at), d)
+                        walls.velocity(n, &self.frame.place(&grid.blocks.keys[b], &at), d)
                     } else {
                         0.0
                     };
@@ -43,12 +43,12 @@ impl<const D: usize> Flow<D> {
                     let low = b * cells + i;
                     let Some(up) = grid.blocks.beside(b, i, d, true) else { continue };
                     let open = &grid.open[d];
-                    if !self.rigid.is_empty() {
+                    if self.moves_bodies() {
                         // Closed parts of walls that are no free bodies.
                         for (slot, sign) in [(low, -1.0), (up, 1.0)] {
                             let Some(cut) = &grid.cuts[slot / cells] else { continue };
                             let n = cut.sample(&face_centre::<D>(slot % cells, d)).2;
-                            if open[slot] < 1.0 && walls.list[n].body.is_none() {
+                            if open[slot] < 1.0 && !walls.list[n].follows() {
                                 let closed = impulse * sign * (1.0 - open[slot]);
                                 let wall = grid.wall[d].get(slot).copied().unwrap_or(0.0);
                                 self.exchange.impulse[d] -= closed;
@@ -88,9 +88,11 @@ impl<const D: usize> Flow<D> {
             (0..D).for_each(|d| change[d] -= load[d]);
         }
         let bodies = self.change_of_bodies(kick);
+        let passed = self.solids.as_ref().map_or([0.0; D], |solids| solids.passed);
         for d in 0..D {
-            change[d] += bodies[d];
+            change[d] += bodies[d] + passed[d];
             self.speed = self.rigid.iter().fold(self.speed, |speed, body| speed.max(body.speed()));
+            self.speed = self.solids.iter().fold(self.speed, |speed, solids| speed.max(solids.speed()));
             self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);
         }
         self.booked_walls = walls;

@@ -22,10 +22,10 @@ use crate::transfer::face_centre;
 use crate::wall::Walls;
 
 /// Distance from the surface of a body, in cells, within which faces share their liquid with it.
-const REACH: f64 = 1.25;
+pub(crate) const REACH: f64 = 1.25;
 
 /// Depth in a body, in cells, from which faces have no part in its motion.
-const DEEP: f64 = 2.0;
+pub(crate) const DEEP: f64 = 2.0;
 
 /// Face near the surface of a body.
 #[derive(Clone, Copy)]
@@ -110,6 +110,31 @@ pub(crate) fn product(a: &Twist, b: &Twist) -> f64 {
     (0..6).map(|m| a[m] * b[m]).sum()
 }
 
+/// Liquid cell whose pressure a cell has: itself, or that beside a pocket or what is narrower between walls.
+pub(crate) fn hosts<'a, const D: usize>(
+    grid: &'a Grid<D>,
+    frame: &'a Frame<D>,
+    walls: &'a Walls<'_, D>,
+) -> impl Fn(u32) -> u32 + 'a {
+    let (kind, cells) = (&grid.surface.kind, Blocks::<D>::CELLS);
+    let narrow = move |cell: usize| {
+        let (b, i) = (cell / cells, cell % cells);
+        let at = crate::blocks::local::<D>(i).map(|x| x as f64 + 0.5);
+        kind[cell] == SOLID && walls.gap(frame.place(&grid.blocks.keys[b], &at)).0 > 0.0
+    };
+    let pocket =
+        move |cell: usize| grid.pockets.binary_search_by_key(&cell, |p| p.0).is_ok() || narrow(cell);
+    move |cell: u32| match kind.get(cell as usize) {
+        Some(&LIQUID) => cell,
+        Some(_) if pocket(cell as usize) => {
+            let of = grid.pockets.binary_search_by_key(&(cell as usize), |p| p.0);
+            let first = of.map_or(cell as usize, |n| grid.pockets[n].1);
+            host(&grid.blocks, kind, first, &pocket).map_or(NONE, |host| host as u32)
+        }
+        _ => NONE,
+    }
+}
+
 impl<const D: usize> Surroundings<D> {
     /// Find the faces and cells near body `number`.
     pub fn new(
@@ -119,23 +144,7 @@ impl<const D: usize> Surroundings<D> {
     ) -> Self {
         let cells = Blocks::<D>::CELLS;
         let (mut place, mut rows, mut faces) = (vec![NONE; grid.blocks.cells()], Vec::new(), Vec::new());
-        // Liquid cell whose pressure a cell has: itself, or that beside a pocket or what is narrower between walls.
-        let kind = &grid.surface.kind;
-        let narrow = |cell: usize| {
-            let (b, i) = (cell / cells, cell % cells);
-            let at = crate::blocks::local::<D>(i).map(|x| x as f64 + 0.5);
-            kind[cell] == SOLID && walls.gap(frame.place(&grid.blocks.keys[b], &at)).0 > 0.0
-        };
-        let pocket = |cell: usize| grid.pockets.binary_search_by_key(&cell, |p| p.0).is_ok() || narrow(cell);
-        let liquid = |cell: u32| match kind.get(cell as usize) {
-            Some(&LIQUID) => cell,
-            Some(_) if pocket(cell as usize) => {
-                let of = grid.pockets.binary_search_by_key(&(cell as usize), |p| p.0);
-                let first = of.map_or(cell as usize, |n| grid.pockets[n].1);
-                host(&grid.blocks, kind, first, &pocket).map_or(NONE, |host| host as u32)
-            }
-            _ => NONE,
-        };
+        let liquid = hosts(grid, frame, walls);
         for (b, cut) in grid.cuts.iter().enumerate() {
             let Some(cut) = cut else { continue };
             for (i, d) in (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))) {

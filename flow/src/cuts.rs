@@ -5,15 +5,15 @@ use std::sync::Arc;
 use impactite_geometry::Lattice;
 
 use crate::blocks::{Blocks, SIDE, local, offset};
-use crate::wall::Walls;
+use crate::wall::{Wall, Walls};
 
 /// Nodes along an edge of a block.
-const NODES: usize = SIDE + 1;
+pub(crate) const NODES: usize = SIDE + 1;
 /// Share of a cell within which a node is on a wall.
-const ON_WALL: f64 = 1e-9;
+pub(crate) const ON_WALL: f64 = 1e-9;
 
 /// Open fraction of a face beside free rigid bodies below which it is closed: liquid that they displace would be too fast in it.
-const SLIT: f64 = 0.03;
+pub(crate) const SLIT: f64 = 0.03;
 
 /// Walls in a block of cells.
 #[derive(Clone, Debug)]
@@ -184,7 +184,7 @@ fn cut_block<const D: usize>(
         return None;
     }
     let moving = walls.gap_of_moving(&middle) <= reach;
-    let free = moving && walls.list.iter().any(|wall| wall.body.is_some());
+    let free = moving && walls.list.iter().any(Wall::follows);
     let nodes = NODES.pow(D as u32);
     let (mut gap, mut nearest) = (vec![0.0; nodes], vec![0; nodes]);
     for n in 0..nodes {
@@ -225,7 +225,7 @@ fn cut_block<const D: usize>(
 
 /// Values at the 2^D corners of a cell; the rest is zero.
 #[inline]
-fn corners<const D: usize>(gap: &[f64], at: &[usize; D]) -> [f64; 8] {
+pub(crate) fn corners<const D: usize>(gap: &[f64], at: &[usize; D]) -> [f64; 8] {
     let mut values = [0.0; 8];
     for (k, value) in values.iter_mut().enumerate().take(1 << D) {
         let corner: [usize; D] = std::array::from_fn(|d| at[d] + (k >> d & 1));
@@ -236,10 +236,15 @@ fn corners<const D: usize>(gap: &[f64], at: &[usize; D]) -> [f64; 8] {
 
 /// Open fraction of the lower face across `axis` of a cell with these distances at its corners.
 fn open_face<const D: usize>(v: &[f64; 8], axis: usize) -> f64 {
+    open_side::<D>(v, axis, 0)
+}
+
+/// Open fraction of the lower (0) or upper (1) face across `axis` of a cell with these distances at its corners.
+pub(crate) fn open_side<const D: usize>(v: &[f64; 8], axis: usize, side: usize) -> f64 {
     let mut on = [0.0; 4];
     let mut count = 0;
     for (k, value) in v.iter().enumerate().take(1 << D) {
-        if k >> axis & 1 == 0 {
+        if k >> axis & 1 == side {
             on[count] = *value;
             count += 1;
         }

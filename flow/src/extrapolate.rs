@@ -7,7 +7,7 @@ use crate::cuts::{CutBlock, Cuts};
 use crate::particles::Frame;
 use crate::surface::LIQUID;
 use crate::transfer::{face_centre, sample};
-use crate::turn::Motion;
+use crate::wall::Walls;
 
 /// Mark of a face without a velocity.
 pub(crate) const UNKNOWN: u8 = 0;
@@ -185,17 +185,18 @@ fn extend_block<const D: usize>(
 
 /// Apply the velocities of walls to closed faces, either those of liquid cells or all with a velocity: the normal component at slip walls,
 /// and the mirrored velocity at walls without slip. Faces beside no liquid cell are held against approach alone.
+/// Without `moves` the walls rest, without friction.
 pub(crate) fn constrain<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
     (cuts, open, marks): (&Cuts<D>, &[Vec<f64>; D], &[Vec<u8>; D]),
     reach: Reach,
-    (walls, frame): (&[(Motion<D>, bool)], &Frame<D>),
+    (walls, moves, frame): (&Walls<'_, D>, bool, &Frame<D>),
     velocity: &mut [Vec<f64>; D],
     scratch: &mut [Scratch; D],
 ) {
     let cells = Blocks::<D>::CELLS;
-    if walls.is_empty() {
+    if walls.list.is_empty() {
         return;
     }
     let old = &*velocity;
@@ -229,15 +230,15 @@ pub(crate) fn constrain<const D: usize>(
                     }
                 }
             }
-            let at_face = |i: usize, motion: &Motion<D>, e: usize| {
-                motion.component(&frame.place(&blocks.keys[b], &face_centre::<D>(i, d)), e)
-            };
             for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
                 let beside = marks[d][b * cells + i] == CLOSED;
                 let free = old[d][b * cells + i];
                 new.values[i] = wall_velocity(cut, (&tiles, &known), (i, d, beside), free, |wall| {
-                    let (motion, no_slip) = &walls[wall];
-                    (std::array::from_fn(|e| at_face(i, motion, e)), *no_slip)
+                    if !moves {
+                        return ([0.0; D], false);
+                    }
+                    let x = frame.place(&blocks.keys[b], &face_centre::<D>(i, d));
+                    (std::array::from_fn(|e| walls.velocity(wall, &x, e)), walls.list[wall].is_no_slip())
                 });
             }
         });

@@ -82,6 +82,7 @@ mod contact;
 mod couple;
 mod coupled;
 mod cuts;
+mod deformable;
 mod error;
 mod extrapolate;
 #[cfg(test)]
@@ -102,6 +103,7 @@ mod view;
 mod viscosity;
 mod wall;
 
+pub use deformable::{Deformable, NodeImpulse, SurfaceElement};
 pub use error::FluidError;
 pub use options::{FlowOptions, Fluid};
 pub use rigid::RigidBody;

@@ -14,6 +14,8 @@ use impactite_scene::{
 use impactite_simd::Team;
 
 use crate::couple::{Coupling, Surroundings};
+use crate::deformable::Solids;
+use crate::deformable::skin::Skin;
 use crate::error::FluidError;
 use crate::grid::Grid;
 use crate::options::{FlowOptions, Fluid, parameter};
@@ -25,6 +27,10 @@ use crate::wall::{Wall, Walls};
 
 /// Default share of the Courant limit.
 const COURANT: f64 = 0.5;
+/// Phase, rad, of a vibration of deformable bodies in a step of the default factor.
+const PHASE: f64 = 0.2;
+/// Stable steps of deformable bodies in the first step.
+const FIRST: f64 = 4.0;
 /// Default largest ratio of a step to the last one.
 const GROWTH: f64 = 1.1;
 /// Largest number of walls.
@@ -43,7 +49,6 @@ const MOST_WALLS: usize = 1 << 15;
 /// assert!(flow.points().iter().all(|p| p.position[1] > 0.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone)]
 pub struct Flow<const D: usize> {
     pub(crate) options: FlowOptions<D>,
     pub(crate) frame: Frame<D>,
@@ -55,6 +60,10 @@ pub struct Flow<const D: usize> {
     pub(crate) couplings: Vec<Coupling<D>>,
     /// Cells and faces near the rigid bodies in the present step.
     pub(crate) around: Vec<Surroundings<D>>,
+    /// Deformable bodies; boxed, because most scenes have none.
+    pub(crate) solids: Option<Box<Solids<D>>>,
+    /// Net outflow of cells by the motion of the deformable bodies, in areas of a face times m/s.
+    pub(crate) swept: Vec<(u32, f64)>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) grid: Grid<D>,
     pub(crate) team: Team,
@@ -68,6 +77,8 @@ pub struct Flow<const D: usize> {
     /// Impulse of the walls at the end of the last step, N s.
     pub(crate) booked_walls: [f64; 3],
     pub(crate) watcher: Watcher,
+    /// Warnings of the flow and of the solver of its deformable bodies; empty without the latter.
+    warned: Vec<Warning>,
     /// Wall times of the stages, if measured.
     pub(crate) times: Option<StepTimes>,
 }
@@ -108,6 +119,8 @@ impl<const D: usize> Flow<D> {
             rigid: Vec::new(),
             couplings: Vec::new(),
             around: Vec::new(),
+            solids: None,
+            swept: Vec::new(),
             body_force: None,
             grid: Grid::default(),
             team: Team::one(),
@@ -118,6 +131,7 @@ impl<const D: usize> Flow<D> {
             exchange: Exchange::default(),
             booked_walls: [0.0; 3],
             watcher: Watcher::default(),
+            warned: Vec::new(),
             times: None,
         }
     }
@@ -198,7 +212,7 @@ impl<const D: usize> Flow<D> {
         if name.is_empty() {
             return refuse("not empty");
         }
-        if self.liquids.iter().any(|l| l.name == name) || self.rigid.iter().any(|b| b.name == name) {
+        if self.bodies().iter().any(|body| body.name() == name) {
             return refuse("unique in the scene");
         }
         Ok(())
@@ -266,12 +280,19 @@ impl<const D: usize> Flow<D> {
 
     /// Rate of the Courant condition, 1/s: speed over cell, gravity and surface tension.
     fn rate(&self) -> f64 {
+        let flow = self.rate_of_flow();
+        self.solids.iter().fold(flow, |rate, solids| rate.max(COURANT / PHASE * solids.frequency()))
+    }
+
+    /// Rate without that of the vibration of deformable bodies, 1/s.
+    fn rate_of_flow(&self) -> f64 {
         let h = self.frame.h;
         let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
         let turning = self.walls.iter().map(Wall::turning_speed).fold(self.speed, f64::max);
         let mut rate = turning / h;
         // Liquid between bodies that meet is faster than they are.
         rate = self.rigid.iter().fold(rate, |rate, body| rate.max(2.0 * body.speed() / h));
+        rate = self.solids.iter().fold(rate, |rate, solids| rate.max(2.0 * solids.speed() / h));
         rate = rate.max((gravity / h).sqrt());
         if let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) {
             // [Brackbill1992]
@@ -281,11 +302,18 @@ impl<const D: usize> Flow<D> {
         rate
     }
 
-    /// Speed, m/s, of which a millionth has the energy below which the liquid is at rest: its weight over a fiftieth of a cell, by which the place
+    /// Share of the density error that a step of `dt` seconds removes: in steps that are short because of the vibration of deformable bodies
+    /// no more than in a step of the flow alone.
+    pub(crate) fn correction(&self, dt: f64) -> f64 {
+        let part = if self.solids.is_some() { (dt * self.rate_of_flow() / COURANT).min(1.0) } else { 1.0 };
+        self.options.correction * part
+    }
+
+    /// Speed, m/s, of which a millionth has the energy below which the liquid is at rest: its weight over the height by which the place
     /// of the surface is uncertain, and the energy of the surface of a ball of the liquid, which is in no balance.
     fn speed_of_rest(&self) -> f64 {
         let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
-        let weight = REST * gravity * self.frame.h;
+        let weight = if self.solids.is_some() { REST_AT_CUTS } else { REST } * gravity * self.frame.h;
         let volume: f64 = self.liquids.iter().flat_map(|l| &l.particles).map(|p| p.volume).sum();
         // Surface over the volume to the power (D - 1) / D: of a disc, of a ball.
         let shape =
@@ -297,7 +325,7 @@ impl<const D: usize> Flow<D> {
     }
 
     fn look(&mut self) -> Result<(), StepError> {
-        let (totals, exchange, clock) = (self.totals(), self.exchange, self.clock);
+        let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
         let at = Look {
             clock: &clock,
             exchange: &exchange,
@@ -319,19 +347,35 @@ impl<const D: usize> Flow<D> {
         let dt = self.clock.step_within(self.next_step(), left)?;
         self.check(dt).map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
         if self.watcher.opens() {
-            let (totals, exchange) = (self.totals(), self.exchange);
+            let (totals, exchange) = (self.totals(), Solver::exchange(self));
             self.watcher.open(self.clock.steps, &totals, &exchange, false);
         }
         self.step(dt)?;
+        self.collect_warnings();
         if self.watcher.due(self.clock.steps).is_some() {
             self.look()?;
         }
         Ok(dt)
     }
 
+    /// Collect the warnings of the deformable bodies.
+    fn collect_warnings(&mut self) {
+        if let Some(solids) = &self.solids {
+            let theirs = solids.of.solver().warnings();
+            if self.warned.len() != theirs.len() + self.watcher.warnings().len() {
+                self.warned = self.watcher.warnings().iter().chain(theirs).cloned().collect();
+            }
+        }
+    }
+
     /// Size of the next step, s. A scene without motion and forces has no limit.
     fn next_step(&self) -> f64 {
-        self.control.next(self.rate(), self.clock.last)
+        let next = self.control.next(self.rate(), self.clock.last);
+        match &self.solids {
+            // Growth finds the step that the bodies need.
+            Some(solids) if self.clock.steps == 0 => next.min(FIRST * solids.first_step),
+            _ => next,
+        }
     }
 
     /// Check that forces and walls are finite in a step.
@@ -339,9 +383,9 @@ impl<const D: usize> Flow<D> {
         if self.liquids.is_empty() {
             return Err(SceneError::NoBodies);
         }
-        if !self.rigid.is_empty() && self.fluid.is_some_and(|fluid| fluid.tension > 0.0) {
+        if self.moves_bodies() && self.fluid.is_some_and(|fluid| fluid.tension > 0.0) {
             return Err(SceneError::NotWith {
-                what: "a rigid body that the liquid moves beside surface tension".into(),
+                what: "a body that the liquid moves beside surface tension".into(),
                 method: self.method(),
                 why: "the liquid has no angle at its surface; take a liquid without surface tension",
             });
@@ -360,9 +404,14 @@ impl<const D: usize> Flow<D> {
             .try_for_each(|w| finite("displacement of a wall", w.displacement(time + dt), time + dt))
     }
 
+    /// Surfaces of deformable bodies.
+    pub(crate) fn skins(&self) -> &[(Skin<D>, usize)] {
+        self.solids.as_ref().map_or(&[], |solids| &solids.skins)
+    }
+
     /// Check that no particle starts in a wall, more than half a cell from open space.
     fn check_particles_and_walls(&self) -> Result<(), SceneError> {
-        let walls = Walls::at(&self.walls, &self.rigid, self.clock.time, 0.0);
+        let walls = Walls::at(&self.walls, (&self.rigid, self.skins()), self.clock.time, 0.0);
         if walls.list.is_empty() {
             return Ok(());
         }
@@ -413,6 +462,8 @@ fn affine<const D: usize>(velocity: &impl Fn([f64; D]) -> [f64; D], x: [f64; D],
 
 /// Height, in cells, by which the surface is uncertain.
 const REST: f64 = 0.02;
+/// The same beside deformable bodies, whose surfaces cut cells.
+const REST_AT_CUTS: f64 = 0.1;
 /// Likely sinks of energy.
 const LOSS: Loss = Loss {
     by: "the transfer between particles and grid (APIC), or liquid that collided",
@@ -448,13 +499,18 @@ impl<const D: usize> Solver for Flow<D> {
         self.watcher.note(made)
     }
     fn set_team(&mut self, team: Team) {
+        if let Some(solids) = &mut self.solids {
+            solids.of.solver_mut().set_team(team.clone());
+        }
         self.team = team;
     }
     fn bodies(&self) -> Vec<&dyn Body> {
-        self.liquids.iter().map(|l| l as &dyn Body).chain(self.rigid.iter().map(|b| b as &dyn Body)).collect()
+        let liquids = self.liquids.iter().map(|l| l as &dyn Body);
+        let solids = self.solids.iter().flat_map(|solids| solids.of.solver().bodies());
+        liquids.chain(self.rigid.iter().map(|b| b as &dyn Body)).chain(solids).collect()
     }
     fn exchange(&self) -> Exchange {
-        self.exchange
+        self.solids.iter().fold(self.exchange, |sum, solids| sum.plus(&solids.exchange()))
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.clock.archive(file)?;
@@ -473,6 +529,9 @@ impl<const D: usize> Solver for Flow<D> {
             file.reals(liquid.force.iter_mut().chain(&mut liquid.momentum_rate))?;
         }
         self.rigid.iter_mut().try_for_each(|body| body.archive(file))?;
+        if let Some(solids) = &mut self.solids {
+            solids.archive(file)?;
+        }
         self.exchange.archive(file)?;
         self.booked_walls = self.exchange.impulse;
         self.watcher.archive(file)
@@ -488,14 +547,15 @@ impl<const D: usize> Solver for Flow<D> {
         self.watcher.note(looked)
     }
     fn warnings(&self) -> &[Warning] {
-        self.watcher.warnings()
+        if self.warned.is_empty() { self.watcher.warnings() } else { &self.warned }
     }
     fn account_of(&self, totals: &Totals) -> Account {
-        self.watcher.account(totals, &self.exchange, false)
+        self.watcher.account(totals, &Solver::exchange(self), false)
     }
     fn bytes(&self) -> usize {
         self.liquids.iter().map(Liquid::bytes).sum::<usize>()
             + self.rigid.iter().map(Body::bytes).sum::<usize>()
+            + self.solids.iter().map(|solids| solids.bytes()).sum::<usize>()
             + self.grid.bytes()
     }
 }

@@ -14,7 +14,6 @@ use crate::pressure::{Cells, Place, PressureError, continue_into_walls, outflow,
 use crate::solver::{Flow, StepTimes, add_to};
 use crate::surface::{self, AIR, LIQUID};
 use crate::transfer::{face_centre, to_faces};
-use crate::turn::Motion;
 use crate::view::wide;
 use crate::viscosity::Stress;
 use crate::wall::{Wall, Walls};
@@ -38,8 +37,16 @@ impl<const D: usize> Flow<D> {
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         let (time, kick) = (self.clock.time, self.lag + 0.5 * dt);
         let list = std::mem::take(&mut self.walls);
-        let stepped = self.stages(dt, kick, &mut Walls::at(&list, &self.rigid, time, dt));
+        let skins = self.solids.as_mut().map_or(Vec::new(), |solids| std::mem::take(&mut solids.skins));
+        let mut walls = Walls::at(&list, (&self.rigid, &skins), time, dt);
+        if let Some(solids) = &self.solids {
+            walls.velocities.clone_from(&solids.velocities);
+        }
+        let stepped = self.stages(dt, kick, &mut walls);
         self.walls = list;
+        if let Some(solids) = &mut self.solids {
+            solids.skins = solids.moved(skins);
+        }
         let sums = stepped?;
         self.book(&sums, kick);
         self.lag = 0.5 * dt;
@@ -74,12 +81,13 @@ impl<const D: usize> Flow<D> {
         self.part(|t| &mut t.pressure, Self::assemble)?;
         self.part(|t| &mut t.forces, |f| f.apply_forces(dt, kick, walls))?;
         self.part(|t| &mut t.pressure, |f| f.project_with_bodies(dt, kick, walls))?;
-        let corrected = self.part(|t| &mut t.density, Self::correct_density)?;
+        let corrected = self.part(|t| &mut t.density, |f| f.correct_density(dt))?;
         let scale = self.fluid.map_or(0.0, |fluid| fluid.density) * self.frame.h / kick;
         self.part(|t| &mut t.forces, |f| f.book_walls(kick * scale, walls));
         self.part(|t| &mut t.extrapolation, |f| f.extend_velocities(walls));
         self.hold_pockets(walls);
         self.move_bodies(dt, kick);
+        self.settle_solids()?;
         self.finish_pressure(scale);
         self.part(|t| &mut t.gather, |f| f.gather(dt, walls, corrected))
     }
@@ -134,7 +142,7 @@ impl<const D: usize> Flow<D> {
         let grid = &mut self.grid;
         let walls = (&grid.cuts, &grid.open, &grid.open_cell[..], &grid.uneven[..]);
         surface::find(&self.team, &grid.blocks, walls, &grid.volume, &grid.profile, &mut grid.surface);
-        if !self.rigid.is_empty() {
+        if self.rigid.len() + usize::from(self.solids.is_some()) > 0 {
             grid.pockets = surface::open_pockets(&grid.blocks, &grid.cuts, &grid.open, &mut grid.surface);
         }
         for d in 0..D {
@@ -154,6 +162,10 @@ impl<const D: usize> Flow<D> {
             let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
             for r in &mut once_more {
                 *r *= (2.0 - r.abs() * scale / SMOOTH).clamp(0.0, 1.0);
+            }
+            // The motion of light surfaces within a cell is not smooth in time.
+            if let Some(solids) = &self.solids {
+                solids.wetted.clear(&mut once_more);
             }
         } else {
             once_more.clear();
@@ -269,9 +281,9 @@ impl<const D: usize> Flow<D> {
                     let at = face_centre::<D>(i, d);
                     let wall = cut.sample(&at).2;
                     // Free bodies are added by the rows of their cells.
-                    if walls.list[wall].body.is_none() {
+                    if !walls.list[wall].follows() {
                         let x = self.frame.place(&grid.blocks.keys[b], &at);
-                        list[b * cells + i] = walls.motions[wall].component(&x, d);
+                        list[b * cells + i] = walls.velocity(wall, &x, d);
                     }
                 }
             }
@@ -344,12 +356,12 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Find the displacement that restores the density, and return whether there is any: div dx = (rho - rho0) / rho0, dx = -grad q.
-    fn correct_density(&mut self) -> Result<bool, StepError> {
+    fn correct_density(&mut self, dt: f64) -> Result<bool, StepError> {
         if self.options.correction == 0.0 || self.grid.system.unknowns == 0 {
             return Ok(false);
         }
         let mut right = std::mem::take(&mut self.grid.right);
-        let largest = self.density_errors(&mut right);
+        let largest = self.density_errors(self.correction(dt), &mut right);
         if largest < NO_ERROR {
             self.grid.right = right;
             self.grid.system.iterations[1] = 0;
@@ -384,7 +396,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Relaxed density error of each liquid cell, against the fraction at its distance from the surface. Return the largest magnitude.
-    fn density_errors(&self, right: &mut Vec<f64>) -> f64 {
+    fn density_errors(&self, relaxation: f64, right: &mut Vec<f64>) -> f64 {
         let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
         let surface = &grid.surface;
         right.resize(grid.blocks.cells(), 0.0);
@@ -411,7 +423,7 @@ impl<const D: usize> Flow<D> {
                     error -= error.clamp(-ALLOWED_AT_CUTS, ALLOWED_AT_CUTS);
                 }
                 error = error.clamp(-LARGEST_ERROR, LARGEST_ERROR);
-                *right = self.options.correction * error * grid.open_cell[slot];
+                *right = relaxation * error * grid.open_cell[slot];
                 *largest = largest.max(error.abs());
             }
         });
@@ -421,11 +433,7 @@ impl<const D: usize> Flow<D> {
     /// Extrapolate the velocities beyond the liquid, and apply the walls.
     fn extend_velocities(&mut self, walls: &Walls<'_, D>) {
         let (grid, team) = (&mut self.grid, &self.team);
-        let moves: Vec<_> =
-            walls.list.iter().zip(&walls.motions).map(|(w, v)| (*v, w.is_no_slip())).collect();
-        let rests: Vec<_> = walls.list.iter().map(|_| (Motion::REST, false)).collect();
-        let fields = [(&mut grid.velocity, &moves, true), (&mut grid.shift, &rests, false)];
-        for (field, walls, changed) in fields {
+        for (field, changed) in [(&mut grid.velocity, true), (&mut grid.shift, false)] {
             if field[0].len() != grid.blocks.cells() {
                 continue;
             }
@@ -440,14 +448,16 @@ impl<const D: usize> Flow<D> {
                     start_at_closed_faces(&grid.cuts, &grid.marks, &grid.volume, field, &mut grid.before);
                 }
                 let at = (&grid.cuts, &grid.open, &grid.scratch.marks);
-                let walls = (&walls[..], &self.frame);
+                let walls = (walls, changed, &self.frame);
                 constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.extrapolate);
             }
         }
     }
 
     fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
-        let ends = walls.moving().then(|| Walls::at(walls.list, &self.rigid, self.clock.time + dt, 0.0));
+        let skins = self.solids.as_ref().map_or(Vec::new(), |solids| solids.moved(walls.skins.to_vec()));
+        let place = (&self.rigid[..], &skins[..]);
+        let ends = walls.moving().then(|| Walls::at(walls.list, place, self.clock.time + dt, 0.0));
         let mut liquids = std::mem::take(&mut self.liquids);
         let grid = &self.grid;
         let gather = Gather {
@@ -507,6 +517,7 @@ impl<const D: usize> Flow<D> {
         for (body, around) in self.rigid.iter().zip(&self.around) {
             around.subtract_outflow(&body.solved, &mut right);
         }
+        self.swept.iter().for_each(|(cell, by)| right[*cell as usize] -= by);
         right.iter_mut().zip(&self.grid.advected).for_each(|(r, more)| *r += more);
         right.iter().fold(0.0, |most, r| most.max(r.abs()))
     }
@@ -557,12 +568,12 @@ mod tests {
         let block = Cuboid::new([0.0; 2], [9.0, 8.0]).unwrap();
         flow.add_shape("water", Fluid::new(1.0).unwrap(), &block, 2, |_| [0.0; 2]).unwrap();
         let walls = flow.walls.clone();
-        let walls = Walls::at(&walls, &[], 0.0, 1.0);
+        let walls = Walls::at(&walls, (&[], &[]), 0.0, 1.0);
         flow.sort(&walls).unwrap();
         flow.scatter();
         flow.find_surface();
         let mut right = Vec::new();
-        let largest = flow.density_errors(&mut right);
+        let largest = flow.density_errors(0.25, &mut right);
         for (slot, r) in right.iter().enumerate() {
             if r.abs() > 1e-12 {
                 let cell = flow.grid.blocks.cell(slot / 16, slot % 16);

@@ -93,8 +93,6 @@ pub(crate) struct Motion<const D: usize> {
 }
 
 impl<const D: usize> Motion<D> {
-    pub const REST: Self = Motion { velocity: [0.0; D], spin: [0.0; 3], about: [0.0; D] };
-
     /// Component of the velocity at a point, m/s.
     #[inline]
     pub fn component(&self, x: &[f64; D], d: usize) -> f64 {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use impactite_geometry::Shape;
 
+use crate::deformable::skin::Skin;
 use crate::rigid::Floater;
 use crate::turn::{Motion, Pose, rotation};
 
@@ -35,6 +36,8 @@ pub struct Wall<const D: usize> {
     spin: Option<([f64; D], [f64; 3])>,
     /// Index of the free body whose surface this is.
     pub(crate) body: Option<usize>,
+    /// Index of the surface of a deformable body; the shape is its first box.
+    pub(crate) solid: Option<usize>,
 }
 
 impl<const D: usize> fmt::Debug for Wall<D> {
@@ -53,7 +56,7 @@ impl<const D: usize> fmt::Debug for Wall<D> {
 impl<const D: usize> Wall<D> {
     /// Create a solid wall: the liquid is outside of the shape.
     pub fn solid(shape: impl Shape<D> + 'static) -> Self {
-        Wall { shape: Arc::new(shape), sign: 1.0, no_slip: false, motion: None, spin: None, body: None }
+        Wall { shape: Arc::new(shape), sign: 1.0, no_slip: false, motion: None, spin: None, body: None, solid: None }
     }
     /// Create a container: the liquid is inside of the shape.
     pub fn container(shape: impl Shape<D> + 'static) -> Self {
@@ -84,7 +87,11 @@ impl<const D: usize> Wall<D> {
     }
     /// True if the wall moves.
     pub fn is_moving(&self) -> bool {
-        self.motion.is_some() || self.spin.is_some() || self.body.is_some()
+        self.motion.is_some() || self.spin.is_some() || self.follows()
+    }
+    /// True for the surface of a body that the liquid moves.
+    pub(crate) fn follows(&self) -> bool {
+        self.body.is_some() || self.solid.is_some()
     }
     /// Displacement at the time `t`, s, in m.
     pub fn displacement(&self, t: f64) -> [f64; D] {
@@ -121,11 +128,20 @@ pub(crate) struct Walls<'a, const D: usize> {
     pub poses: Vec<Pose<D>>,
     /// Mean motion of each wall in the step; of a free body that of its present velocity.
     pub motions: Vec<Motion<D>>,
+    /// Surfaces of deformable bodies, with the first of their nodes.
+    pub skins: &'a [(Skin<D>, usize)],
+    /// Velocities of the nodes of the surfaces, m/s.
+    pub velocities: Vec<[f64; D]>,
 }
 
 impl<'a, const D: usize> Walls<'a, D> {
     /// Walls at the time `t`, s, in a step of `dt` seconds.
-    pub fn at(list: &'a [Wall<D>], bodies: &[Floater<D>], t: f64, dt: f64) -> Self {
+    pub fn at(
+        list: &'a [Wall<D>],
+        (bodies, skins): (&[Floater<D>], &'a [(Skin<D>, usize)]),
+        t: f64,
+        dt: f64,
+    ) -> Self {
         let pose = |w: &Wall<D>| w.body.map_or_else(|| w.pose(t), |k| bodies[k].pose());
         let poses: Vec<_> = list.iter().map(pose).collect();
         let motion = |(w, pose): (&Wall<D>, &Pose<D>)| {
@@ -139,7 +155,7 @@ impl<'a, const D: usize> Walls<'a, D> {
             Motion { velocity, spin, about: std::array::from_fn(|d| about[d] + x[d]) }
         };
         let motions = list.iter().zip(&poses).map(motion).collect();
-        Walls { list, poses, motions }
+        Walls { list, poses, motions, skins, velocities: Vec::new() }
     }
     /// Take the velocities of the free bodies.
     pub fn follow(&mut self, bodies: &[Floater<D>]) {
@@ -152,7 +168,20 @@ impl<'a, const D: usize> Walls<'a, D> {
     /// Distance to one wall, m.
     pub fn gap_of(&self, n: usize, x: &[f64; D]) -> f64 {
         let wall = &self.list[n];
+        if let Some(k) = wall.solid {
+            let skin = &self.skins[k].0;
+            let far = skin.outside_of_box(x);
+            return if far > skin.size() { far } else { skin.nearest(x).gap };
+        }
         wall.sign * wall.shape.signed_distance(self.poses[n].back(x))
+    }
+    /// Component of the velocity of a wall at a point, m/s.
+    pub fn velocity(&self, n: usize, x: &[f64; D], d: usize) -> f64 {
+        let Some(k) = self.list[n].solid else { return self.motions[n].component(x, d) };
+        let (skin, first) = &self.skins[k];
+        let at = skin.nearest(x);
+        let of = |n: &u32| self.velocities.get(*n as usize + first).map_or(0.0, |v| v[d]);
+        skin.nodes(at.facet).iter().zip(&at.weights).map(|(n, w)| w * of(n)).sum()
     }
     /// Distance to the nearest wall, m, and its index; of walls at one place the last.
     pub fn gap(&self, x: [f64; D]) -> (f64, usize) {

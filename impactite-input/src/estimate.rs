@@ -111,7 +111,8 @@ impl Source {
             // Particles of a lattice have equal volumes, scaled by one factor to that of the shape; other points have individual volumes.
             let lattice = match &scene.method {
                 Method::Mpm(_) => spec.is_some_and(|b| b.elements.is_none()),
-                Method::Sph(_) | Method::Flow(_) => true,
+                Method::Sph(_) => true,
+                Method::Flow(_) => spec.is_some_and(|b| b.mesh.is_none()),
                 _ => false,
             };
             // Boxes are divided to fit.

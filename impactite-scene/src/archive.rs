@@ -1,7 +1,7 @@
 //! Checkpoint archive: the same calls write numbers to a file and read them back.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Read, Write};
+use std::io::{BufRead, BufReader, BufWriter, Cursor, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use flate2::Compression;
@@ -58,6 +58,8 @@ pub struct Archive {
 enum Store {
     To(BufWriter<GzEncoder<WholeFile>>),
     From(BufReader<GzDecoder<BufReader<File>>>),
+    ToMemory(Vec<u8>),
+    FromMemory(Cursor<Vec<u8>>),
 }
 
 /// Largest magnitude of a block coordinate: cells are counted to 2^30.
@@ -86,9 +88,25 @@ impl Archive {
         Ok(Archive { path: path.into(), store })
     }
 
+    /// Create an archive in memory for writing, for a step that may be repeated; [`Archive::again`] opens it for reading.
+    pub fn in_memory() -> Self {
+        Archive { path: "memory".into(), store: Store::ToMemory(Vec::new()) }
+    }
+
+    /// Open an archive in memory for reading from its start; one that is a file stays as it is.
+    #[must_use]
+    pub fn again(self) -> Self {
+        let store = match self.store {
+            Store::ToMemory(bytes) => Store::FromMemory(Cursor::new(bytes)),
+            Store::FromMemory(bytes) => Store::FromMemory(Cursor::new(bytes.into_inner())),
+            file => file,
+        };
+        Archive { path: self.path, store }
+    }
+
     /// True if the archive is open for reading.
     pub fn reads(&self) -> bool {
-        matches!(self.store, Store::From(_))
+        matches!(self.store, Store::From(_) | Store::FromMemory(_))
     }
 
     /// Finish the archive: rename a written file to its final name, or check that a read file is complete and ends here.
@@ -112,6 +130,7 @@ impl Archive {
                     false => Ok(()),
                 }
             }
+            Store::ToMemory(_) | Store::FromMemory(_) => Ok(()),
         }
     }
 
@@ -139,6 +158,13 @@ impl Archive {
                 ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
                 _ => self.damaged(error.to_string()),
             }),
+            Store::ToMemory(all) => {
+                all.extend_from_slice(bytes);
+                Ok(())
+            }
+            Store::FromMemory(words) => {
+                words.read_exact(bytes).map_err(|_| self.damaged("it ends too early"))
+            }
         }
     }
 

@@ -239,8 +239,10 @@ impl<'a, const D: usize> World<'a, D> {
         let (scene, bodies) = (self.scene, &self.scene.expanded);
         let apart = bodies.values().filter(|b| b.elements.as_ref().is_none_or(|e| e.within.is_none()));
         let mpm = matches!(scene.method, Method::Mpm(_));
+        // The liquid of a scene needs none, nor does what bounds it.
         let flow = matches!(scene.method, Method::Flow(_));
-        if scene.contact.is_none() && !flow && apart.count() > 1 {
+        let apart = apart.filter(|b| !flow || b.mesh.is_some());
+        if scene.contact.is_none() && apart.count() > 1 {
             let help =
                 if mpm { "; without contact, in one velocity field: `contact = \"none\"`" } else { "" };
             return Err(Wrong {

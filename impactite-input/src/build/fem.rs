@@ -13,7 +13,7 @@ use crate::model::contact::Detector;
 use crate::model::method::{Fem, SUBCYCLES};
 
 /// Apply a load to the surface of a body.
-fn load<const D: usize>(
+pub(super) fn load<const D: usize>(
     world: &World<'_, D>,
     fem: &mut Scene<D>,
     number: usize,

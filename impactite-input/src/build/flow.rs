@@ -2,15 +2,18 @@
 
 use std::sync::Arc;
 
+use impactite::coupling::ElementsInLiquid;
+use impactite::fem::Fem;
 use impactite::flow::{Flow as Scene, FlowOptions, Fluid, RigidBody, Wall};
 use impactite::geometry::{HalfSpace, Lattice, Shape};
-use impactite::scene::Solver;
+use impactite::scene::{Embedding, Solver};
 
 use super::common::World;
 use super::conditions::accounts;
+use super::fem::load;
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, of_body, wrong};
-use super::{material, placement};
+use super::{material, mesh, placement};
 use crate::formula::Formula;
 use crate::model::body::Body;
 use crate::model::condition::{Condition, Plane, Side};
@@ -32,7 +35,11 @@ const INTERVALS: usize = 4096;
 /// Displacement over time, m.
 type Displacement<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
-pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Made<Box<dyn Solver>> {
+pub(super) fn build<E: Embedding<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Flow,
+) -> Made<Box<dyn Solver>> {
     let key = "method.flow";
     if !(1..=8).contains(&options.particles_per_cell) {
         let message = format!("{} is not allowed; it must be 1 to 8", options.particles_per_cell);
@@ -71,8 +78,14 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
         key: "method.flow.cell",
         halvings: 0,
     };
+    if let Some(elements) = elements(embedding, world)? {
+        flow.add_deformable(ElementsInLiquid::new(elements)).at("bodies")?;
+    }
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
+        if body.mesh.is_some() {
+            continue;
+        }
         if let Some(spec) = &body.rigid {
             if spec.prescribed {
                 flow.add_wall(solid(world, &key, body)?).at(&key)?;
@@ -98,12 +111,45 @@ pub(super) fn build<const D: usize>(world: &World<'_, D>, options: &Flow) -> Mad
     Ok(Box::new(flow))
 }
 
+/// Build the bodies of elements in the liquid, with the conditions, the gravity and the contact of the scene; none without such bodies.
+fn elements<E: Embedding<D>, const D: usize>(embedding: E, world: &World<'_, D>) -> Made<Option<Fem<D>>> {
+    let mut fem = Fem::new(embedding);
+    let mut names = Vec::new();
+    for (name, body) in world.scene.expanded.iter().filter(|(_, body)| body.mesh.is_some()) {
+        let number =
+            fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
+        for (key, spec) in body.traction.keyed(&format!("bodies.{name}.traction")) {
+            load(world, &mut fem, number, &key, spec)?;
+        }
+        names.push(name.as_str());
+    }
+    if names.is_empty() {
+        return Ok(None);
+    }
+    if let Some(laws) = world.laws(&names)? {
+        fem.touch(laws).at("contact")?;
+    }
+    for (key, boundary) in world.conditions()? {
+        fem.bound(boundary).at(key)?;
+    }
+    if let Some(gravity) = world.gravity()? {
+        fem.set_body_force(gravity);
+    }
+    fem.set_watch(world.watch());
+    Ok(Some(fem))
+}
+
+/// True if the scene has elements in the liquid.
+fn deforms<const D: usize>(world: &World<'_, D>) -> bool {
+    world.scene.expanded.values().any(|body| body.mesh.is_some())
+}
+
 /// Refuse keys of the scene that incompressible flow does not read.
 fn refuse_what_is_not_read<const D: usize>(world: &World<'_, D>) -> Made<()> {
     if world.scene.mass_scaling.is_some() {
         return wrong("mass_scaling", "is not of `flow`, whose step no speed of sound limits");
     }
-    if world.scene.contact.is_some() {
+    if world.scene.contact.is_some() && !deforms(world) {
         let message = "is not of `flow`: liquids of a scene are one, and solids and walls are impermeable";
         return wrong("contact", message);
     }
@@ -183,6 +229,8 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
                 }
             }
         }
+        // Of the elements alone.
+        Condition::Prescribed(_) if deforms(world) => return Ok(None),
         Condition::Absorbing(_) | Condition::Prescribed(_) => {
             return Err(Wrong {
                 key: key.into(),
@@ -329,7 +377,7 @@ fn fluid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<F
             key: at,
             message: "is no liquid, as `flow` needs".into(),
             help: Some(
-                "take `fluid.incompressible = { density, viscosity, surface_tension }`, or `library = \"water\"`".into(),
+                "take `fluid.incompressible = { density, viscosity, surface_tension }`, or `library = \"water\"`; a body of a solid needs a `mesh`: it is of elements in the liquid".into(),
             ),
         });
     };

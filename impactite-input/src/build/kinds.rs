@@ -25,8 +25,10 @@ enum Kind {
     Liquid,
     /// Rigid body in a liquid.
     Solid,
+    /// Finite elements in a liquid.
+    Deformable,
 }
-use Kind::{Elements, Fem, Fpm, Liquid, Particles, Pcmm, Rigid, Solid, Sph};
+use Kind::{Deformable, Elements, Fem, Fpm, Liquid, Particles, Pcmm, Rigid, Solid, Sph};
 
 impl Kind {
     fn of(method: &Method, body: &Body) -> Kind {
@@ -39,6 +41,7 @@ impl Kind {
             Method::Fpm(_) => Fpm,
             Method::Fem(_) => Fem,
             Method::Flow(_) if body.rigid.is_some() => Solid,
+            Method::Flow(_) if body.mesh.is_some() => Deformable,
             Method::Flow(_) => Liquid,
         }
     }
@@ -55,6 +58,7 @@ impl Kind {
             Fem => "`fem`",
             Liquid => "liquids of `flow`",
             Solid => "rigid bodies of `flow`",
+            Deformable => "finite elements in `flow`",
         }
     }
 }
@@ -77,7 +81,7 @@ const KEYS: &[Key] = &[
     Key {
         name: "material",
         used: |b| b.material.is_some(),
-        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem, Liquid],
+        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem, Liquid, Deformable],
         instead: Some("a rigid body has `rigid.density` instead"),
     },
     Key { name: "deactivated", used: |b| b.deactivated, kinds: &[Particles], instead: None },
@@ -99,16 +103,21 @@ const KEYS: &[Key] = &[
     Key {
         name: "traction",
         used: |b| !b.traction.0.is_empty(),
-        kinds: &[Particles, Sph, Fpm, Fem],
+        kinds: &[Particles, Sph, Fpm, Fem, Deformable],
         instead: Some("push it by another body, or by a condition `prescribed`"),
     },
     Key { name: "notches", used: |b| !b.notches.is_empty(), kinds: &[Fpm], instead: None },
-    Key { name: "integration", used: |b| b.integration.is_some(), kinds: &[Fem, Elements], instead: None },
+    Key {
+        name: "integration",
+        used: |b| b.integration.is_some(),
+        kinds: &[Fem, Elements, Deformable],
+        instead: None,
+    },
     Key { name: "erosion", used: |b| b.erosion.is_some(), kinds: &[Fem, Elements], instead: None },
     Key {
         name: "mesh",
         used: |b| b.mesh.is_some(),
-        kinds: &[Fem, Fpm, Elements],
+        kinds: &[Fem, Fpm, Elements, Deformable],
         instead: Some("`elements = {}` beside it makes finite elements of a body of `mpm`"),
     },
 ];

@@ -96,13 +96,13 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
     match scene.space {
         Space::Full => checked(&common::World::<3>::new(scene, folder), |world| match &scene.method {
             Method::Fpm(options) => fpm::build(FullSpace, world, options),
-            Method::Flow(options) => flow::build(world, options),
+            Method::Flow(options) => flow::build(FullSpace, world, options),
             _ => in_space(FullSpace, world),
         }),
         Space::PlaneStrain | Space::PlaneStress => {
             checked(&common::World::<2>::new(scene, folder), |world| match &scene.method {
                 Method::Fpm(options) => fpm::build(PlaneStrain, world, options),
-                Method::Flow(options) if scene.space == Space::PlaneStrain => flow::build(world, options),
+                Method::Flow(options) if scene.space == Space::PlaneStrain => flow::build(PlaneStrain, world, options),
                 _ => in_space(PlaneStrain, world),
             })
         }

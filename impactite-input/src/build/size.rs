@@ -76,12 +76,12 @@ fn edge_of(body: &Body) -> Option<f64> {
 /// Return the point spacing of a body, m; `None` if it follows from a file.
 pub(crate) fn spacing(method: &Method, body: &Body) -> Option<f64> {
     match (method, edge_of(body)) {
-        (Method::Mpm(_) | Method::Fem(_), Some(edge)) => Some(edge),
+        (Method::Mpm(_) | Method::Fem(_) | Method::Flow(_), Some(edge)) => Some(edge),
         (Method::Mpm(m), None) => Some(m.cell.value / f64::from(m.particles_per_cell.max(1))),
         (Method::Sph(m), _) => Some(m.spacing.value),
         (Method::Fpm(m), _) => Some(m.spacing.value),
         (Method::Pcmm(m), _) => Some(m.spacing.value),
-        (Method::Flow(m), _) => Some(m.cell.value / f64::from(m.particles_per_cell.max(1))),
+        (Method::Flow(m), None) => Some(m.cell.value / f64::from(m.particles_per_cell.max(1))),
         (Method::Fem(_), None) => None,
     }
 }

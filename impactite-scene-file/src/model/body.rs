@@ -25,7 +25,7 @@ pub struct Body {
     /// Shape of the body.
     #[serde(default)]
     pub shape: Option<Shape>,
-    /// Elements: a regular mesh of the shape, bars, or a file. For `fem`, `fpm`, and bodies of elements in `mpm` (`elements`).
+    /// Elements: a regular mesh of the shape, bars, or a file. For `fem`, `fpm`, bodies of elements in `mpm` (`elements`), and deformable bodies in `flow`.
     #[serde(default)]
     pub mesh: Option<Mesh>,
     /// Finite elements instead of particles for this body of a scene of `mpm`.

@@ -1,0 +1,281 @@
+//! Deformable bodies in a step of the scene.
+
+use impactite_geometry::{Bounds, Cuboid};
+use impactite_scene::{Archive, CheckpointError, SceneError, StepError, Stopped};
+
+use super::newton::Newton;
+use super::{Deformable, NodeImpulse, Solids};
+use crate::error::FluidError;
+use crate::solver::Flow;
+use crate::view::wide;
+use crate::wall::{Wall, Walls};
+
+/// Largest number of iterations of a step.
+const ITERATIONS: usize = 60;
+/// Residual of the velocities, over their own magnitude, at which the iteration ends.
+const RELATIVE: f64 = 1e-5;
+/// Residual over the speed of the liquid, at which the iteration ends.
+const ABSOLUTE: f64 = 1e-7;
+/// Share of the surfaces' motion from the middle of a step to its end that goes straight on from that between the middles; the rest keeps the
+/// mean of the places at the start and at the end in the middle, which conserves energy and lets errors alternate.
+const STRAIGHT: f64 = 0.5;
+/// Speed of surfaces, over that of the liquid and of a wave of one cell, below which a step does not resolve their vibration.
+const SLOW: f64 = 0.01;
+/// Depth in a wall, in cells, at which a body has run into it.
+const WITHIN: f64 = 0.5;
+
+impl<const D: usize> Flow<D> {
+    /// Add deformable bodies that the liquid moves, all of a scene at once. The liquid slips along them and has to be outside of them at the
+    /// start.
+    ///
+    /// # Errors
+    /// Bodies that are there already; rigid bodies that the liquid moves, or periods, beside them; a name that is in use; a surface that is not
+    /// closed; a body thinner than a cell.
+    pub fn add_deformable(&mut self, bodies: impl Deformable<D> + 'static) -> Result<(), FluidError> {
+        let refuse = |what: &str, why| {
+            Err(FluidError::Scene(SceneError::NotWith {
+                what: what.into(),
+                method: impactite_scene::Solver::method(self),
+                why,
+            }))
+        };
+        if self.solids.is_some() {
+            return refuse("a second solver of deformable bodies", "one has all bodies of a scene");
+        }
+        if !self.rigid.is_empty() {
+            return refuse(
+                "deformable bodies beside rigid bodies that the liquid moves",
+                "nothing finds the contact between them; make the stiff body deformable, or prescribe its motion",
+            );
+        }
+        if self.options.period.iter().any(|p| *p > 0) {
+            return refuse("deformable bodies in a periodic scene", "take planes instead of the period");
+        }
+        for body in bodies.solver().bodies() {
+            self.check_name(body.name())?;
+        }
+        let solids = Solids::new(Box::new(bodies)).map_err(|body| SceneError::NotWith {
+            what: format!("the deformable body `{body}`, whose surface is not closed"),
+            method: impactite_scene::Solver::method(self),
+            why: "liquid is outside of closed surfaces; bars have none",
+        })?;
+        let h = self.frame.h;
+        for (k, (skin, _)) in solids.skins.iter().enumerate() {
+            for facet in 0..skin.facets() {
+                let (centre, normal) = skin.facet(facet);
+                let within: [f64; D] = std::array::from_fn(|d| centre[d] - h * normal[d]);
+                if skin.nearest(&within).gap >= 0.0 {
+                    let name = solids.of.solver().bodies()[k].name().to_owned();
+                    return Err(FluidError::Scene(SceneError::NotWith {
+                        what: format!("the deformable body `{name}`, thinner than the cells of {h} m near {centre:?} m"),
+                        method: impactite_scene::Solver::method(self),
+                        why: "the pressures at both of its sides would mix; take smaller cells, or a thicker body",
+                    }));
+                }
+            }
+            let bounds = Bounds::around(skin.places().iter().copied());
+            let mut wall = Wall::solid(Cuboid::new(bounds.min, bounds.max)?);
+            wall.solid = Some(k);
+            self.add_wall(wall)?;
+        }
+        self.speed = self.speed.max(solids.speed());
+        self.solids = Some(Box::new(solids));
+        self.watcher.reopen();
+        Ok(())
+    }
+
+    /// Deformable bodies; none without them.
+    pub fn deformable(&self) -> Option<&dyn Deformable<D>> {
+        self.solids.as_ref().map(|solids| &*solids.of)
+    }
+
+    /// Iterations of the last step between the liquid and the deformable bodies.
+    pub fn coupling_iterations(&self) -> usize {
+        self.solids.as_ref().map_or(0, |solids| solids.iterations)
+    }
+
+    /// True if the liquid moves bodies.
+    pub(crate) fn moves_bodies(&self) -> bool {
+        !self.rigid.is_empty() || self.solids.is_some()
+    }
+
+    /// Solve for the pressure together with the deformable bodies, which are at the end of the step after it.
+    pub(crate) fn project_with_solids(
+        &mut self,
+        dt: f64,
+        kick: f64,
+        walls: &mut Walls<'_, D>,
+    ) -> Result<(), StepError> {
+        let Some(mut solids) = self.solids.take() else { return self.project() };
+        let solved = self.iterate(&mut solids, (dt, kick), walls);
+        self.solids = Some(solids);
+        solved
+    }
+
+    fn iterate(
+        &mut self,
+        solids: &mut Solids<D>,
+        (dt, kick): (f64, f64),
+        walls: &mut Walls<'_, D>,
+    ) -> Result<(), StepError> {
+        let before = self.grid.velocity.clone();
+        let unit = self.unit();
+        let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
+        let floor = ABSOLUTE * self.speed.max(0.1 * gravity * dt);
+        let ahead = if solids.steps[1] > 0.0 { dt / solids.steps[0] } else { 0.0 };
+        let mut iterate: Vec<[f64; D]> = solids
+            .velocities
+            .iter()
+            .zip(&solids.before)
+            .map(|(v, old)| std::array::from_fn(|d| v[d] + ahead * (v[d] - old[d])))
+            .collect();
+        let mut newton = Newton::default();
+        let unsaved = |flow: &Self, error: &CheckpointError| {
+            flow.clock.stopped(Stopped::Solve { what: "the deformable bodies", why: error.to_string() })
+        };
+        // The state in the middle of the last step; at first that of the start.
+        let mut from = match solids.middle.take() {
+            Some(middle) => middle,
+            None => solids.save().map_err(|e| unsaved(self, &e))?,
+        };
+        for n in 1..=ITERATIONS {
+            solids.iterations = n;
+            solids.wetted.sweep(&iterate, &mut self.swept);
+            self.grid.velocity.clone_from(&before);
+            self.project()?;
+            let mut given = solids.carry.clone();
+            solids.wetted.add((&self.grid, unit), &iterate, false, &mut given);
+            from = solids.load(from).map_err(|e| unsaved(self, &e))?;
+            solids.run(kick, &given, 1.0)?;
+            let middles = solids.nodes_now();
+            let answer: Vec<[f64; D]> = (0..middles.len())
+                .map(|n| {
+                    let (now, before, start) = (&middles[n], &solids.middles[n], &solids.places[n]);
+                    std::array::from_fn(|d| {
+                        let on = (1.0 - STRAIGHT) * (now[d] - start[d])
+                            + STRAIGHT * (0.5 * dt / kick) * (now[d] - before[d]);
+                        (now[d] + on - start[d]) / dt
+                    })
+                })
+                .collect();
+            let mean = |list: &mut dyn Iterator<Item = f64>| (list.sum::<f64>() / answer.len() as f64).sqrt();
+            let square = |v: &[f64; D]| v.iter().map(|v| v * v).sum::<f64>();
+            let off = |(a, w): (&[f64; D], &[f64; D])| (0..D).map(|d| (a[d] - w[d]).powi(2)).sum::<f64>();
+            let residual = mean(&mut answer.iter().zip(&iterate).map(off));
+            let size = mean(&mut answer.iter().map(square));
+            if !residual.is_finite() {
+                let why = "a velocity is not finite".to_string();
+                return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
+            }
+            if residual <= floor.max(RELATIVE * size) {
+                walls.velocities.clone_from(&iterate);
+                for (x, v) in solids.places.iter_mut().zip(&answer) {
+                    (0..D).for_each(|d| x[d] += v[d] * dt);
+                }
+                solids.middle = Some(solids.save().map_err(|e| unsaved(self, &e))?);
+                solids.run(0.5 * dt, &given, 0.5 * dt / kick)?;
+                (solids.given, solids.middles) = (given, middles);
+                let floor = SLOW * self.speed.max((gravity * self.frame.h).sqrt());
+                solids.note(answer, dt, floor);
+                return self.check_solids(solids, dt, walls);
+            }
+            if n < ITERATIONS {
+                let next = newton.next(iterate.as_flattened(), answer.as_flattened());
+                for (w, x) in iterate.iter_mut().zip(next.chunks(D)) {
+                    w.copy_from_slice(x);
+                }
+            } else {
+                let why = format!(
+                    "the velocities of liquid and bodies differ by {residual:.2e} m/s after {ITERATIONS} iterations, with {size:.2e} m/s of the bodies; take a smaller `factor` of the time step, or, where the bodies close a region full of liquid, leave it an opening"
+                );
+                return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
+            }
+        }
+        Ok(())
+    }
+
+    /// Check that no node of a surface has moved too far, or into a wall.
+    fn check_solids(
+        &self,
+        solids: &Solids<D>,
+        dt: f64,
+        walls: &Walls<'_, D>,
+    ) -> Result<(), StepError> {
+        let h = self.frame.h;
+        let name = |n: usize| solids.of.solver().bodies()[solids.nodes[n].0 as usize].name().to_owned();
+        for (n, (x, v)) in solids.places.iter().zip(&solids.velocities).enumerate() {
+            let speed = v.iter().map(|v| v * v).sum::<f64>().sqrt();
+            let body = solids.nodes[n].0 as usize;
+            let within = |w: &usize| {
+                walls.list[*w].solid != Some(body) && !walls.list[*w].follows() && walls.gap_of(*w, x) < -WITHIN * h
+            };
+            if speed * dt > h {
+                let why = format!("node {} of body `{}` moves more than a cell in the step", solids.nodes[n].1, name(n));
+                return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
+            }
+            if (0..walls.list.len()).any(|w| within(&w)) {
+                return Err(self.clock.stopped(Stopped::Scene(SceneError::NotWith {
+                    what: format!("the deformable body `{}` in a wall near {:?} m", name(n), wide(x)),
+                    method: impactite_scene::Solver::method(self),
+                    why: "nothing finds the contact of deformable bodies with prescribed ones; planes `wall` hold them",
+                })));
+            }
+        }
+        Ok(())
+    }
+
+    /// Book the impulses of the liquid, and take the surfaces at the end of the step.
+    pub(crate) fn settle_solids(&mut self) -> Result<(), StepError> {
+        let unit = self.unit();
+        let Some(solids) = &mut self.solids else { return Ok(()) };
+        let mut all = vec![[0.0; D]; solids.nodes.len()];
+        solids.wetted.add((&self.grid, unit), &solids.velocities, true, &mut all);
+        solids.passed = [0.0; D];
+        for ((carry, all), given) in solids.carry.iter_mut().zip(&all).zip(&solids.given) {
+            for d in 0..D {
+                carry[d] += all[d] - given[d];
+                solids.taken[d] += all[d];
+                solids.passed[d] += all[d];
+            }
+        }
+        if solids.of.surface_revision() != solids.revision {
+            return Err(self.clock.stopped(Stopped::Scene(SceneError::NotWith {
+                what: "elements that erode from a deformable body".into(),
+                method: impactite_scene::Solver::method(self),
+                why: "the liquid needs surfaces that stay; take a law without failure, or another method",
+            })));
+        }
+        Ok(())
+    }
+}
+
+impl<const D: usize> Solids<D> {
+    /// Places of all nodes in the state that the bodies have now, m.
+    pub fn nodes_now(&self) -> Vec<[f64; D]> {
+        self.nodes.iter().map(|(body, node)| self.of.node(*body, *node).0).collect()
+    }
+
+    /// Save the state of the bodies in memory.
+    pub fn save(&mut self) -> Result<Archive, CheckpointError> {
+        let mut state = Archive::in_memory();
+        self.of.archive(&mut state)?;
+        Ok(state)
+    }
+    /// Restore the state of the bodies, and return it.
+    pub fn load(&mut self, state: Archive) -> Result<Archive, CheckpointError> {
+        let mut state = state.again();
+        self.of.archive(&mut state)?;
+        Ok(state)
+    }
+
+    /// Run the bodies under a share of these impulses on the nodes.
+    fn run(&mut self, dt: f64, given: &[[f64; D]], share: f64) -> Result<(), StepError> {
+        let list: Vec<_> = self
+            .nodes
+            .iter()
+            .zip(given)
+            .map(|((body, node), impulse)| NodeImpulse { body: *body, node: *node, impulse: impulse.map(|x| share * x) })
+            .collect();
+        self.of.run_for(dt, &list)
+    }
+}
