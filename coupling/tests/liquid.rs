@@ -73,7 +73,7 @@ fn exact(density: f64, modulus: f64, t: f64) -> (f64, f64) {
 #[test]
 fn a_layer_under_water_oscillates_as_a_bar_with_a_mass_at_its_end() {
     for (density, off, allowed) in
-        [(2000.0, 0.0, 0.05), (500.0, 0.0, 0.05), (500.0, 0.4, 0.06), (200.0, 0.0, 0.06), (200.0, 0.4, 0.06)]
+        [(2000.0, 0.0, 0.05), (500.0, 0.0, 0.06), (500.0, 0.4, 0.05), (200.0, 0.0, 0.05), (200.0, 0.4, 0.1)]
     {
         let modulus = 2e6;
         let mut flow = layer(density, modulus, off);
@@ -250,7 +250,9 @@ fn what_is_not_available_is_refused() {
     // A prescribed solid that a body runs into stops the run.
     let mut elements = Fem::new(PlaneStrain);
     elements.set_watch(Watch::off());
-    elements.add(MeshBody::new("block", mesh([0.1, 0.0], [0.2, 0.1], 0.02), law()).moving(|_| [5.0, 0.0])).unwrap();
+    elements
+        .add(MeshBody::new("block", mesh([0.1, 0.0], [0.2, 0.1], 0.02), law()).moving(|_| [5.0, 0.0]))
+        .unwrap();
     let mut flow = Flow::new(options());
     flow.add_deformable(ElementsInLiquid::new(elements)).unwrap();
     flow.add_wall(Wall::solid(Cuboid::new([0.3, -0.2], [0.5, 0.3]).unwrap())).unwrap();

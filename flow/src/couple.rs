@@ -122,8 +122,7 @@ pub(crate) fn hosts<'a, const D: usize>(
         let at = crate::blocks::local::<D>(i).map(|x| x as f64 + 0.5);
         kind[cell] == SOLID && walls.gap(frame.place(&grid.blocks.keys[b], &at)).0 > 0.0
     };
-    let pocket =
-        move |cell: usize| grid.pockets.binary_search_by_key(&cell, |p| p.0).is_ok() || narrow(cell);
+    let pocket = move |cell: usize| grid.pockets.binary_search_by_key(&cell, |p| p.0).is_ok() || narrow(cell);
     move |cell: u32| match kind.get(cell as usize) {
         Some(&LIQUID) => cell,
         Some(_) if pocket(cell as usize) => {

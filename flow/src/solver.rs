@@ -28,7 +28,11 @@ use crate::wall::{Wall, Walls};
 /// Default share of the Courant limit.
 const COURANT: f64 = 0.5;
 /// Phase, rad, of a vibration of deformable bodies in a step of the default factor.
-const PHASE: f64 = 0.2;
+const PHASE: f64 = 0.1;
+/// Largest rate for a vibration, over that of the fastest particle and of a wave of one cell. The transfer between particles and grid makes
+/// errors of velocity in each step, whose pressures are the larger the shorter the step is; they drive vibrations that would shorten it again.
+const MOST_OF_FLOW: f64 = 3.0;
+const MOST_OF_WAVES: f64 = 30.0;
 /// Stable steps of deformable bodies in the first step.
 const FIRST: f64 = 4.0;
 /// Default largest ratio of a step to the last one.
@@ -281,7 +285,11 @@ impl<const D: usize> Flow<D> {
     /// Rate of the Courant condition, 1/s: speed over cell, gravity and surface tension.
     fn rate(&self) -> f64 {
         let flow = self.rate_of_flow();
-        self.solids.iter().fold(flow, |rate, solids| rate.max(COURANT / PHASE * solids.frequency()))
+        let Some(solids) = &self.solids else { return flow };
+        let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
+        let most =
+            (MOST_OF_FLOW * self.speed / self.frame.h).max(MOST_OF_WAVES * (gravity / self.frame.h).sqrt());
+        flow.max((COURANT / PHASE * solids.frequency()).min(most))
     }
 
     /// Rate without that of the vibration of deformable bodies, 1/s.
@@ -294,12 +302,14 @@ impl<const D: usize> Flow<D> {
         rate = self.rigid.iter().fold(rate, |rate, body| rate.max(2.0 * body.speed() / h));
         rate = self.solids.iter().fold(rate, |rate, solids| rate.max(2.0 * solids.speed() / h));
         rate = rate.max((gravity / h).sqrt());
-        if let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) {
-            // [Brackbill1992]
-            let limit = fluid.density * h.powi(3) / (4.0 * std::f64::consts::PI * fluid.tension);
-            rate = rate.max(1.0 / limit.sqrt());
-        }
-        rate
+        self.limit_of_tension().map_or(rate, |limit| rate.max(1.0 / limit))
+    }
+
+    /// Longest step by surface tension, s \[Brackbill1992\]; none without it.
+    fn limit_of_tension(&self) -> Option<f64> {
+        let fluid = self.fluid.filter(|fluid| fluid.tension > 0.0)?;
+        let square = fluid.density * self.frame.h.powi(3) / (4.0 * std::f64::consts::PI * fluid.tension);
+        Some(square.sqrt())
     }
 
     /// Share of the density error that a step of `dt` seconds removes: in steps that are short because of the vibration of deformable bodies
@@ -394,6 +404,10 @@ impl<const D: usize> Flow<D> {
             let wrong = values.into_iter().find(|x| !x.is_finite());
             wrong.map_or(Ok(()), |value| Err(SceneError::NotFinite { what: what.into(), value, time }))
         };
+        if let (TimeControl::Fixed(_), Some(limit)) = (self.control, self.limit_of_tension()) {
+            let allowed = "at most sqrt(rho h^3 / (4 pi sigma)), the limit of surface tension: take a shorter step, or a factor";
+            parameter(dt <= limit * (1.0 + 1e-9), "fixed time step, s", dt, allowed)?;
+        }
         if self.clock.steps == 0 {
             self.check_particles_and_walls()?;
         }

@@ -22,6 +22,9 @@ use crate::wall::{Wall, Walls};
 const CORRECTION_TOLERANCE: f64 = 1e-2;
 /// Relative change of the volume of a cell in a step by the velocity that particles bring, up to which it comes from smooth motion.
 const SMOOTH: f64 = 0.02;
+/// Share of the divergence that is reflected. With all of it errors of the transfer alternate from step to step without decay: the forces of a
+/// steady jet on a wall, 16 cells thick, were a hundred times its momentum flux to both sides. With 0.9 they scatter by 4 %.
+const REFLECTED: f64 = 0.9;
 /// Largest density error that a step corrects, before the relaxation.
 const LARGEST_ERROR: f64 = 0.5;
 /// Excess of density that is no error beside air, where deficits are none either: the fraction there is the level of the surface.
@@ -161,7 +164,7 @@ impl<const D: usize> Flow<D> {
             self.subtract_bodies(&mut once_more);
             let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
             for r in &mut once_more {
-                *r *= (2.0 - r.abs() * scale / SMOOTH).clamp(0.0, 1.0);
+                *r *= REFLECTED * (2.0 - r.abs() * scale / SMOOTH).clamp(0.0, 1.0);
             }
             // The motion of light surfaces within a cell is not smooth in time.
             if let Some(solids) = &self.solids {

@@ -56,7 +56,15 @@ impl<const D: usize> fmt::Debug for Wall<D> {
 impl<const D: usize> Wall<D> {
     /// Create a solid wall: the liquid is outside of the shape.
     pub fn solid(shape: impl Shape<D> + 'static) -> Self {
-        Wall { shape: Arc::new(shape), sign: 1.0, no_slip: false, motion: None, spin: None, body: None, solid: None }
+        Wall {
+            shape: Arc::new(shape),
+            sign: 1.0,
+            no_slip: false,
+            motion: None,
+            spin: None,
+            body: None,
+            solid: None,
+        }
     }
     /// Create a container: the liquid is inside of the shape.
     pub fn container(shape: impl Shape<D> + 'static) -> Self {

@@ -1,8 +1,8 @@
 //! Impulses of the liquid on the nodes of surfaces: the transpose of what the velocities of the nodes are for cells.
 //!
-//! A surface cuts the area vector a from a cell, by the parts of its faces beyond the surface alone. With the velocity w of the point nearest to
-//! the centre, between the nodes of a facet, the net outflow of the cell is a . w, and the pressure has the impulse rho h^D q a on this point,
-//! which the same weights divide among the nodes. (The flow of w through the closed parts of faces is as much for bodies that do not deform; else it
+//! A surface cuts the area vector a from a cell, by the parts of its faces beyond the surface alone. With the mean velocity w of the surface in the
+//! cell, the net outflow of the cell is a . w, and the pressure has the impulse rho h^D q a, which the weights of the mean divide among
+//! the nodes. (The flow of w through the closed parts of faces is as much for bodies that do not deform; else it
 //! has the divergence of the surface in it, and forces along it, which drove waves.) Liquid at closed faces takes the velocity of the surface
 //! along its normal. These answers are reciprocal: work of the liquid is work on the body.
 //!
@@ -12,9 +12,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::blocks::{Blocks, NONE, local};
-use crate::cuts::{CutBlock, NODES, ON_WALL, SLIT, corners, open_side};
+use super::skin::Skin;
+use crate::blocks::{Blocks, NONE, SIDE, local};
 use crate::couple::{DEEP, REACH, hosts};
+use crate::cuts::{CutBlock, NODES, ON_WALL, SLIT, corners, open_side};
 use crate::extrapolate::{CLOSED, SOLVED};
 use crate::grid::Grid;
 use crate::particles::Frame;
@@ -37,14 +38,24 @@ struct Face<const D: usize> {
     normal: [f64; D],
 }
 
+/// Points along an edge of a facet as long as a cell.
+const PARTS: f64 = 4.0;
+/// Largest number of points along the edge of a facet.
+const MOST_PARTS: f64 = 256.0;
+/// Distance of the points from their facets, in cells.
+const OUTSIDE: f64 = 1e-6;
+
 /// Shares of the nodes of `bodies` bodies in the wetted surface.
-fn shares<const D: usize>(pieces: &[Piece<D>], bodies: usize) -> Vec<Vec<(u32, f64)>> {
+fn shares<const D: usize>(
+    (pieces, weights): (&[Piece<D>], &[(u32, f64)]),
+    bodies: usize,
+) -> Vec<Vec<(u32, f64)>> {
     let mut all = Vec::new();
     for body in 0..bodies {
         let mut sums = BTreeMap::new();
         for piece in pieces.iter().filter(|piece| piece.body == body) {
             let area = piece.area.iter().map(|a| a * a).sum::<f64>().sqrt();
-            for (n, w) in piece.nodes.iter().zip(&piece.weights) {
+            for (n, w) in piece.of(weights) {
                 *sums.entry(*n).or_insert(0.0) += area * w;
             }
         }
@@ -54,13 +65,69 @@ fn shares<const D: usize>(pieces: &[Piece<D>], bodies: usize) -> Vec<Vec<(u32, f
     all
 }
 
-/// Find the parts of surfaces in the cells of block `b`.
+impl<const D: usize> Piece<D> {
+    /// Nodes and weights of the piece.
+    fn of<'a>(&self, weights: &'a [(u32, f64)]) -> &'a [(u32, f64)] {
+        &weights[self.nodes[0] as usize..self.nodes[1] as usize]
+    }
+}
+
+/// Points of a surface: cell, facet, barycentric weights of its nodes, and measure.
+type Points<const D: usize> = Vec<(u32, u32, [f64; D], f64)>;
+
+/// Divide the facets of a surface into points, by which the mean velocity of the part in a cell is found; sorted by cell.
+fn points<const D: usize>(skin: &Skin<D>, grid: &Grid<D>, frame: &Frame<D>) -> Points<D> {
+    let (cells, mut points) = (Blocks::<D>::CELLS, Vec::new());
+    for facet in 0..skin.facets() {
+        let corners = skin.nodes(facet).map(|n| skin.places()[n as usize]);
+        let edge =
+            |a: usize, b: usize| (0..D).map(|d| (corners[a][d] - corners[b][d]).powi(2)).sum::<f64>().sqrt();
+        let longest = (0..D).map(|k| edge(k, (k + 1) % D)).fold(0.0, f64::max);
+        let parts = (longest * PARTS / frame.h).ceil().clamp(1.0, MOST_PARTS) as usize;
+        let (normal, share) = (skin.facet(facet).1, skin.measure(facet) / parts.pow(D as u32 - 1) as f64);
+        let mut add = |weights: [f64; D]| {
+            // On a plane of the grid the liquid is outside.
+            let x: [f64; D] = std::array::from_fn(|d| {
+                let at: f64 = weights.iter().zip(&corners).map(|(w, x)| w * x[d]).sum();
+                at + OUTSIDE * frame.h * normal[d]
+            });
+            let Some(key) = frame.block(&x) else { return };
+            let b = grid.blocks.find(&key);
+            if b != NONE {
+                let at = frame.local(&x, &key);
+                let i = (0..D).rev().fold(0, |sum, d| sum * SIDE + (at[d] as usize).min(SIDE - 1));
+                points.push((b * cells as u32 + i as u32, facet as u32, weights, share));
+            }
+        };
+        let part = |n: usize, by: f64| (n as f64 + by) / parts as f64;
+        for i in 0..parts {
+            if D == 2 {
+                let t = part(i, 0.5);
+                add(std::array::from_fn(|k| if k == 0 { 1.0 - t } else { t }));
+                continue;
+            }
+            // Centres of the triangles of a regular division, of both orientations.
+            for j in 0..parts - i {
+                let (a, b) = (part(i, 1.0 / 3.0), part(j, 1.0 / 3.0));
+                add(std::array::from_fn(|k| [1.0 - a - b, a, b][k]));
+                if i + j + 1 < parts {
+                    let (a, b) = (part(i, 2.0 / 3.0), part(j, 2.0 / 3.0));
+                    add(std::array::from_fn(|k| [1.0 - a - b, a, b][k]));
+                }
+            }
+        }
+    }
+    points.sort_by_key(|p| p.0);
+    points
+}
+
+/// Find the parts of surfaces in the cells of block `b`. `points` has those of each surface.
 fn cut_pieces<const D: usize>(
     (b, cut): (usize, &CutBlock<D>),
     (grid, frame): (&Grid<D>, &Frame<D>),
-    walls: &Walls<'_, D>,
+    (walls, points): (&Walls<'_, D>, &[Points<D>]),
     host: &impl Fn(u32) -> u32,
-    pieces: &mut Vec<Piece<D>>,
+    (pieces, weights): (&mut Vec<Piece<D>>, &mut Vec<(u32, f64)>),
 ) {
     let mut solids: Vec<usize> =
         cut.nearest.iter().filter_map(|n| walls.list[usize::from(*n)].solid).collect();
@@ -96,9 +163,30 @@ fn cut_pieces<const D: usize>(
             if host == NONE {
                 continue;
             }
-            let nearest = skin.nearest(&frame.place(key, &at.map(|x| x as f64 + 0.5)));
-            let nodes = skin.nodes(nearest.facet).map(|n| n + *first as u32);
-            pieces.push(Piece { host, body: k, area, nodes, weights: nearest.weights });
+            let from = weights.len();
+            let slot = (b * cells + i) as u32;
+            let all = &points[k];
+            let mut total = 0.0;
+            for (_, facet, parts, share) in
+                &all[all.partition_point(|p| p.0 < slot)..all.partition_point(|p| p.0 <= slot)]
+            {
+                let facet = *facet as usize;
+                let normal = skin.facet(facet).1;
+                // The other side of a plate may be in the cell too.
+                if (0..D).map(|d| normal[d] * area[d]).sum::<f64>() < 0.0 {
+                    total += share;
+                    let nodes = skin.nodes(facet).iter().zip(parts);
+                    weights.extend(nodes.map(|(n, w)| (n + *first as u32, share * w)));
+                }
+            }
+            if total > 0.0 {
+                weights[from..].iter_mut().for_each(|(_, w)| *w /= total);
+            } else {
+                let nearest = skin.nearest(&frame.place(key, &at.map(|x| x as f64 + 0.5)));
+                let nodes = skin.nodes(nearest.facet).iter().zip(nearest.weights);
+                weights.extend(nodes.map(|(n, w)| (n + *first as u32, w)));
+            }
+            pieces.push(Piece { host, body: k, area, nodes: [from as u32, weights.len() as u32] });
         }
     }
 }
@@ -111,14 +199,16 @@ struct Piece<const D: usize> {
     body: usize,
     /// Area vector out of the cell, in areas of a face.
     area: [f64; D],
-    nodes: [u32; D],
-    weights: [f64; D],
+    /// First and last node and weight in the list.
+    nodes: [u32; 2],
 }
 
 /// Cells and faces near the surfaces of deformable bodies in a step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Wetted<const D: usize> {
     pieces: Vec<Piece<D>>,
+    /// Nodes of the pieces, with their weights in the mean velocity of the piece.
+    weights: Vec<(u32, f64)>,
     faces: Vec<Face<D>>,
     /// Shares of the nodes of each body in its wetted surface.
     shares: Vec<Vec<(u32, f64)>>,
@@ -129,10 +219,12 @@ impl<const D: usize> Wetted<D> {
     pub fn new(grid: &Grid<D>, frame: &Frame<D>, walls: &Walls<'_, D>) -> Self {
         let cells = Blocks::<D>::CELLS;
         let host = hosts(grid, frame, walls);
-        let (mut faces, mut pieces) = (Vec::new(), Vec::new());
+        let (mut faces, mut pieces, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+        let points: Vec<_> = walls.skins.iter().map(|(skin, _)| points(skin, grid, frame)).collect();
         for (b, cut) in grid.cuts.iter().enumerate() {
             let Some(cut) = cut else { continue };
-            cut_pieces((b, cut), (grid, frame), walls, &host, &mut pieces);
+            let into = (&mut pieces, &mut weights);
+            cut_pieces((b, cut), (grid, frame), (walls, &points), &host, into);
             for (i, d) in (0..cells).flat_map(|i| (0..D).map(move |d| (i, d))) {
                 let at = face_centre::<D>(i, d);
                 let (gap, _, wall) = cut.sample(&at);
@@ -159,8 +251,8 @@ impl<const D: usize> Wetted<D> {
                 });
             }
         }
-        let shares = shares(&pieces, walls.skins.len());
-        Wetted { pieces, faces, shares }
+        let shares = shares((&pieces, &weights), walls.skins.len());
+        Wetted { pieces, weights, faces, shares }
     }
 
     /// Set the values of the cells beside the surfaces to zero.
@@ -175,7 +267,7 @@ impl<const D: usize> Wetted<D> {
         into.clear();
         into.extend(self.pieces.iter().map(|piece| {
             let of = |d: usize| {
-                piece.nodes.iter().zip(&piece.weights).map(|(n, w)| w * velocities[*n as usize][d]).sum::<f64>()
+                piece.of(&self.weights).iter().map(|(n, w)| w * velocities[*n as usize][d]).sum::<f64>()
             };
             (piece.host, (0..D).map(|d| piece.area[d] * of(d)).sum())
         }));
@@ -186,14 +278,16 @@ impl<const D: usize> Wetted<D> {
     pub fn add(
         &self,
         (grid, unit): (&Grid<D>, f64),
-        velocities: &[[f64; D]],
+        (before, velocities): (&[[f64; D]], &[[f64; D]]),
         ended: bool,
         into: &mut [[f64; D]],
     ) {
         let mut rest = vec![[0.0; D]; self.shares.len()];
         for piece in &self.pieces {
             let impulse = piece.area.map(|a| unit * a * grid.pressure[piece.host as usize]);
-            give(&piece.nodes, &piece.weights, &impulse, into);
+            for (n, w) in piece.of(&self.weights) {
+                (0..D).for_each(|d| into[*n as usize][d] += w * impulse[d]);
+            }
             (0..D).for_each(|d| rest[piece.body][d] -= impulse[d]);
         }
         for face in &self.faces {
@@ -202,14 +296,18 @@ impl<const D: usize> Wetted<D> {
             let rest = &mut rest[face.body];
             rest[d] += unit * face.closed * face.push(&grid.pressure);
             if mark == CLOSED {
-                let of = |n: &u32| (0..D).map(|e| velocities[*n as usize][e] * face.normal[e]).sum::<f64>();
-                let own: f64 = face.nodes.iter().zip(&face.weights).map(|(n, w)| w * of(n)).sum();
-                let lag = grid.before[d][slot] - own * face.normal[d];
-                let along = unit * grid.volume[d][slot] * lag * face.normal[d];
-                let impulse = face.normal.map(|n| along * n);
-                give(&face.nodes, &face.weights, &impulse, into);
+                // Liquid at closed faces takes the change of the velocity along the normal.
+                let of = |n: &u32| {
+                    let (new, old) = (&velocities[*n as usize], &before[*n as usize]);
+                    (0..D).map(|e| (new[e] - old[e]) * face.normal[e]).sum::<f64>()
+                };
+                let change: f64 = face.nodes.iter().zip(&face.weights).map(|(n, w)| w * of(n)).sum();
+                let along = -unit * grid.volume[d][slot] * face.normal[d].powi(2) * change;
+                for (n, w) in face.nodes.iter().zip(&face.weights) {
+                    (0..D).for_each(|e| into[*n as usize][e] += w * along * face.normal[e]);
+                }
                 if ended {
-                    (0..D).for_each(|e| rest[e] -= impulse[e]);
+                    (0..D).for_each(|e| rest[e] -= along * face.normal[e]);
                 }
             }
             if mark == SOLVED || ended {
@@ -237,12 +335,5 @@ impl<const D: usize> Face<D> {
         let (d, slot) = (self.axis, self.slot as usize);
         grid.volume[d][slot] * (grid.velocity[d][slot] - grid.before[d][slot])
             + grid.open[d][slot] * (q(self.slot) - q(self.below))
-    }
-}
-
-/// Divide an impulse among nodes.
-fn give<const D: usize>(nodes: &[u32; D], weights: &[f64; D], impulse: &[f64; D], into: &mut [[f64; D]]) {
-    for (n, w) in nodes.iter().zip(weights) {
-        (0..D).for_each(|d| into[*n as usize][d] += w * impulse[d]);
     }
 }

@@ -214,7 +214,8 @@ impl<const D: usize> Solids<D> {
             let (mut bend, mut way) = (0.0, 0.0);
             for ((new, now), old) in velocities.iter().zip(&self.velocities).zip(&self.before) {
                 for d in 0..D {
-                    let (a, b) = (2.0 * (new[d] - now[d]) / (dt + last), 2.0 * (now[d] - old[d]) / (last + first));
+                    let (a, b) =
+                        (2.0 * (new[d] - now[d]) / (dt + last), 2.0 * (now[d] - old[d]) / (last + first));
                     bend -= (a - b) * now[d] * last;
                     way += (now[d] * last).powi(2);
                 }

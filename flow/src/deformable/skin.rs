@@ -135,7 +135,8 @@ impl<const D: usize> Skin<D> {
         if skin.volume() < 0.0 {
             return None;
         }
-        let middle = |f: usize, d: usize| skin.facets[f].iter().map(|n| skin.places[*n as usize][d]).sum::<f64>();
+        let middle =
+            |f: usize, d: usize| skin.facets[f].iter().map(|n| skin.places[*n as usize][d]).sum::<f64>();
         let mut order = std::mem::take(&mut skin.order);
         let mut tree = Vec::new();
         grow(&mut tree, &mut order, 0, &middle);
@@ -164,6 +165,12 @@ impl<const D: usize> Skin<D> {
     pub fn places(&self) -> &[[f64; D]] {
         &self.places
     }
+    /// Length of a facet, m, or twice its area, m^2.
+    pub fn measure(&self, facet: usize) -> f64 {
+        let x = self.facets[facet].map(|n| self.places[n as usize]);
+        let normal = area_normal(&x);
+        dot(&normal, &normal).sqrt()
+    }
     /// Centre of a facet, m, and its outward unit normal.
     pub fn facet(&self, facet: usize) -> ([f64; D], [f64; D]) {
         let x = self.facets[facet].map(|n| self.places[n as usize]);
@@ -179,7 +186,8 @@ impl<const D: usize> Skin<D> {
 
     /// Find normals and boxes.
     fn shape(&mut self) {
-        let all: Vec<[[f64; D]; D]> = self.facets.iter().map(|f| f.map(|n| self.places[n as usize])).collect();
+        let all: Vec<[[f64; D]; D]> =
+            self.facets.iter().map(|f| f.map(|n| self.places[n as usize])).collect();
         self.normals.clear();
         self.normals.extend(all.iter().map(|x| unit(area_normal(x))));
         self.corners.clear();
@@ -231,7 +239,8 @@ impl<const D: usize> Skin<D> {
 
     /// Find the nearest point of the surface.
     pub fn nearest(&self, x: &[f64; D]) -> Nearest<D> {
-        let (mut best, mut square) = (Nearest { gap: f64::INFINITY, facet: 0, weights: [0.0; D] }, f64::INFINITY);
+        let (mut best, mut square) =
+            (Nearest { gap: f64::INFINITY, facet: 0, weights: [0.0; D] }, f64::INFINITY);
         let mut away = [0.0; D];
         let mut stack = vec![(0usize, 0.0f64)];
         while let Some((n, least)) = stack.pop() {
@@ -290,7 +299,10 @@ impl<const D: usize> Skin<D> {
     }
 
     pub fn bytes(&self) -> usize {
-        let facet = size_of::<[u32; D]>() + size_of::<[f64; D]>() + size_of::<[[f64; D]; D]>() + size_of::<[usize; D]>();
+        let facet = size_of::<[u32; D]>()
+            + size_of::<[f64; D]>()
+            + size_of::<[[f64; D]; D]>()
+            + size_of::<[usize; D]>();
         self.facets.capacity() * facet
             + self.places.capacity() * 2 * size_of::<[f64; D]>()
             + self.tree.capacity() * size_of::<Branch<D>>()
@@ -360,8 +372,15 @@ mod tests {
     fn square(n: u32) -> Skin<2> {
         let h = 1.0 / f64::from(n);
         let mut places = Vec::new();
-        for [from, by] in [[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [0.0, 1.0]], [[1.0, 1.0], [-1.0, 0.0]], [[0.0, 1.0], [0.0, -1.0]]] {
-            places.extend((0..n).map(|i| [from[0] + by[0] * h * f64::from(i), from[1] + by[1] * h * f64::from(i)]));
+        for [from, by] in [
+            [[0.0, 0.0], [1.0, 0.0]],
+            [[1.0, 0.0], [0.0, 1.0]],
+            [[1.0, 1.0], [-1.0, 0.0]],
+            [[0.0, 1.0], [0.0, -1.0]],
+        ] {
+            places.extend(
+                (0..n).map(|i| [from[0] + by[0] * h * f64::from(i), from[1] + by[1] * h * f64::from(i)]),
+            );
         }
         let count = places.len() as u32;
         let facets = (0..count).map(|i| [i, (i + 1) % count]).collect();

@@ -19,8 +19,9 @@ const ABSOLUTE: f64 = 1e-7;
 /// Share of the surfaces' motion from the middle of a step to its end that goes straight on from that between the middles; the rest keeps the
 /// mean of the places at the start and at the end in the middle, which conserves energy and lets errors alternate.
 const STRAIGHT: f64 = 0.5;
-/// Speed of surfaces, over that of the liquid and of a wave of one cell, below which a step does not resolve their vibration.
-const SLOW: f64 = 0.01;
+/// Speed of surfaces, over that of the liquid, and over that of a wave of one cell, below which a step does not resolve their vibration.
+const SLOW: f64 = 0.2;
+const AT_REST: f64 = 0.01;
 /// Depth in a wall, in cells, at which a body has run into it.
 const WITHIN: f64 = 0.5;
 
@@ -67,7 +68,9 @@ impl<const D: usize> Flow<D> {
                 if skin.nearest(&within).gap >= 0.0 {
                     let name = solids.of.solver().bodies()[k].name().to_owned();
                     return Err(FluidError::Scene(SceneError::NotWith {
-                        what: format!("the deformable body `{name}`, thinner than the cells of {h} m near {centre:?} m"),
+                        what: format!(
+                            "the deformable body `{name}`, thinner than the cells of {h} m near {centre:?} m"
+                        ),
                         method: impactite_scene::Solver::method(self),
                         why: "the pressures at both of its sides would mix; take smaller cells, or a thicker body",
                     }));
@@ -144,7 +147,8 @@ impl<const D: usize> Flow<D> {
             self.grid.velocity.clone_from(&before);
             self.project()?;
             let mut given = solids.carry.clone();
-            solids.wetted.add((&self.grid, unit), &iterate, false, &mut given);
+            let change = (&solids.velocities[..], &iterate[..]);
+            solids.wetted.add((&self.grid, unit), change, false, &mut given);
             from = solids.load(from).map_err(|e| unsaved(self, &e))?;
             solids.run(kick, &given, 1.0)?;
             let middles = solids.nodes_now();
@@ -175,7 +179,7 @@ impl<const D: usize> Flow<D> {
                 solids.middle = Some(solids.save().map_err(|e| unsaved(self, &e))?);
                 solids.run(0.5 * dt, &given, 0.5 * dt / kick)?;
                 (solids.given, solids.middles) = (given, middles);
-                let floor = SLOW * self.speed.max((gravity * self.frame.h).sqrt());
+                let floor = (SLOW * self.speed).max(AT_REST * (gravity * self.frame.h).sqrt());
                 solids.note(answer, dt, floor);
                 return self.check_solids(solids, dt, walls);
             }
@@ -195,22 +199,23 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Check that no node of a surface has moved too far, or into a wall.
-    fn check_solids(
-        &self,
-        solids: &Solids<D>,
-        dt: f64,
-        walls: &Walls<'_, D>,
-    ) -> Result<(), StepError> {
+    fn check_solids(&self, solids: &Solids<D>, dt: f64, walls: &Walls<'_, D>) -> Result<(), StepError> {
         let h = self.frame.h;
         let name = |n: usize| solids.of.solver().bodies()[solids.nodes[n].0 as usize].name().to_owned();
         for (n, (x, v)) in solids.places.iter().zip(&solids.velocities).enumerate() {
             let speed = v.iter().map(|v| v * v).sum::<f64>().sqrt();
             let body = solids.nodes[n].0 as usize;
             let within = |w: &usize| {
-                walls.list[*w].solid != Some(body) && !walls.list[*w].follows() && walls.gap_of(*w, x) < -WITHIN * h
+                walls.list[*w].solid != Some(body)
+                    && !walls.list[*w].follows()
+                    && walls.gap_of(*w, x) < -WITHIN * h
             };
             if speed * dt > h {
-                let why = format!("node {} of body `{}` moves more than a cell in the step", solids.nodes[n].1, name(n));
+                let why = format!(
+                    "node {} of body `{}` moves more than a cell in the step",
+                    solids.nodes[n].1,
+                    name(n)
+                );
                 return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
             }
             if (0..walls.list.len()).any(|w| within(&w)) {
@@ -229,7 +234,8 @@ impl<const D: usize> Flow<D> {
         let unit = self.unit();
         let Some(solids) = &mut self.solids else { return Ok(()) };
         let mut all = vec![[0.0; D]; solids.nodes.len()];
-        solids.wetted.add((&self.grid, unit), &solids.velocities, true, &mut all);
+        let change = (&solids.before[..], &solids.velocities[..]);
+        solids.wetted.add((&self.grid, unit), change, true, &mut all);
         solids.passed = [0.0; D];
         for ((carry, all), given) in solids.carry.iter_mut().zip(&all).zip(&solids.given) {
             for d in 0..D {
@@ -274,7 +280,11 @@ impl<const D: usize> Solids<D> {
             .nodes
             .iter()
             .zip(given)
-            .map(|((body, node), impulse)| NodeImpulse { body: *body, node: *node, impulse: impulse.map(|x| share * x) })
+            .map(|((body, node), impulse)| NodeImpulse {
+                body: *body,
+                node: *node,
+                impulse: impulse.map(|x| share * x),
+            })
             .collect();
         self.of.run_for(dt, &list)
     }

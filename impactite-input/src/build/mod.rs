@@ -102,7 +102,9 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
         Space::PlaneStrain | Space::PlaneStress => {
             checked(&common::World::<2>::new(scene, folder), |world| match &scene.method {
                 Method::Fpm(options) => fpm::build(PlaneStrain, world, options),
-                Method::Flow(options) if scene.space == Space::PlaneStrain => flow::build(PlaneStrain, world, options),
+                Method::Flow(options) if scene.space == Space::PlaneStrain => {
+                    flow::build(PlaneStrain, world, options)
+                }
                 _ => in_space(PlaneStrain, world),
             })
         }
