@@ -835,6 +835,17 @@ fn sloshing() {
 }
 
 #[test]
+fn floating_box() {
+    // Depth, period, growth, energy and momentum of two boxes; the same without a period in space; depth, turn, energy and momentum of the light
+    // box; turn, energy and momentum of the one that rolls over; momentum, way and turn of the fall.
+    smoke!(
+        floating_box,
+        only(2 * 5 + 4 + 4 + 3 + 3),
+        ["heave.png", "turn.png", "water_roll.png", "heave_500_40.csv", "space_20.csv"]
+    );
+}
+
+#[test]
 fn drop() {
     // Axes at four times, energy and pressure, twice, of the ellipse; three periods; axis, fourth moment and pressure of the square and the
     // cube, whose error is compared with a published one; pressure of two drops at rest and the ratio of their speeds; momentum.
