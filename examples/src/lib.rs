@@ -36,7 +36,7 @@
 //! | `floating_box` | rigid box floating in incompressible liquid: depth, period of heave, light box, box that rolls over, free fall |
 //! | `drop` | free drops: elliptic drop, oscillation by surface tension, square and cube to circle and sphere, drop at rest |
 //! | `taylor_green` | viscous flow: Taylor-Green vortices, start of Poiseuille and Couette flow, with observed orders |
-//! | `wedge_entry` | wedge entering water, elements of one to eight cells: leakage, forces against theory |
+//! | `wedge_entry` | wedge entering water, elements of one to eight cells, and incompressible flow: leakage, forces against theory |
 //! | `wave_plate` | waves along a plate pulled at its end, by fragile points, against exact ones: peaks, convergence orders |
 //! | `cantilever_pulse` | cantilever under a shear pulse, by fragile points, against finite elements: tip, modes, stress |
 //! | `validation` | all cases: writes docs/validation.md |

@@ -769,16 +769,18 @@ fn gate_flow() {
 
 #[test]
 fn wedge_entry() {
-    // Penetration into the wedge (twice) and energy, for elements of four sizes; equality of forces; momentum.
+    // Penetration into the wedge (twice) and energy, for elements of four sizes; equality of forces; momentum; penetration, force (twice) and
+    // energy of incompressible flow.
     smoke!(
         wedge_entry,
-        only(3 * 4 + 2),
+        only(3 * 4 + 2 + 4),
         [
             "pressure.png",
             "force.png",
             "profile.png",
             "force_rigid_surface_1.csv",
-            "force_rigid_surface_8.csv"
+            "force_rigid_surface_8.csv",
+            "force_flow.csv"
         ]
     );
 }
