@@ -49,6 +49,7 @@ pub mod blocks;
 pub mod case;
 mod cased;
 pub mod check;
+pub mod cost;
 pub mod cracks;
 mod detection;
 pub mod fragile;
