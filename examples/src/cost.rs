@@ -122,9 +122,6 @@ pub struct Cost {
     pub totals: Totals,
 }
 
-/// Error at which core-seconds of the methods are compared.
-const COMPARED: f64 = 0.01;
-
 /// Core-seconds of a method at an error, by a power law between two runs of increasing resolution; none if no run has a smaller error.
 fn seconds_at(costs: &[Cost], kind: Kind, error: f64) -> Option<f64> {
     let runs: Vec<&Cost> = costs.iter().filter(|c| c.kind == kind).collect();
@@ -136,9 +133,9 @@ fn seconds_at(costs: &[Cost], kind: Kind, error: f64) -> Option<f64> {
     Some((from + part * (to - from)).exp())
 }
 
-/// Show error and core-seconds of all runs, and core-seconds of the methods at an error of 1 %.
+/// Show error and core-seconds of all runs, and core-seconds of the methods at the error `at`.
 #[must_use]
-pub fn rows(costs: &[Cost], reference: &str) -> Vec<Check> {
+pub fn rows(costs: &[Cost], reference: &str, at: f64) -> Vec<Check> {
     let mut rows = Vec::new();
     for Cost { kind, cells, error, totals } in costs {
         let name = |what: &str| format!("cost, {}, {cells} cells: {what}", kind.name());
@@ -151,8 +148,8 @@ pub fn rows(costs: &[Cost], reference: &str) -> Vec<Check> {
         ));
     }
     for kind in Kind::ALL {
-        if let Some(seconds) = seconds_at(costs, kind, COMPARED) {
-            let name = format!("cost, {}: core-seconds at an error of 1 %", kind.name());
+        if let Some(seconds) = seconds_at(costs, kind, at) {
+            let name = format!("cost, {}: core-seconds at an error of {} %", kind.name(), 100.0 * at);
             rows.push(Check::unreferenced(name, seconds, "s", "between two runs"));
         }
     }

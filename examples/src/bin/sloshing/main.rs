@@ -113,7 +113,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let settings =
         serde_json::json!({ "runs": outcomes.iter().map(|o| o.setup).collect::<Vec<_>>(), "costs": costs });
     let mut rows = checks::of(&outcomes);
-    rows.extend(examples::cost::rows(&costs, "two periods of the first mode, linear theory [C]"));
+    rows.extend(examples::cost::rows(&costs, "two periods of the first mode, linear theory [C]", 0.01));
     Report::new("sloshing", options.common.resolution, settings, &totals, rows)
         .finish(&options.common, &folder)
 }
