@@ -37,7 +37,7 @@ struct Options {
     /// Density of the light box, kg/m^3, 10 to 200
     #[arg(long, value_name = "KG/M3", default_value_t = 50.0, value_parser = within(10.0, 200.0))]
     light: f64,
-    /// Cells over the width of the tank in the plane, 20 to 400 [default: 40; 80; 160 by resolution]
+    /// Cells over the width of the tank in the plane, 20 to 400 [default: 40; 80; 100 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=400))]
     cells: Option<u32>,
     /// Cells over the width of the tank in space, 12 to 100 [default: 20; 30; 40 by resolution]
@@ -51,7 +51,7 @@ struct Options {
 impl Options {
     fn setups(&self, study: Study) -> Vec<Setup> {
         let choose = |smoke, standard, paper| self.common.resolution.choose(smoke, standard, paper);
-        let cells = self.cells.unwrap_or_else(|| choose(40, 80, 160));
+        let cells = self.cells.unwrap_or_else(|| choose(40, 80, 100));
         let box_of = |density: f64, lifted: f64, end: f64| Setup { study, cells, density, lifted, end };
         match study {
             // Four periods.
