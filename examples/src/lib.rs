@@ -33,9 +33,10 @@
 //! | `gate_flow` | water behind an elastic gate that opens: tip displacement, statics against beams, dam break against experiment |
 //! | `dam_break` | incompressible dam break: first pressure, shallow flow, front and pressure against experiments |
 //! | `sloshing` | incompressible liquid in a tank: natural periods, forced sway, viscous decay, 20 s of free sloshing |
+//! | `floating_box` | rigid box floating in incompressible liquid: depth, period of heave, light box, box that rolls over, free fall |
 //! | `drop` | free drops: elliptic drop, oscillation by surface tension, square and cube to circle and sphere, drop at rest |
 //! | `taylor_green` | viscous flow: Taylor-Green vortices, start of Poiseuille and Couette flow, with observed orders |
-//! | `wedge_entry` | wedge entering water, elements of one to eight cells: leakage, forces against theory |
+//! | `wedge_entry` | wedge entering water, elements of one to eight cells, and incompressible flow: leakage, forces against theory |
 //! | `wave_plate` | waves along a plate pulled at its end, by fragile points, against exact ones: peaks, convergence orders |
 //! | `cantilever_pulse` | cantilever under a shear pulse, by fragile points, against finite elements: tip, modes, stress |
 //! | `validation` | all cases: writes docs/validation.md |
@@ -48,6 +49,7 @@ pub mod blocks;
 pub mod case;
 mod cased;
 pub mod check;
+pub mod cost;
 pub mod cracks;
 mod detection;
 pub mod fragile;

@@ -38,6 +38,14 @@ impl Outline {
         Outline { edges, low, high, symmetric }
     }
 
+    /// Build the outline of a polygon, its corners anticlockwise.
+    pub fn polygon(corners: &[[f64; 2]]) -> Self {
+        let edges = (0..corners.len()).map(|n| [corners[n], corners[(n + 1) % corners.len()]]).collect();
+        let low = [0, 1].map(|d| corners.iter().map(|x| x[d]).fold(f64::INFINITY, f64::min));
+        let high = [0, 1].map(|d| corners.iter().map(|x| x[d]).fold(f64::NEG_INFINITY, f64::max));
+        Outline { edges, low, high, symmetric: false }
+    }
+
     /// Return the depth of a point inside, m: distance from the surface, negative outside; an upper bound if the point is
     /// more than `near`, m, outside.
     pub fn depth(&self, x: [f64; 2], near: f64) -> f64 {
@@ -120,5 +128,9 @@ mod tests {
             }
         }
         assert!(outline(false).depth([9.0, 0.5], 1.0) <= -1.0, "a bound");
+        let polygon = Outline::polygon(&[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]);
+        for x in [[0.1, 0.5], [1.9, 0.9], [1.0, 1.25], [2.3, 1.4]] {
+            assert!((polygon.depth(x, 1.0) - outline(false).depth(x, 1.0)).abs() < 1e-12, "{x:?}");
+        }
     }
 }

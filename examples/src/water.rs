@@ -38,8 +38,12 @@ impl Water {
 
     /// Return the state of a material point under a pressure, Pa: J = (1 + 7 p / (rho c^2))^(-1/7).
     pub fn under(&self, law: &Fluid<Tait<f64>>, pressure: f64) -> WaterState {
-        let ratio = (1.0 + 7.0 * pressure / (self.density * self.sound.powi(2))).powf(-1.0 / 7.0);
-        WaterState { volume_ratio: Lane::splat(ratio), ..law.virgin() }
+        WaterState { volume_ratio: Lane::splat(self.ratio(pressure)), ..law.virgin() }
+    }
+
+    /// Return the volume ratio under a pressure, Pa.
+    pub fn ratio(&self, pressure: f64) -> f64 {
+        (1.0 + 7.0 * pressure / (self.density * self.sound.powi(2))).powf(-1.0 / 7.0)
     }
 
     /// Return the kernels in plane strain: quadratic B-splines and affine transfers, USL, and mean dilatation of a cell,

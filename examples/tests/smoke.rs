@@ -769,16 +769,18 @@ fn gate_flow() {
 
 #[test]
 fn wedge_entry() {
-    // Penetration into the wedge (twice) and energy, for elements of four sizes; equality of forces; momentum.
+    // Penetration into the wedge (twice) and energy, for elements of four sizes; equality of forces; momentum; penetration, force (twice) and
+    // energy of incompressible flow.
     smoke!(
         wedge_entry,
-        only(3 * 4 + 2),
+        only(3 * 4 + 2 + 4),
         [
             "pressure.png",
             "force.png",
             "profile.png",
             "force_rigid_surface_1.csv",
-            "force_rigid_surface_8.csv"
+            "force_rigid_surface_8.csv",
+            "force_flow.csv"
         ]
     );
 }
@@ -831,6 +833,17 @@ fn sloshing() {
         sloshing,
         only(3 * 3 - 1 + 2 * 5 + 1 + 1 + 6 + 1),
         ["history_mode_1.png", "history_decay.png", "surface.png", "sway.csv", "long.csv"]
+    );
+}
+
+#[test]
+fn floating_box() {
+    // Depth, period, growth, energy and momentum of two boxes; the same without a period in space; depth, turn, energy and momentum of the light
+    // box; turn, energy and momentum of the one that rolls over; momentum, way and turn of the fall.
+    smoke!(
+        floating_box,
+        only(2 * 5 + 4 + 4 + 3 + 3),
+        ["heave.png", "turn.png", "water_roll.png", "heave_500_40.csv", "space_20.csv"]
     );
 }
 

@@ -30,11 +30,14 @@ pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks = release(outcomes);
     for outcome in outcomes {
         checks.extend(match outcome.setup.study {
-            Study::Release => Vec::new(),
+            Study::Release | Study::Cost => Vec::new(),
             Study::Shallow => shallow(outcome),
             Study::Column => column(outcome),
             Study::Tank => wall(outcome),
         });
+    }
+    if outcomes.is_empty() {
+        return checks;
     }
     let momentum = worst(outcomes.iter().map(|o| o.run.totals.momentum_error));
     checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));

@@ -2,6 +2,7 @@
 //! a wall against experiments \[MartinMoyce1952\], \[Buchner2002\].
 
 mod checks;
+mod cost;
 mod figures;
 mod scene;
 mod setup;
@@ -11,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use examples::martin_moyce::FRONT;
-use examples::{CaseError, Common, FlowRuns, Report, Restart, Totals, case, within};
+use examples::{CaseError, Common, FlowRuns, Report, Resolution, Restart, Totals, case, within};
 
 use scene::Outcome;
 use setup::{COLUMN, Setup, Study};
@@ -26,8 +27,8 @@ use setup::{COLUMN, Setup, Study};
 struct Options {
     #[command(flatten)]
     common: Common,
-    /// Dam breaks to compute
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["release", "shallow", "column", "tank"])]
+    /// Dam breaks to compute [default: all; without cost at smoke]
+    #[arg(long, value_enum, value_delimiter = ',')]
     study: Vec<Study>,
     /// Widths of the released columns over their height, 0.25 to 4
     #[arg(long, value_name = "A/H", value_delimiter = ',', default_values = ["0.5", "1", "2"], value_parser = within(0.25, 4.0))]
@@ -47,12 +48,23 @@ struct Options {
     /// Project velocities without reflection, in first order
     #[arg(long)]
     no_reflection: bool,
+    /// Cells over the depth of the reservoir of the runs of the cost, one run each and method, 4 to 100
+    #[arg(long, value_name = "N", value_delimiter = ',', default_values = ["4", "8", "16"], value_parser = clap::value_parser!(u32).range(4..=100))]
+    compared: Vec<u32>,
     /// Write ParaView frames
     #[arg(long)]
     frames: bool,
 }
 
 impl Options {
+    fn studies(&self) -> Vec<Study> {
+        let all = [Study::Release, Study::Shallow, Study::Column, Study::Tank, Study::Cost];
+        match (&self.study[..], self.common.resolution) {
+            ([], Resolution::Smoke) => all[..4].into(),
+            ([], _) => all.into(),
+            (given, _) => given.into(),
+        }
+    }
     fn setups(&self, study: Study) -> Vec<Setup> {
         let cells = self.cells.unwrap_or_else(|| self.common.resolution.choose(24, 48, 96));
         let (viscosity, reflection) = (self.viscosity, !self.no_reflection);
@@ -66,7 +78,9 @@ impl Options {
                     |(a, cells): (&f64, u32)| Setup { aspect: *a, cells, end: 1e-6, viscosity: 0.0, ..tank };
                 grids.map(grid).collect()
             }
-            Study::Shallow => vec![Setup { aspect: SHALLOW + 1.0, cells: cells / 2, end: SHALLOW, ..tank }],
+            Study::Shallow | Study::Cost => {
+                vec![Setup { aspect: SHALLOW + 1.0, cells: cells / 2, end: SHALLOW, ..tank }]
+            }
             Study::Column => {
                 // From sqrt(a / (2 g)) to sqrt(H / g), H = 2 a.
                 let end = 0.5 * 1.02 * FRONT[FRONT.len() - 1][0];
@@ -87,8 +101,15 @@ fn main() -> ExitCode {
 fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("dam_break")?;
     let runs = FlowRuns { common: &options.common, folder: &folder, frames: options.frames, restart };
-    let mut outcomes = Vec::new();
-    for &study in &options.study {
+    let (mut outcomes, mut costs) = (Vec::new(), Vec::new());
+    for study in options.studies() {
+        if study == Study::Cost {
+            for setup in options.setups(study) {
+                costs.extend(cost::compare(&setup, &options.compared, &runs)?);
+            }
+            examples::cost::chart(&costs, "mean error of depths over H")?.save(folder.join("cost.png"))?;
+            continue;
+        }
         let shares: &[f64] = match study {
             Study::Release => &[1.0],
             Study::Tank => &[0.2, 0.35, 0.5, 0.65, 0.85, 1.0],
@@ -104,14 +125,18 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         let columns = if study == Study::Release { 3 } else { 2 };
         figures::water(&finest, columns)?.save(folder.join(format!("water_{}.png", study.name())))?;
         match study {
-            Study::Release => {}
+            Study::Release | Study::Cost => {}
             Study::Shallow => figures::profile(done[0])?.save(folder.join("profile.png"))?,
             Study::Column => figures::front(done[0])?.save(folder.join("front.png"))?,
             Study::Tank => figures::wall(done[0])?.save(folder.join("wall.png"))?,
         }
     }
-    let totals = outcomes.iter().fold(Totals::default(), |sum, o| sum.plus(&o.run.totals));
-    let settings = serde_json::json!({ "runs": outcomes.iter().map(|o| o.setup).collect::<Vec<_>>() });
-    Report::new("dam_break", options.common.resolution, settings, &totals, checks::of(&outcomes))
+    let of_runs = outcomes.iter().map(|o| &o.run.totals).chain(costs.iter().map(|c| &c.totals));
+    let totals = of_runs.fold(Totals::default(), |sum, totals| sum.plus(totals));
+    let settings =
+        serde_json::json!({ "runs": outcomes.iter().map(|o| o.setup).collect::<Vec<_>>(), "costs": costs });
+    let mut rows = checks::of(&outcomes);
+    rows.extend(examples::cost::rows(&costs, "depths deeper than H / 10, shallow flow, Ritter [C]", 0.02));
+    Report::new("dam_break", options.common.resolution, settings, &totals, rows)
         .finish(&options.common, &folder)
 }

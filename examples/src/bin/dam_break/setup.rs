@@ -21,6 +21,8 @@ pub enum Study {
     Column,
     /// Column of 2 by 1 heights in a tank of 5.37 heights: pressure at the far wall
     Tank,
+    /// Shallow flow by incompressible flow, material points and smoothed particles: error and core-seconds
+    Cost,
 }
 
 impl Study {
@@ -31,6 +33,7 @@ impl Study {
             Study::Shallow => "shallow",
             Study::Column => "column",
             Study::Tank => "tank",
+            Study::Cost => "cost",
         }
     }
 }
@@ -85,7 +88,7 @@ impl Setup {
     pub fn tank(&self) -> [f64; 2] {
         let right = match self.study {
             Study::Release => 2.0 * self.aspect + 1.0,
-            Study::Shallow => self.aspect + 2.0 * self.end + 1.0,
+            Study::Shallow | Study::Cost => self.aspect + 2.0 * self.end + 1.0,
             Study::Column => 4.0,
             Study::Tank => TANK,
         };
@@ -100,7 +103,7 @@ impl Setup {
         let dam = self.aspect;
         let [left, right, top] = match self.study {
             Study::Release => [0.0, dam + 0.3, 1.15],
-            Study::Shallow => [dam - 4.0, dam + 8.0, 1.4],
+            Study::Shallow | Study::Cost => [dam - 4.0, dam + 8.0, 1.4],
             Study::Column => [0.0, 2.3, 1.15],
             Study::Tank => [0.0, TANK, 2.0],
         };

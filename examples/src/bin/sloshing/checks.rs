@@ -39,6 +39,9 @@ const LEVEL: &str =
 /// Check all runs.
 pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks: Vec<Check> = outcomes.iter().flat_map(of_one).collect();
+    if outcomes.is_empty() {
+        return checks;
+    }
     let momentum = worst(outcomes.iter().map(|o| o.run.totals.momentum_error));
     checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));
     checks
@@ -51,6 +54,7 @@ fn of_one(outcome: &Outcome) -> Vec<Check> {
         Study::Wave => wave(outcome),
         Study::Sway => sway(outcome),
         Study::Decay => viscous(outcome),
+        Study::Cost => Vec::new(),
         Study::Long => {
             let most = largest(outcome.run.values(KINETIC));
             let unexplained = worst(outcome.run.values(UNEXPLAINED)) / most;

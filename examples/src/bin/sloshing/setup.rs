@@ -20,6 +20,8 @@ pub enum Study {
     Decay,
     /// Sway near resonance for 6 s, then 14 s of free sloshing: volume, energy
     Long,
+    /// Standing wave by incompressible flow, material points and smoothed particles: error and core-seconds
+    Cost,
 }
 
 /// Parameters of a run.
@@ -55,6 +57,7 @@ impl Setup {
             Study::Sway => "sway".into(),
             Study::Decay => "decay".into(),
             Study::Long => "long".into(),
+            Study::Cost => "cost".into(),
         }
     }
 }

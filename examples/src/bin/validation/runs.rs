@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// Names of all cases; `throughput` is excluded, since it measures speed only.
-pub const CASES: [&str; 36] = [
+pub const CASES: [&str; 37] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -33,6 +33,7 @@ pub const CASES: [&str; 36] = [
     "wedge_entry",
     "dam_break",
     "sloshing",
+    "floating_box",
     "drop",
     "taylor_green",
     "ring_collision",

@@ -3,6 +3,7 @@
 use examples::{Check, Coupling, largest, worst};
 
 use crate::scene::Outcome;
+use crate::setup::Method;
 use crate::theory::{SIMILARITY, von_karman, wagner};
 
 /// Rounding of 1e-16 per step over thousands of steps.
@@ -23,7 +24,7 @@ pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks: Vec<Check> = outcomes.iter().flat_map(of_one).collect();
     let rigid: Vec<f64> = outcomes
         .iter()
-        .filter(|o| o.setup.young.is_none() && meets_surfaces(o))
+        .filter(|o| o.setup.method == Method::Mpm && o.setup.young.is_none() && is_tight(o))
         .map(Outcome::factor)
         .collect();
     if let [first, rest @ ..] = &rigid[..]
@@ -43,8 +44,9 @@ pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
     checks
 }
 
-fn meets_surfaces(outcome: &Outcome) -> bool {
-    outcome.setup.coupling == Coupling::Surface
+/// True if no particle may be in the wedge.
+fn is_tight(outcome: &Outcome) -> bool {
+    outcome.setup.method == Method::Flow || outcome.setup.coupling == Coupling::Surface
 }
 
 fn of_one(outcome: &Outcome) -> Vec<Check> {
@@ -53,7 +55,15 @@ fn of_one(outcome: &Outcome) -> Vec<Check> {
     let (count, depth) =
         (of("particles with their centre in the wedge"), of("deepest particle, of its size"));
     let (inside, deepest) = (outcome.inside() as f64, outcome.depth());
-    let mut checks = if meets_surfaces(outcome) {
+    let mut checks = if setup.method == Method::Flow {
+        vec![Check::at_most(
+            of("deepest centre of a particle in the wedge, cells"),
+            outcome.deepest() / setup.spacing(),
+            "-",
+            0.0,
+            "impermeable",
+        )]
+    } else if is_tight(outcome) {
         vec![
             Check::at_most(count, inside, "-", 0.0, "contact"),
             Check::at_most(depth, deepest, "-", DEPTH, "contact"),
@@ -67,9 +77,10 @@ fn of_one(outcome: &Outcome) -> Vec<Check> {
     };
     checks.extend(forces(outcome));
     let [lost, gained] = outcome.energy_errors();
+    let by = if setup.method == Method::Flow { "APIC, impacts of liquid on liquid" } else { "APIC, contact" };
     checks.extend([
         Check::at_most(of("energy gained, of the work of the wedge"), gained, "-", GAIN, "conservation"),
-        Check::unreferenced(of("energy taken by the method, of the work"), lost, "-", "APIC, contact"),
+        Check::unreferenced(of("energy taken by the method, of the work"), lost, "-", by),
     ]);
     checks
 }
@@ -90,7 +101,7 @@ fn forces(outcome: &Outcome) -> Vec<Check> {
     let resolved = 0.5 * setup.wetted * f64::from(setup.cells) >= RESOLVED;
     let judged = |check: Check| {
         let check = check.judged_if(resolved, "the wetted breadth is a few cells wide");
-        let leaks = !meets_surfaces(outcome) && setup.edge > 1.0;
+        let leaks = !is_tight(outcome) && setup.edge > 1.0;
         check.judged_if(!leaks, "elements on the grid that are wider than cells leak")
     };
     let mut checks = vec![

@@ -2,15 +2,28 @@
 
 use std::path::Path;
 
-use examples::{CaseError, WATER_PRESSURE, immersed};
-use mpm_core::output::History;
+use examples::{CaseError, Outline, WATER_PRESSURE, immersed};
 use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Panels, Picture, Quantity, Series, Stroke, palette,
 };
+use mpm_core::output::{History, Snapshot};
 
 use crate::scene::Outcome;
-use crate::setup::HALF;
+use crate::setup::{HALF, Method};
 use crate::theory::{SIMILARITY, von_karman, wagner};
+
+/// Snapshot with the pressure of the water, which is NaN on the wedge.
+fn drawn(outcome: &Outcome) -> Result<Snapshot, CaseError> {
+    let (setup, snapshot) = (&outcome.setup, &outcome.snapshot);
+    if setup.method == Method::Mpm {
+        return Ok(immersed(snapshot)?);
+    }
+    let wedge = Outline::polygon(&setup.corners(setup.speed * snapshot.time()));
+    let values = snapshot.positions().iter().zip(snapshot.scalar("pressure")?);
+    let inside = |x: &[f64; 3]| wedge.depth([x[0], x[1]], HALF) > 0.0;
+    let values = values.map(|(x, &value)| if inside(x) { f64::NAN } else { value }).collect();
+    Ok(snapshot.clone().with_scalar(WATER_PRESSURE, values)?)
+}
 
 /// Draw the water beside the wedges at the end, by pressure.
 pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
@@ -28,7 +41,7 @@ pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
             .colour_by(pressure)
             .axes("x", "y")
             .bounds([0.0, -sunk - 0.35 * HALF], [1.2 * HALF, setup.height() - sunk + 0.05 * HALF])
-            .draw(&immersed(&outcome.snapshot)?)?;
+            .draw(&drawn(outcome)?)?;
         let name = format!("{}: {} particles inside", setup.name().replace('_', ", "), outcome.inside());
         panels = panels.panel(name, picture);
     }
@@ -42,7 +55,7 @@ pub fn forces(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
         .y(Axis::new("F / (rho V^3 t)").range(0.0, 40.0));
     for (n, outcome) in outcomes.iter().enumerate() {
         let (t, f): (Vec<f64>, Vec<f64>) = outcome.factors().into_iter().map(|[t, f]| (t, f)).unzip();
-        let name = format!("elements as long as {} cells", outcome.setup.edge);
+        let name = outcome.setup.label();
         chart = chart.series(Series::new(name, &t, &f)?.colour(palette(n)));
     }
     if let Some(Outcome { setup, .. }) = outcomes.first() {
@@ -63,7 +76,7 @@ pub fn profiles(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     let mut chart = Chart::new(860, 520).x(Axis::new("x / (V t)")).y(Axis::new("pressure / (rho V^2 / 2)"));
     for (n, outcome) in outcomes.iter().enumerate() {
         let (x, p): (Vec<f64>, Vec<f64>) = outcome.pressures.iter().map(|[x, p]| (*x, *p)).unzip();
-        let name = format!("elements as long as {} cells", outcome.setup.edge);
+        let name = outcome.setup.label();
         chart = chart.series(Series::new(name, &x, &p)?.colour(palette(n)));
     }
     Ok(chart.draw()?)

@@ -1,5 +1,5 @@
-//! Water entry of a wedge of finite elements into material points, with elements of one to eight cells: penetration of particles, and force
-//! against theory \[Wagner1932\], \[ZhaoFaltinsen1993\].
+//! Water entry of a wedge of finite elements into material points, with elements of one to eight cells, and of a rigid wedge into incompressible
+//! flow: penetration of particles, and force against theory \[Wagner1932\], \[ZhaoFaltinsen1993\].
 
 mod checks;
 mod figures;
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use examples::{CaseError, Common, Coupling, Report, Restart, Totals, Transfer, case, within};
 
-use setup::Setup;
+use setup::{Method, Setup};
 
 /// A wedge of 0.5 m breadth enters a pool at constant speed, without gravity; half of it behind a plane of symmetry.
 ///
@@ -25,7 +25,10 @@ use setup::Setup;
 struct Options {
     #[command(flatten)]
     common: Common,
-    /// How wedge and water meet
+    /// Methods of the water; incompressible flow is computed for rigid wedges
+    #[arg(long, value_enum, value_delimiter = ',', default_values = ["mpm", "flow"])]
+    method: Vec<Method>,
+    /// How wedge and water of material points meet
     #[arg(long, value_enum, default_value = "surface")]
     coupling: Coupling,
     /// How particles take velocities from the grid [default: apic; aflip, which elements on the grid ask for, with --coupling grid]
@@ -40,7 +43,7 @@ struct Options {
     /// Speed of entry, m/s, 0.1 to 20
     #[arg(long, value_name = "M/S", default_value_t = 6.15, value_parser = within(0.1, 20.0))]
     speed: f64,
-    /// Cells over half the breadth of the wedge, 8 to 400 [default: 16; 40; 80 by resolution]
+    /// Cells over half the breadth of the wedge, 8 to 400 [default: 16; 40; 80 by resolution, 32; 40; 80 for incompressible flow]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(8..=400))]
     cells: Option<u32>,
     /// An elastic wedge, held at its deck, in place of a rigid one
@@ -61,8 +64,10 @@ struct Options {
 }
 
 impl Options {
-    fn setup(&self, edge: f64) -> Setup {
+    fn setup(&self, method: Method, edge: f64) -> Setup {
+        let coarse = if method == Method::Flow { 32 } else { 16 };
         Setup {
+            method,
             coupling: self.coupling,
             transfer: self.transfer.unwrap_or(match self.coupling {
                 Coupling::Surface => Transfer::Apic,
@@ -70,7 +75,7 @@ impl Options {
             }),
             deadrise: self.deadrise.to_radians(),
             speed: self.speed,
-            cells: self.cells.unwrap_or_else(|| self.common.resolution.choose(16, 40, 80)),
+            cells: self.cells.unwrap_or_else(|| self.common.resolution.choose(coarse, 40, 80)),
             edge,
             young: self.elastic.then_some(1e6 * self.young),
             sound: self.sound,
@@ -87,9 +92,17 @@ fn main() -> ExitCode {
 fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("wedge_entry")?;
     let mut outcomes = Vec::new();
-    for &edge in &options.edge {
+    let mut setups = Vec::new();
+    for &method in &options.method {
+        match method {
+            Method::Mpm => setups.extend(options.edge.iter().map(|edge| options.setup(method, *edge))),
+            Method::Flow if !options.elastic => setups.push(options.setup(method, 1.0)),
+            Method::Flow => {}
+        }
+    }
+    for setup in &setups {
         let files = options.frames.then_some(folder.as_path());
-        let outcome = scene::enter(&options.setup(edge), files, restart)?;
+        let outcome = scene::enter(setup, files, restart)?;
         figures::write(&outcome, &folder)?;
         outcomes.push(outcome);
     }

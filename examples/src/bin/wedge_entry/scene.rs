@@ -1,18 +1,19 @@
-//! Scene and run.
+//! Scenes and runs.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use examples::{CaseError, Restart, Totals, Water, largest};
 use fem::{Fem, MeshBody, Technology};
+use flow::{Flow, FlowOptions, Fluid, RigidBody, Wall};
 use mpm_core::geometry::structured::wedge_mesh;
-use mpm_core::geometry::{Cuboid, ElementKind, Filling, Lattice, fill};
+use mpm_core::geometry::{Cuboid, ElementKind, Filling, Lattice, Polygon, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{BlockGrid, Boundary, Mpm, PlaneStrain, Side, Solver, Team};
 use mpm_materials::{LinearElastic, Moduli};
 
-use crate::setup::{DENSITY, HALF, POOL, Setup};
+use crate::setup::{DENSITY, HALF, Method, POOL, Setup};
 use crate::track::{Row, Track};
 
 /// Number of rows of a history.
@@ -37,9 +38,10 @@ impl Outcome {
         let (a, b) = (self.rows[from], self.rows[to]);
         self.setup.factor(b.impulse - a.impulse, [a.time, b.time])
     }
-    /// Return the force over rho V^3 t, both halves, at the rows, as means over some intervals.
+    /// Return the force over rho V^3 t, both halves, at the rows, as means over an even
+    /// number of intervals, since pressures of single steps of incompressible flow alternate.
     pub fn factors(&self) -> Vec<[f64; 2]> {
-        const OVER: usize = 5;
+        const OVER: usize = 6;
         let middle = |n: usize| 0.5 * (self.rows[n - OVER].time + self.rows[n].time);
         (OVER..self.rows.len()).map(|n| [middle(n), self.factor_between(n - OVER, n)]).collect()
     }
@@ -53,8 +55,11 @@ impl Outcome {
     }
     /// Return the largest penetration of a particle, over its size: centres of particles in contact are half of that away.
     pub fn depth(&self) -> f64 {
-        let deepest = self.rows.iter().map(|r| r.depth).fold(f64::NEG_INFINITY, f64::max);
-        deepest / self.setup.particle() + 0.5
+        self.deepest() / self.setup.particle() + 0.5
+    }
+    /// Return the depth of the deepest centre of a particle in the wedge, m.
+    pub fn deepest(&self) -> f64 {
+        self.rows.iter().map(|r| r.depth).fold(f64::NEG_INFINITY, f64::max)
     }
     /// Return energy removed and added by the method, over the work of the wedge.
     pub fn energy_errors(&self) -> [f64; 2] {
@@ -104,12 +109,39 @@ fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
     Ok(mpm)
 }
 
+/// Build the scene of incompressible water, the whole wedge held at its velocity.
+fn incompressible(setup: &Setup) -> Result<Flow<2>, CaseError> {
+    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 2], setup.spacing())?));
+    let [width, depth] = POOL.map(|size| size * HALF);
+    flow.add_wall(Wall::container(Cuboid::new([-width, -depth], [width, width])?))?;
+    let pool = Cuboid::new([-width, -depth], [width, 0.0])?;
+    flow.add_shape("water", Fluid::new(Water::DENSITY)?, &pool, 2, |_| [0.0; 2])?;
+    let wedge = RigidBody::new(Polygon::new(setup.corners(0.0))?, DENSITY)?;
+    let wedge = wedge.with_velocity([0.0, -setup.speed]).holding([true; 2]).without_turning();
+    flow.add_rigid("wedge", wedge)?;
+    flow.set_team(Team::new(setup.threads)?);
+    Ok(flow)
+}
+
 /// Run the water entry.
 pub fn enter(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
-    let mut mpm = scene(setup)?;
+    match setup.method {
+        Method::Mpm => run(setup, &mut scene(setup)?, files, restart),
+        Method::Flow => run(setup, &mut incompressible(setup)?, files, restart),
+    }
+}
+
+fn run(
+    setup: &Setup,
+    solver: &mut (dyn Solver + 'static),
+    files: Option<&Path>,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let row = setup.end() / ROWS;
-    let mut ledger = Ledger::new(Pace::interval(row)?);
-    let mut track = Track::new(Pace::interval(row)?, setup);
+    // Steps of incompressible flow are about as long as the rows; pressures of single steps alternate.
+    let pace = || if setup.method == Method::Flow { Ok(Pace::every_step()) } else { Pace::interval(row) };
+    let mut ledger = Ledger::new(pace()?);
+    let mut track = Track::new(pace()?, setup);
     let mut bar = Progress::new(setup.name());
     let mut frames = match files {
         Some(folder) => {
@@ -122,14 +154,14 @@ pub fn enter(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
     let mut simulation = restart.scene(setup.name())?;
     let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
     observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
-    simulation.until(&mut mpm, observers, setup.end())?;
-    let snapshot = simulation.keep(|| mpm.snapshot())?.clone();
+    simulation.until(solver, observers, setup.end())?;
+    let snapshot = simulation.keep(|| solver.snapshot())?.clone();
     Ok(Outcome {
         setup: *setup,
         snapshot,
         pressures: track.pressures(),
         rows: track.rows,
-        totals: Totals::of(&mpm, &simulation.summary(), &ledger),
+        totals: Totals::of(solver, &simulation.summary(), &ledger),
         ledger: ledger.entries().to_vec(),
     })
 }

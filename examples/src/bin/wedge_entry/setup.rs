@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use clap::ValueEnum;
 use examples::{Coupling, Transfer, Water};
 use serde::Serialize;
 
@@ -12,9 +13,21 @@ pub const POOL: [f64; 2] = [4.0, 3.0];
 /// Density of the wedge, kg/m^3.
 pub const DENSITY: f64 = 1100.0;
 
-/// Parameters of a run: half of the wedge and of the pool behind a plane of symmetry.
+/// Method of the water.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Weakly compressible material points; a wedge of elements
+    Mpm,
+    /// Incompressible flow; a rigid wedge
+    Flow,
+}
+
+/// Parameters of a run: half of the wedge and of the pool behind a plane of symmetry, whole ones
+/// with [`Method::Flow`].
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
+    pub method: Method,
     pub coupling: Coupling,
     pub transfer: Transfer,
     /// Deadrise angle, rad.
@@ -47,6 +60,18 @@ impl Setup {
     pub fn height(&self) -> f64 {
         HALF * self.deadrise.tan()
     }
+    /// Corners of the whole wedge when its keel is `sunk` below the water level, m, anticlockwise.
+    pub fn corners(&self, sunk: f64) -> Vec<[f64; 2]> {
+        let top = self.height() - sunk;
+        vec![[0.0, -sunk], [HALF, top], [-HALF, top]]
+    }
+    /// Return the label in charts.
+    pub fn label(&self) -> String {
+        match self.method {
+            Method::Mpm => format!("elements as long as {} cells", self.edge),
+            Method::Flow => format!("incompressible, {} cells", self.cells),
+        }
+    }
     /// Return the number of elements along each side of the wedge: an even number.
     pub fn count(&self) -> usize {
         let side = HALF / self.deadrise.cos();
@@ -75,6 +100,9 @@ impl Setup {
     }
     /// Return the name in file names.
     pub fn name(&self) -> String {
+        if self.method == Method::Flow {
+            return "flow".into();
+        }
         let kind = if self.young.is_some() { "elastic" } else { "rigid" };
         format!("{kind}_{}_{}", self.coupling.name(), self.edge)
     }

@@ -5,7 +5,7 @@ use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::scene::Body;
 use mpm_core::{Archive, CheckpointError};
 
-use crate::setup::{HALF, Setup};
+use crate::setup::{HALF, Method, Setup};
 
 /// State of the wedge at one time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,8 +45,9 @@ impl Track {
         let bins = self.pressures.len() as f64;
         water.for_each(&mut |p| {
             let x = [p.position[0], p.position[1]];
-            let bin = x[0] / way / self.setup.reach() * bins;
-            if bin < bins && x[0] < HALF && (0.5..1.5).contains(&(-outline.depth(x, 2.0 * cell) / cell)) {
+            let bin = x[0].abs() / way / self.setup.reach() * bins;
+            if bin < bins && x[0].abs() < HALF && (0.5..1.5).contains(&(-outline.depth(x, 2.0 * cell) / cell))
+            {
                 let [sum, mass] = &mut self.pressures[bin as usize];
                 *sum += p.mass * p.pressure();
                 *mass += p.mass;
@@ -76,17 +77,23 @@ impl Observer for Track {
 
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let [water, wedge] = now.bodies()[..] else { return Ok(()) };
-        let outline = Outline::of(wedge, true);
+        let whole = self.setup.method == Method::Flow;
+        let outline = if whole {
+            Outline::polygon(&self.setup.corners(self.setup.speed * now.time()))
+        } else {
+            Outline::of(wedge, true)
+        };
+        let impulse = wedge.given_by_others().unwrap_or_default().impulse[1];
         if now.time() > 0.5 * self.setup.end() {
             self.add_pressures(water, &outline, now.time());
         }
         let inside = Inside::of(water, &outline, self.setup.spacing());
         self.rows.push(Row {
             time: now.time(),
-            impulse: wedge.given_by_others().unwrap_or_default().impulse[1],
+            impulse: if whole { 0.5 * impulse } else { impulse },
             inside: inside.count,
             depth: inside.deepest,
-            bend: keel(wedge) + self.setup.speed * now.time(),
+            bend: if whole { 0.0 } else { keel(wedge) + self.setup.speed * now.time() },
         });
         Ok(())
     }
