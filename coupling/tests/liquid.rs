@@ -202,9 +202,9 @@ fn thrown<E: Embedding<D>, const D: usize>(space: E, h: f64) -> Flow<D> {
 fn momentum_of_liquid_and_body_is_conserved() {
     let mut flow = thrown(PlaneStrain, 0.0125);
     let start = flow.totals().momentum;
-    flow.run_until(0.08).unwrap();
+    flow.run_until(0.045).unwrap();
     let (end, given) = (flow.totals().momentum, Solver::exchange(&flow));
-    assert!(flow.bodies()[1].totals().momentum[0] > 0.2 * start[0], "the drop met the block");
+    assert!(flow.bodies()[1].totals().momentum[0] > 0.15 * start[0], "the drop met the block");
     for d in 0..2 {
         let off = end[d] - start[d] - given.impulse[d] - given.dropped[d];
         assert!(off.abs() < 1e-11 * start[0], "axis {d}: {off}");
@@ -264,6 +264,6 @@ fn what_is_not_available_is_refused() {
 
 solver_conforms! {
     // An impact of liquid loses energy.
-    plane: || thrown(PlaneStrain, 0.0125), SolverTests::until(0.05).energy_within(0.3);
-    space: || thrown(FullSpace, 0.025), SolverTests::until(0.05).energy_within(0.3);
+    plane: || thrown(PlaneStrain, 0.0125), SolverTests::until(0.04).energy_within(0.3);
+    space: || thrown(FullSpace, 0.025), SolverTests::until(0.04).energy_within(0.3);
 }

@@ -23,7 +23,7 @@ const CORRECTION_TOLERANCE: f64 = 1e-2;
 /// Relative change of the volume of a cell in a step by the velocity that particles bring, up to which it comes from smooth motion.
 const SMOOTH: f64 = 0.02;
 /// Share of the divergence that is reflected. With all of it errors of the transfer alternate from step to step without decay: the forces of a
-/// steady jet on a wall, 16 cells thick, were a hundred times its momentum flux to both sides. With 0.9 they scatter by 4 %.
+/// steady jet on a wall, 16 cells thick, were a hundred times its momentum flux to both sides. With 0.9 they are between a third and twice of it.
 const REFLECTED: f64 = 0.9;
 /// Largest density error that a step corrects, before the relaxation.
 const LARGEST_ERROR: f64 = 0.5;

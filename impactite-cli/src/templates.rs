@@ -35,6 +35,7 @@ templates! {
     "debris_cloud" in "scenes": "mpm: a sphere on a plate at several km/s",
     "tnt" in "scenes": "mpm: a detonation",
     "granular_column" in "scenes": "mpm: a column of bars collapses",
+    "elastic_gate" in "scenes": "flow and elements: water bends a rubber gate and leaves under it",
     "dam_break" in "scenes": "flow: a column of water falls and runs up a wall",
 }
 

@@ -13,6 +13,7 @@ const SCENES: &[(&str, &[&str], bool)] = &[
     ("rolling_cylinder", &[], true),
     ("granular_column", &["parameters.cells=10"], false),
     ("dam_break", &["end=\"0.6 s\""], true),
+    ("elastic_gate", &["end=\"0.04 s\""], true),
     ("tnt", &["parameters.cells=200"], true),
     ("elastic_bar", &[], true),
     ("copper_bar", &[], true),
