@@ -25,6 +25,13 @@ const AT_REST: f64 = 0.01;
 /// Depth in a wall, in cells, at which a body has run into it.
 const WITHIN: f64 = 0.5;
 
+/// Mean velocity of a surface in a step of `dt` seconds, m/s: its place at the start, and places of the body in the middles of the last step and
+/// of this one, `kick` seconds apart.
+fn mean_velocity([start, before, now]: [f64; 3], dt: f64, kick: f64) -> f64 {
+    let on = (1.0 - STRAIGHT) * (now - start) + STRAIGHT * (0.5 * dt / kick) * (now - before);
+    (now + on - start) / dt
+}
+
 impl<const D: usize> Flow<D> {
     /// Add deformable bodies that the liquid moves, all of a scene at once. The liquid slips along them and has to be outside of them at the
     /// start.
@@ -155,11 +162,7 @@ impl<const D: usize> Flow<D> {
             let answer: Vec<[f64; D]> = (0..middles.len())
                 .map(|n| {
                     let (now, before, start) = (&middles[n], &solids.middles[n], &solids.places[n]);
-                    std::array::from_fn(|d| {
-                        let on = (1.0 - STRAIGHT) * (now[d] - start[d])
-                            + STRAIGHT * (0.5 * dt / kick) * (now[d] - before[d]);
-                        (now[d] + on - start[d]) / dt
-                    })
+                    std::array::from_fn(|d| mean_velocity([start[d], before[d], now[d]], dt, kick))
                 })
                 .collect();
             let mean = |list: &mut dyn Iterator<Item = f64>| (list.sum::<f64>() / answer.len() as f64).sqrt();
@@ -287,5 +290,57 @@ impl<const D: usize> Solids<D> {
             })
             .collect();
         self.of.run_for(dt, &list)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Oscillator of unit mass with the phase `theta`, rad, in a step of unit length, beside liquid of the mass `liquid`: place at the end of each
+    /// step, from the velocity 1.
+    fn oscillate(theta: f64, liquid: f64, steps: usize) -> Vec<f64> {
+        let (sin, cos) = theta.sin_cos();
+        let run = |x: f64, v: f64, force: f64| {
+            let from = force / (theta * theta);
+            ((x - from) * cos + v / theta * sin + from, v * cos - (x - from) * theta * sin)
+        };
+        let (mut x, mut v, mut place, mut last) = (0.0, 1.0, 0.0, 1.0);
+        let mut places = Vec::new();
+        for _ in 0..steps {
+            let answer = |force: f64| mean_velocity([place, x, run(x, v, force).0], 1.0, 1.0);
+            // The force -liquid (W - W') of the mean velocity W, which is linear in it.
+            let (rest, slope) = (answer(0.0), answer(1.0) - answer(0.0));
+            let force = -liquid * (rest - last) / (1.0 + liquid * slope);
+            let velocity = rest + slope * force;
+            (x, v) = run(x, v, force);
+            (place, last) = (place + velocity, velocity);
+            places.push(place);
+        }
+        places
+    }
+
+    #[test]
+    fn oscillators_are_stable_with_any_mass_of_liquid() {
+        for liquid in [0.01, 0.1, 1.0, 5.0, 30.0, 100.0] {
+            for n in 1..200 {
+                let places = oscillate(0.07 * f64::from(n), liquid, 2000);
+                let largest = |part: &[f64]| part.iter().fold(0.0f64, |most, x| most.max(x.abs()));
+                let (first, last) = (largest(&places[..1000]), largest(&places[1000..]));
+                assert!(last <= 1.001 * first, "{n} {liquid}: {first} {last}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_oscillator_of_20_steps_a_period_keeps_its_amplitude() {
+        for liquid in [0.1f64, 1.0, 10.0] {
+            // The frequency with the liquid.
+            let theta = 0.1 * std::f64::consts::PI * (1.0 + liquid).sqrt();
+            let places = oscillate(theta, liquid, 200);
+            let exact = 1.0 / (0.1 * std::f64::consts::PI);
+            let last = places[180..].iter().fold(0.0f64, |most, x| most.max(x.abs()));
+            assert!((last / exact - 1.0).abs() < 0.2, "{liquid}: {last} of {exact}");
+        }
     }
 }

@@ -79,7 +79,7 @@ pub(super) fn build<E: Embedding<D>, const D: usize>(
         halvings: 0,
     };
     if let Some(elements) = elements(embedding, world)? {
-        flow.add_deformable(ElementsInLiquid::new(elements)).at("bodies")?;
+        flow.add_deformable(ElementsInLiquid::new(elements)).at("method.flow.cell")?;
     }
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
@@ -116,6 +116,16 @@ fn elements<E: Embedding<D>, const D: usize>(embedding: E, world: &World<'_, D>)
     let mut fem = Fem::new(embedding);
     let mut names = Vec::new();
     for (name, body) in world.scene.expanded.iter().filter(|(_, body)| body.mesh.is_some()) {
+        let spec = body.material.as_ref().and_then(|name| world.scene.materials.get(name));
+        if let Some(spec) = spec
+            && constants(world, &format!("bodies.{name}"), body, spec)?.is_some()
+        {
+            return Err(Wrong {
+                key: format!("bodies.{name}.mesh"),
+                message: "is of a solid: a liquid of `flow` is of particles".into(),
+                help: Some("leave out `mesh`, or give the body the material of a solid".into()),
+            });
+        }
         let number =
             fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
         for (key, spec) in body.traction.keyed(&format!("bodies.{name}.traction")) {
@@ -236,7 +246,7 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
                 key: key.into(),
                 message: format!("`{}` is not available in `flow`", condition.kind()),
                 help: Some(
-                    "planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid"
+                    "planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid; `prescribed` holds bodies with a `mesh`"
                         .into(),
                 ),
             });
