@@ -148,6 +148,12 @@ impl<const D: usize> Flow<D> {
         if self.rigid.len() + usize::from(self.solids.is_some()) > 0 {
             grid.pockets = surface::open_pockets(&grid.blocks, &grid.cuts, &grid.open, &mut grid.surface);
         }
+        self.mark_faces();
+    }
+
+    /// Mark the faces by the kinds of the cells beside them.
+    pub(crate) fn mark_faces(&mut self) {
+        let grid = &mut self.grid;
         for d in 0..D {
             let at = (&grid.surface.kind[..], &grid.open[d][..], &grid.volume[d][..]);
             mark(&self.team, &grid.blocks, at, d, &mut grid.marks[d]);
@@ -303,7 +309,7 @@ impl<const D: usize> Flow<D> {
         self.clock.stopped(Stopped::Solve { what, why: why.to_string() })
     }
 
-    fn assemble(&mut self) -> Result<(), StepError> {
+    pub(crate) fn assemble(&mut self) -> Result<(), StepError> {
         let mut system = std::mem::take(&mut self.grid.system);
         let periodic = self.frame.period.iter().any(|p| *p > 0);
         let assembled = system.assemble(&self.team, &self.cells(), periodic);

@@ -255,6 +255,11 @@ impl<const D: usize> Wetted<D> {
         Wetted { pieces, weights, faces, shares }
     }
 
+    /// Liquid cells beside the surfaces.
+    pub fn hosts(&self) -> impl Iterator<Item = usize> + '_ {
+        self.pieces.iter().map(|piece| piece.host as usize)
+    }
+
     /// Set the values of the cells beside the surfaces to zero.
     pub fn clear(&self, values: &mut [f64]) {
         for cell in self.faces.iter().flat_map(|face| [face.slot, face.below]).filter(|cell| *cell != NONE) {

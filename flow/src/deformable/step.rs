@@ -3,10 +3,13 @@
 use impactite_geometry::{Bounds, Cuboid};
 use impactite_scene::{Archive, CheckpointError, SceneError, StepError, Stopped};
 
+use super::loads::Wetted;
 use super::newton::Newton;
 use super::{Deformable, NodeImpulse, Solids};
+use crate::blocks::Blocks;
 use crate::error::FluidError;
 use crate::solver::Flow;
+use crate::surface::AIR;
 use crate::view::wide;
 use crate::wall::{Wall, Walls};
 
@@ -22,6 +25,8 @@ const STRAIGHT: f64 = 0.5;
 /// Speed of surfaces, over that of the liquid, and over that of a wave of one cell, below which a step does not resolve their vibration.
 const SLOW: f64 = 0.2;
 const AT_REST: f64 = 0.01;
+/// Distance, in cells, of air from cells whose liquid may part from a surface.
+const THIN: usize = 3;
 /// Depth in a wall, in cells, at which a body has run into it.
 const WITHIN: f64 = 0.5;
 
@@ -140,6 +145,7 @@ impl<const D: usize> Flow<D> {
             .map(|(v, old)| std::array::from_fn(|d| v[d] + ahead * (v[d] - old[d])))
             .collect();
         let mut newton = Newton::default();
+        self.release(solids, &iterate, walls)?;
         let unsaved = |flow: &Self, error: &CheckpointError| {
             flow.clock.stopped(Stopped::Solve { what: "the deformable bodies", why: error.to_string() })
         };
@@ -197,6 +203,49 @@ impl<const D: usize> Flow<D> {
                 );
                 return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
             }
+        }
+        Ok(())
+    }
+
+    /// Let liquid part from the surfaces: cells beside them and near air, which the velocities `iterate` would hold by tension, get the pressure
+    /// of air in this step. Else jets that pass a corner are sucked along it.
+    fn release(
+        &mut self,
+        solids: &mut Solids<D>,
+        iterate: &[[f64; D]],
+        walls: &Walls<'_, D>,
+    ) -> Result<(), StepError> {
+        let near_air = |kind: &[u8], slot: usize| {
+            (0..D).flat_map(|d| [(d, false), (d, true)]).any(|(d, up)| {
+                let mut at = slot;
+                (0..THIN).any(|_| {
+                    let next =
+                        self.grid.blocks.beside(at / Blocks::<D>::CELLS, at % Blocks::<D>::CELLS, d, up);
+                    at = next.unwrap_or(at);
+                    next.is_some_and(|next| kind[next] == AIR)
+                })
+            })
+        };
+        let thin: Vec<usize> =
+            solids.wetted.hosts().filter(|cell| near_air(&self.grid.surface.kind, *cell)).collect();
+        if thin.is_empty() {
+            return Ok(());
+        }
+        let before = self.grid.velocity.clone();
+        solids.wetted.sweep(iterate, &mut self.swept);
+        self.project()?;
+        self.grid.velocity = before;
+        let mut released = false;
+        for cell in thin {
+            if self.grid.pressure[cell] < 0.0 {
+                self.grid.surface.kind[cell] = AIR;
+                released = true;
+            }
+        }
+        if released {
+            self.mark_faces();
+            self.assemble()?;
+            solids.wetted = Wetted::new(&self.grid, &self.frame, walls);
         }
         Ok(())
     }
