@@ -748,15 +748,16 @@ fn slope_failure() {
 
 #[test]
 fn gate_flow() {
-    // Penetration into the gate (twice), mass, momentum, energy; these, pressure and density at rest; fronts, shifted
-    // clock, speed, balances.
+    // Penetration into the gate (twice), mass, momentum, energy; that of incompressible flow once, and balances; penetration, balances, pressure
+    // and density at rest; fronts, shifted clock, speed, balances.
     let value = smoke!(
         gate_flow,
-        only(5 + 7 + 15 + 2 + 3),
+        only(5 + 4 + 7 + 15 + 2 + 3),
         [
             "water_elastic_surface_10.png",
             "tip_elastic_surface_10.png",
             "tip_elastic_surface_10.csv",
+            "tip_flow_25.png",
             "tip_stiff_surface_10.csv",
             "front_none_20.csv",
             "front_none_20.png"

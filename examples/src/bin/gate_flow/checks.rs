@@ -38,7 +38,7 @@ const RITTER: f64 = 2.0;
 pub fn of(outcome: &Outcome) -> Vec<Check> {
     let name = outcome.setup.name();
     let mut checks = match outcome.setup.gate {
-        Gate::Elastic => opening(outcome),
+        Gate::Elastic | Gate::Flow => opening(outcome),
         Gate::Stiff => statics(outcome),
         Gate::None => collapse(outcome),
     };
@@ -69,7 +69,8 @@ fn opening(outcome: &Outcome) -> Vec<Check> {
     );
     let long = outcome.setup.end >= LONG;
     let mut checks = inside(outcome);
-    checks.push(gap.known_miss(CHOKED).judged_if(long, "the water has hardly begun to flow"));
+    let gap = if outcome.setup.gate == Gate::Flow { gap } else { gap.known_miss(CHOKED) };
+    checks.push(gap.judged_if(long, "the water has hardly begun to flow"));
     checks.extend([
         Check::remembered(
             of("largest way of the tip across"),
@@ -115,6 +116,10 @@ fn inside(outcome: &Outcome) -> Vec<Check> {
     let depth =
         Check::at_most(of("deepest particle in the gate, of its size"), overlap, "-", DEPTH, "contact");
     let count_name = of("particles with their centre in the gate");
+    if outcome.setup.gate == Gate::Flow {
+        // Points of the liquid are on the surface of the gate, without a size.
+        return vec![Check::at_most(count_name, count, "-", 0.0, "walls")];
+    }
     if outcome.setup.coupling == Coupling::Grid {
         let (source, name) = ("asked of surfaces", of("deepest particle in the gate, of its size"));
         return vec![

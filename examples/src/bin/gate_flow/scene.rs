@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use coupling::ElementsInLiquid;
 use examples::{CaseError, Coupling, Restart, Totals, Water, largest};
 use fem::{Fem, MeshBody, Technology};
+use flow::{Flow, FlowOptions, Fluid, Wall};
 use mpm_core::geometry::structured::box_mesh;
-use mpm_core::geometry::{Cuboid, ElementKind, ElementMesh, Filling, Lattice, fill};
+use mpm_core::geometry::{Cuboid, ElementKind, ElementMesh, Filling, HalfSpace, Lattice, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{BlockGrid, Boundary, Deformable, FieldForce, Mpm, PlaneStrain, Side, Solver, Team};
@@ -74,14 +76,34 @@ fn gate(setup: &Setup) -> Result<Fem<2>, CaseError> {
     if setup.seated {
         fem.bound(floor())?;
     }
-    if setup.gate == Gate::Elastic {
+    if setup.gate != Gate::Stiff {
         fem.set_body_force(Arc::new(|_| [0.0, -GRAVITY]));
     }
     Ok(fem)
 }
 
 /// Build the scene at rest.
-fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
+fn scene(setup: &Setup) -> Result<Box<dyn Solver>, CaseError> {
+    Ok(if setup.gate == Gate::Flow { Box::new(flow(setup)?) } else { Box::new(particles(setup)?) })
+}
+
+/// Build the scene of incompressible flow.
+fn flow(setup: &Setup) -> Result<Flow<2>, CaseError> {
+    let lattice = Lattice::new([0.0; 2], setup.spacing())?;
+    let mut flow = Flow::new(FlowOptions::new(lattice));
+    for outward in [[1.0, 0.0], [0.0, 1.0]] {
+        flow.add_wall(Wall::solid(HalfSpace::new([0.0; 2], outward)?))?;
+    }
+    flow.add_deformable(ElementsInLiquid::new(gate(setup)?))?;
+    let water = Cuboid::new([0.0; 2], setup.size())?;
+    flow.add_shape("water", Fluid::new(Water::DENSITY)?, &water, 2, |_| [0.0; 2])?;
+    flow.set_body_force(|_| [0.0, -GRAVITY]);
+    Solver::set_team(&mut flow, Team::new(setup.threads)?);
+    Ok(flow)
+}
+
+/// Build the scene of material points.
+fn particles(setup: &Setup) -> Result<Mpm<2>, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let water = setup.water();
     let gate = match setup.gate {
@@ -114,8 +136,8 @@ pub fn run(
     files: Option<&Path>,
     restart: &Restart,
 ) -> Result<Outcome, CaseError> {
-    let mut mpm = scene(setup)?;
-    let start = mpm.totals().mass;
+    let mut solver = scene(setup)?;
+    let start = solver.totals().mass;
     let row = setup.end / ROWS;
     let mut ledger = Ledger::new(Pace::interval(row)?);
     let mut track = Track::new(Pace::interval(row)?, setup);
@@ -133,8 +155,8 @@ pub fn run(
     for end in ends {
         let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut fronts, &mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
-        simulation.until(&mut mpm, observers, end)?;
-        simulation.keep(|| mpm.snapshot())?;
+        simulation.until(&mut *solver, observers, end)?;
+        simulation.keep(|| solver.snapshot())?;
     }
     let forces = (0..track.rows.len()).map(|n| track.force(n)).collect();
     Ok(Outcome {
@@ -142,8 +164,8 @@ pub fn run(
         rows: track.rows,
         forces,
         fronts: fronts.rows,
-        mass: mpm.totals().mass / start,
-        totals: Totals::of(&mpm, &simulation.summary(), &ledger),
+        mass: solver.totals().mass / start,
+        totals: Totals::of(&*solver, &simulation.summary(), &ledger),
         ledger: ledger.entries().to_vec(),
         snapshots: simulation.into_snapshots(),
     })

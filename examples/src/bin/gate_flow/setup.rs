@@ -24,6 +24,8 @@ pub const WALL: f64 = 0.160;
 pub enum Gate {
     /// The rubber, which the water bends and leaves under
     Elastic,
+    /// The rubber, and incompressible flow instead of material points
+    Flow,
     /// A thousand times stiffer and heavier: it swings about its static bend, and nothing leaves
     Stiff,
     /// Nothing: a column of water of the size of an experiment collapses
@@ -98,6 +100,7 @@ impl Setup {
     pub fn name(&self) -> String {
         match self.gate {
             Gate::Elastic => format!("elastic_{}_{}", self.coupling.name(), self.cells),
+            Gate::Flow => format!("flow_{}", self.cells),
             Gate::Stiff => format!("stiff_{}_{}", self.coupling.name(), self.cells),
             Gate::None => format!("none_{}", self.cells),
         }
