@@ -361,14 +361,12 @@ impl<const D: usize> Flow<D> {
             self.watcher.open(self.clock.steps, &totals, &exchange, false);
         }
         self.step(dt)?;
+        let looked = if self.watcher.due(self.clock.steps).is_some() { self.look() } else { Ok(()) };
         self.collect_warnings();
-        if self.watcher.due(self.clock.steps).is_some() {
-            self.look()?;
-        }
-        Ok(dt)
+        looked.map(|()| dt)
     }
 
-    /// Collect the warnings of the deformable bodies.
+    /// Collect the warnings of the flow and of its deformable bodies.
     fn collect_warnings(&mut self) {
         if let Some(solids) = &self.solids {
             let theirs = solids.of.solver().warnings();
@@ -404,9 +402,16 @@ impl<const D: usize> Flow<D> {
             let wrong = values.into_iter().find(|x| !x.is_finite());
             wrong.map_or(Ok(()), |value| Err(SceneError::NotFinite { what: what.into(), value, time }))
         };
-        if let (TimeControl::Fixed(_), Some(limit)) = (self.control, self.limit_of_tension()) {
-            let allowed = "at most sqrt(rho h^3 / (4 pi sigma)), the limit of surface tension: take a shorter step, or a factor";
-            parameter(dt <= limit * (1.0 + 1e-9), "fixed time step, s", dt, allowed)?;
+        if let (TimeControl::Fixed(_), Some(limit)) = (self.control, self.limit_of_tension())
+            && dt > limit * (1.0 + 1e-9)
+        {
+            return Err(SceneError::NotWith {
+                what: format!(
+                    "a fixed time step of {dt:.3e} s beyond the limit of surface tension, {limit:.3e} s,"
+                ),
+                method: self.method(),
+                why: "surface waves of a cell grow; take a shorter step, or `time_step.factor`",
+            });
         }
         if self.clock.steps == 0 {
             self.check_particles_and_walls()?;
@@ -476,7 +481,7 @@ fn affine<const D: usize>(velocity: &impl Fn([f64; D]) -> [f64; D], x: [f64; D],
 
 /// Height, in cells, by which the surface is uncertain.
 const REST: f64 = 0.02;
-/// The same beside deformable bodies, whose surfaces cut cells.
+/// Uncertain height, in cells, beside deformable bodies, whose surfaces cut cells.
 const REST_AT_CUTS: f64 = 0.1;
 /// Likely sinks of energy.
 const LOSS: Loss = Loss {
@@ -554,10 +559,12 @@ impl<const D: usize> Solver for Flow<D> {
         self.watcher.stopped_by()
     }
     fn look_at_the_end(&mut self) -> Result<(), StepError> {
-        if !self.watcher.due_at_the_end(self.clock.steps) {
-            return Ok(());
+        if let Some(solids) = &mut self.solids {
+            let looked = solids.of.solver_mut().look_at_the_end();
+            self.watcher.note(looked)?;
         }
-        let looked = self.look();
+        let looked = if self.watcher.due_at_the_end(self.clock.steps) { self.look() } else { Ok(()) };
+        self.collect_warnings();
         self.watcher.note(looked)
     }
     fn warnings(&self) -> &[Warning] {

@@ -47,8 +47,8 @@ impl<const D: usize> Flow<D> {
         }
         let stepped = self.stages(dt, kick, &mut walls);
         self.walls = list;
-        if let Some(solids) = &mut self.solids {
-            solids.skins = solids.moved(skins);
+        if let (Some(solids), Err(_)) = (&mut self.solids, &stepped) {
+            solids.skins = skins;
         }
         let sums = stepped?;
         self.book(&sums, kick);
@@ -90,7 +90,7 @@ impl<const D: usize> Flow<D> {
         self.part(|t| &mut t.extrapolation, |f| f.extend_velocities(walls));
         self.hold_pockets(walls);
         self.move_bodies(dt, kick);
-        self.settle_solids()?;
+        self.settle_solids(walls)?;
         self.finish_pressure(scale);
         self.part(|t| &mut t.gather, |f| f.gather(dt, walls, corrected))
     }
@@ -142,10 +142,11 @@ impl<const D: usize> Flow<D> {
     }
 
     fn find_surface(&mut self) {
+        let moves_bodies = self.moves_bodies();
         let grid = &mut self.grid;
         let walls = (&grid.cuts, &grid.open, &grid.open_cell[..], &grid.uneven[..]);
         surface::find(&self.team, &grid.blocks, walls, &grid.volume, &grid.profile, &mut grid.surface);
-        if self.rigid.len() + usize::from(self.solids.is_some()) > 0 {
+        if moves_bodies {
             grid.pockets = surface::open_pockets(&grid.blocks, &grid.cuts, &grid.open, &mut grid.surface);
         }
         self.mark_faces();
@@ -464,10 +465,9 @@ impl<const D: usize> Flow<D> {
     }
 
     fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
-        let skins = self.solids.as_ref().map_or(Vec::new(), |solids| solids.moved(walls.skins.to_vec()));
-        let place = (&self.rigid[..], &skins[..]);
-        let ends = walls.moving().then(|| Walls::at(walls.list, place, self.clock.time + dt, 0.0));
         let mut liquids = std::mem::take(&mut self.liquids);
+        let place = (&self.rigid[..], self.skins());
+        let ends = walls.moving().then(|| Walls::at(walls.list, place, self.clock.time + dt, 0.0));
         let grid = &self.grid;
         let gather = Gather {
             blocks: &grid.blocks,

@@ -2,8 +2,8 @@
 //!
 //! A surface cuts the area vector a from a cell, by the parts of its faces beyond the surface alone. With the mean velocity w of the surface in the
 //! cell, the net outflow of the cell is a . w, and the pressure has the impulse rho h^D q a, which the weights of the mean divide among
-//! the nodes. (The flow of w through the closed parts of faces is as much for bodies that do not deform; else it
-//! has the divergence of the surface in it, and forces along it, which drove waves.) Liquid at closed faces takes the velocity of the surface
+//! the nodes. (The flow of w through the closed parts of faces equals it for rigid motion; for others it
+//! contains the divergence of w within the body, and forces along the surface.) Liquid at closed faces takes the velocity of the surface
 //! along its normal. These answers are reciprocal: work of the liquid is work on the body.
 //!
 //! The momentum of the particles near the surface says more, since the particles at faces beside a surface are less than the mass
@@ -45,9 +45,10 @@ const MOST_PARTS: f64 = 256.0;
 /// Distance of the points from their facets, in cells.
 const OUTSIDE: f64 = 1e-6;
 
-/// Shares of the nodes of `bodies` bodies in the wetted surface.
+/// Shares of the nodes of `bodies` bodies in the wetted surface; where liquid wets none, in the faces near it.
 fn shares<const D: usize>(
     (pieces, weights): (&[Piece<D>], &[(u32, f64)]),
+    faces: &[Face<D>],
     bodies: usize,
 ) -> Vec<Vec<(u32, f64)>> {
     let mut all = Vec::new();
@@ -57,6 +58,13 @@ fn shares<const D: usize>(
             let area = piece.area.iter().map(|a| a * a).sum::<f64>().sqrt();
             for (n, w) in piece.of(weights) {
                 *sums.entry(*n).or_insert(0.0) += area * w;
+            }
+        }
+        if sums.is_empty() {
+            for face in faces.iter().filter(|face| face.body == body) {
+                for (n, w) in face.nodes.iter().zip(&face.weights) {
+                    *sums.entry(*n).or_insert(0.0) += w;
+                }
             }
         }
         let total: f64 = sums.values().sum();
@@ -215,7 +223,7 @@ pub(crate) struct Wetted<const D: usize> {
 }
 
 impl<const D: usize> Wetted<D> {
-    /// Find the faces. `skins` has the surface of each body and the first of its nodes.
+    /// Find the parts of surfaces in cells, and the faces near them.
     pub fn new(grid: &Grid<D>, frame: &Frame<D>, walls: &Walls<'_, D>) -> Self {
         let cells = Blocks::<D>::CELLS;
         let host = hosts(grid, frame, walls);
@@ -251,7 +259,7 @@ impl<const D: usize> Wetted<D> {
                 });
             }
         }
-        let shares = shares((&pieces, &weights), walls.skins.len());
+        let shares = shares((&pieces, &weights), &faces, walls.skins.len());
         Wetted { pieces, weights, faces, shares }
     }
 
@@ -278,8 +286,8 @@ impl<const D: usize> Wetted<D> {
         }));
     }
 
-    /// Add the impulses of the liquid to the nodes: of the pressure, of the liquid at closed faces that takes these velocities, and what
-    /// the momentum at the other faces says, or at all if the velocities are those at the end of the step. `unit` is rho h^D, kg.
+    /// Add the impulses of the liquid to the nodes: of the pressure, of the liquid at closed faces, whose velocity changes from `before` to
+    /// `velocities`, and of the rest of the momentum at solved faces, or at all faces if the step has `ended`. `unit` is rho h^D, kg.
     pub fn add(
         &self,
         (grid, unit): (&Grid<D>, f64),
@@ -334,7 +342,7 @@ impl<const D: usize> Face<D> {
         low - up
     }
 
-    /// What the liquid at the face has gained beside the difference of q over the open part, of a mass of a cell times m/s.
+    /// Gain of the liquid at the face beside the difference of q over the open part, of a mass of a cell times m/s.
     fn gained(&self, grid: &Grid<D>) -> f64 {
         let q = |cell: u32| grid.pressure.get(cell as usize).copied().unwrap_or(0.0);
         let (d, slot) = (self.axis, self.slot as usize);

@@ -124,7 +124,10 @@ impl<const D: usize> fmt::Debug for Solids<D> {
 }
 
 impl<const D: usize> Solids<D> {
-    /// Create the coupling. None if a surface is not closed, with the name of its body.
+    /// Create the coupling.
+    ///
+    /// # Errors
+    /// Name of a body whose surface is not closed.
     pub fn new(of: Box<dyn Deformable<D>>) -> Result<Self, String> {
         let mut solids = Solids {
             of,

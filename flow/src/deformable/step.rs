@@ -281,13 +281,14 @@ impl<const D: usize> Flow<D> {
         Ok(())
     }
 
-    /// Book the impulses of the liquid, and take the surfaces at the end of the step.
-    pub(crate) fn settle_solids(&mut self) -> Result<(), StepError> {
+    /// Book the impulses of the liquid, and place the surfaces at the end of the step.
+    pub(crate) fn settle_solids(&mut self, walls: &Walls<'_, D>) -> Result<(), StepError> {
         let unit = self.unit();
         let Some(solids) = &mut self.solids else { return Ok(()) };
         let mut all = vec![[0.0; D]; solids.nodes.len()];
         let change = (&solids.before[..], &solids.velocities[..]);
         solids.wetted.add((&self.grid, unit), change, true, &mut all);
+        solids.skins = solids.moved(walls.skins.to_vec());
         solids.passed = [0.0; D];
         for ((carry, all), given) in solids.carry.iter_mut().zip(&all).zip(&solids.given) {
             for d in 0..D {

@@ -15,7 +15,7 @@ use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, of_body, wrong};
 use super::{material, mesh, placement};
 use crate::formula::Formula;
-use crate::model::body::Body;
+use crate::model::body::{Body, Mesh};
 use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
@@ -79,7 +79,8 @@ pub(super) fn build<E: Embedding<D>, const D: usize>(
         halvings: 0,
     };
     if let Some(elements) = elements(embedding, world)? {
-        flow.add_deformable(ElementsInLiquid::new(elements)).at("method.flow.cell")?;
+        let key = if periods.contains(&true) { "conditions" } else { "method.flow.cell" };
+        flow.add_deformable(ElementsInLiquid::new(elements)).at(key)?;
     }
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
@@ -116,6 +117,10 @@ fn elements<E: Embedding<D>, const D: usize>(embedding: E, world: &World<'_, D>)
     let mut fem = Fem::new(embedding);
     let mut names = Vec::new();
     for (name, body) in world.scene.expanded.iter().filter(|(_, body)| body.mesh.is_some()) {
+        if matches!(body.mesh, Some(Mesh::Bars(_))) {
+            let message = "has no surface that bounds a liquid; take elements of the plane or of space";
+            return wrong(format!("bodies.{name}.mesh.bars"), message);
+        }
         let spec = body.material.as_ref().and_then(|name| world.scene.materials.get(name));
         if let Some(spec) = spec
             && constants(world, &format!("bodies.{name}"), body, spec)?.is_some()
