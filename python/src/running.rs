@@ -3,7 +3,7 @@
 use std::ops::{Deref, DerefMut};
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use impactite::observe::RunView;
@@ -11,6 +11,7 @@ use impactite::parallel::Team;
 use impactite::scene::Solver;
 use impactite_input::measured::Measures;
 use impactite_input::{SceneFile, Source};
+use parking_lot::MutexGuard;
 use pyo3::prelude::*;
 
 use crate::error::Failed;
@@ -18,6 +19,7 @@ use crate::fields::{Columns, Fields};
 
 /// Longest interval between checks for Ctrl-C, unless one step takes longer.
 const PIECE: Duration = Duration::from_millis(50);
+const BROKEN_OFF: &str = "the simulation broke off within a step and cannot go on";
 
 /// Scene that is set up, with its threads.
 pub struct Running {
@@ -25,8 +27,9 @@ pub struct Running {
     pub scene: Arc<SceneFile>,
     /// Number of threads.
     pub threads: usize,
-    /// Locked only without the interpreter lock (GIL), for which a stepping thread may wait.
-    state: Mutex<State>,
+    /// Locked only without the interpreter lock (GIL), for which a stepping thread may wait. A lock that can be handed over: a thread
+    /// that unlocks and locks again, as one does that steps, is faster than any that waits.
+    state: parking_lot::Mutex<State>,
     /// Process of the thread that has locked `state`; 0 if unlocked.
     holder: AtomicU32,
     /// Arrays of each body.
@@ -79,7 +82,18 @@ impl DerefMut for Held<'_> {
 impl Drop for Held<'_> {
     // Reset before the lock of the state is released.
     fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.state.unusable.get_or_insert_with(|| BROKEN_OFF.into());
+        }
         self.holder.store(0, Ordering::SeqCst);
+    }
+}
+impl Held<'_> {
+    /// Let the thread that has waited longest have the state, if one waits.
+    fn give_way(&mut self) {
+        let process = self.holder.swap(0, Ordering::SeqCst);
+        MutexGuard::bump(&mut self.state);
+        self.holder.store(process, Ordering::SeqCst);
     }
 }
 
@@ -97,27 +111,25 @@ impl Running {
         Ok(Running {
             scene,
             threads,
-            state: Mutex::new(state),
+            state: parking_lot::Mutex::new(state),
             holder: AtomicU32::new(0),
             gathered: Mutex::new(gathered),
         })
     }
 
     fn lock(&self) -> Result<Held<'_>, Failed> {
-        let broken = || Failed::Unusable("the simulation broke off within a step and cannot go on".into());
         let process = std::process::id();
         let mut waited = 0;
         let state = loop {
             match self.state.try_lock() {
-                Ok(state) => break state,
-                Err(TryLockError::Poisoned(_)) => return Err(broken()),
-                Err(TryLockError::WouldBlock) => match self.holder.load(Ordering::SeqCst) {
+                Some(state) => break state,
+                None => match self.holder.load(Ordering::SeqCst) {
                     // Time between locking and storing the holder: permanent only in a child that was forked at that moment.
                     0 if waited < 1000 => {
                         waited += 1;
                         std::thread::sleep(Duration::from_millis(1));
                     }
-                    holder if holder == process => break self.state.lock().map_err(|_| broken())?,
+                    holder if holder == process => break self.state.lock(),
                     // Locked by a thread of the parent process, which does not exist in the child.
                     _ => {
                         return Err(Failed::Unusable(
@@ -222,6 +234,7 @@ impl Running {
                 }
                 while made < most && !state.solver.reached(end) && !(time.is_none() && state.by_measure()?) {
                     if start.elapsed() >= PIECE {
+                        state.give_way();
                         return Ok(false);
                     }
                     state.changes += 1;
