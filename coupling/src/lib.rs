@@ -51,7 +51,9 @@ mod conversion;
 mod element;
 mod elements;
 mod liquid;
+mod pace;
 mod particles;
+mod submerged;
 mod surface;
 mod tied;
 
@@ -59,3 +61,4 @@ pub use bond::{BondLaw, BondState, LinearBond, ModelCodeBond};
 pub use conversion::{Conversion, ConversionBook, ConversionLog, Particles, Share};
 pub use elements::Elements;
 pub use liquid::ElementsInLiquid;
+pub use submerged::ParticlesInLiquid;

@@ -3,12 +3,14 @@
 use fem::Fem;
 use flow::{Deformable, NodeImpulse, SurfaceElement};
 use impactite_geometry::Facet;
-use impactite_scene::{Archive, CheckpointError, Exchange, Solver, StepError};
+use impactite_scene::{Exchange, Solver, StepError};
+
+use crate::pace::Pace;
 
 /// Bodies of finite elements that an incompressible liquid moves, for [`flow::Flow::add_deformable`].
 ///
 /// Body force, conditions and contact between the bodies are those of the [`Fem`], whose stable steps fill a step of the flow. A step of the
-/// scene repeats these runs until the velocities of liquid and bodies agree, usually three to eight times.
+/// scene repeats these runs until the velocities of liquid and bodies agree, usually 4 to 20 times.
 ///
 /// ```
 /// use coupling::ElementsInLiquid;
@@ -41,14 +43,12 @@ use impactite_scene::{Archive, CheckpointError, Exchange, Solver, StepError};
 /// ```
 pub struct ElementsInLiquid<const D: usize> {
     fem: Fem<D>,
-    /// Impulses of the last half step, N s: they act at its end, as the first part of the next step.
-    left: Vec<NodeImpulse<D>>,
 }
 
 impl<const D: usize> ElementsInLiquid<D> {
     /// Create the bodies of a scene of finite elements.
     pub fn new(fem: Fem<D>) -> Self {
-        ElementsInLiquid { fem, left: Vec::new() }
+        ElementsInLiquid { fem }
     }
     /// Scene of finite elements.
     pub fn fem(&self) -> &Fem<D> {
@@ -82,38 +82,24 @@ impl<const D: usize> Deformable<D> for ElementsInLiquid<D> {
     }
     fn node(&self, body: u32, node: u32) -> ([f64; D], [f64; D]) {
         let node = &self.fem.body(body as usize).nodes()[node as usize];
-        (node.position, node.velocity)
+        // In the middle of the last step: see `Pace`.
+        let back = 0.5 * self.fem.clock().last.unwrap_or(0.0);
+        (std::array::from_fn(|d| node.position[d] - back * node.velocity[d]), node.velocity)
     }
     fn run_for(&mut self, duration: f64, impulses: &[NodeImpulse<D>]) -> Result<(), StepError> {
-        let mut left = duration;
-        while left > 0.0 {
-            let steps = (left / self.fem.next_time_step()).ceil().max(1.0);
-            let dt = left / steps;
+        let mut pace = Pace::new(duration, self.fem.clock().last);
+        let mut left = 1.0;
+        while let Some((dt, share)) = pace.next(self.fem.next_time_step(), self.fem.clock().last) {
             self.fem.begin(dt)?;
-            // Velocities are those of half steps: a force over a step acts half at its start and half at its end.
-            for push in &self.left {
-                self.fem.body_mut(push.body as usize).add_impulse(push.node as usize, push.impulse);
-            }
-            self.left.clear();
             for push in impulses {
-                let half = push.impulse.map(|x| x * (0.5 * dt / duration));
-                self.fem.body_mut(push.body as usize).add_impulse(push.node as usize, half);
-                self.left.push(NodeImpulse { impulse: half, ..*push });
+                let part = push.impulse.map(|x| x * left * share);
+                self.fem.body_mut(push.body as usize).add_impulse(push.node as usize, part);
             }
             self.fem.finish()?;
-            left = if steps > 1.0 { left - dt } else { 0.0 };
+            left *= 1.0 - share;
+            pace.made(dt);
         }
         Ok(())
-    }
-    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        self.fem.archive(file)?;
-        let bodies = self.fem.element_bodies();
-        let blank = NodeImpulse { body: 0, node: 0, impulse: [0.0; D] };
-        file.list(&mut self.left, &blank, |file, push| {
-            file.index(&mut push.body, bodies.len())?;
-            file.index(&mut push.node, bodies[push.body as usize].nodes().len())?;
-            file.reals(&mut push.impulse)
-        })
     }
     fn given(&self) -> Exchange {
         self.fem.element_bodies().iter().fold(Exchange::default(), |sum, body| sum.plus(&body.pushed()))

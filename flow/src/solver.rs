@@ -32,7 +32,7 @@ const PHASE: f64 = 0.1;
 /// Largest rate for a vibration, over that of the fastest particle and of a wave of one cell. The transfer between particles and grid makes
 /// errors of velocity in each step, whose pressures are the larger the shorter the step is; they drive vibrations that would shorten it again.
 const MOST_OF_FLOW: f64 = 2.0;
-const MOST_OF_WAVES: f64 = 30.0;
+const MOST_OF_WAVES: f64 = 40.0;
 /// Stable steps of deformable bodies in the first step.
 const FIRST: f64 = 4.0;
 /// Default largest ratio of a step to the last one.

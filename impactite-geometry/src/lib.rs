@@ -25,6 +25,7 @@ mod compose;
 mod cursor;
 mod elements;
 mod error;
+mod facets;
 #[cfg(feature = "mesh")]
 mod file;
 mod lattice;
@@ -55,6 +56,7 @@ pub use combine::{Difference, Intersection, Union};
 pub use compose::Compose;
 pub use elements::{EdgeLengths, ElementBlock, ElementKind, ElementMesh, Facet, MeshError, Quality};
 pub use error::GeometryError;
+pub use facets::Facets;
 pub use lattice::Lattice;
 pub use mesh::TriangleMesh;
 pub use polygon::Polygon;

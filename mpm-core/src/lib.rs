@@ -92,7 +92,7 @@ pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Hook,
     HookError, Kernels, Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle,
     NewParticles, NodeWeight, Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepView,
-    SurfaceClient, Surroundings, Taken, Traction, TrialNode, TrialNodes, Twist,
+    StrainNodes, SurfaceClient, Surroundings, Taken, Traction, TrialNode, TrialNodes, Twist,
 };
 pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove, WithBody};
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

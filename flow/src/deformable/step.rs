@@ -20,8 +20,8 @@ const RELATIVE: f64 = 1e-5;
 /// Residual over the speed of the liquid, at which the iteration ends.
 const ABSOLUTE: f64 = 1e-7;
 /// Share of the surfaces' motion from the middle of a step to its end that goes straight on from that between the middles; the rest keeps the
-/// mean of the places at the start and at the end in the middle, which conserves energy and lets errors alternate.
-const STRAIGHT: f64 = 0.5;
+/// mean of the places at the start and at the end in the middle.
+const STRAIGHT: f64 = 0.9;
 /// Speed of surfaces, over that of the liquid, and over that of a wave of one cell, below which a step does not resolve their vibration.
 const SLOW: f64 = 0.2;
 const AT_REST: f64 = 0.01;
@@ -67,7 +67,7 @@ impl<const D: usize> Flow<D> {
         for body in bodies.solver().bodies() {
             self.check_name(body.name())?;
         }
-        let solids = Solids::new(Box::new(bodies)).map_err(|body| SceneError::NotWith {
+        let solids = Solids::new(Box::new(bodies), self.frame.h).map_err(|body| SceneError::NotWith {
             what: format!("the deformable body `{body}`, whose surface is not closed"),
             method: impactite_scene::Solver::method(self),
             why: "liquid is outside of closed surfaces; bars have none",
@@ -309,9 +309,17 @@ impl<const D: usize> Flow<D> {
 }
 
 impl<const D: usize> Solids<D> {
-    /// Places of all nodes in the state that the bodies have now, m.
+    /// Places of all nodes for the liquid in the state that the bodies have now, m.
     pub fn nodes_now(&self) -> Vec<[f64; D]> {
-        self.nodes.iter().map(|(body, node)| self.of.node(*body, *node).0).collect()
+        let ways = self.nodes.iter().zip(&self.rest).map(|((body, node), rest)| {
+            let place = self.of.node(*body, *node).0;
+            std::array::from_fn(|d| place[d] - rest[d])
+        });
+        let mut places = self.smoothing.average(&ways.collect::<Vec<_>>());
+        for (x, rest) in places.iter_mut().zip(&self.rest) {
+            (0..D).for_each(|d| x[d] += rest[d]);
+        }
+        places
     }
 
     /// Save the state of the bodies in memory.
@@ -332,7 +340,7 @@ impl<const D: usize> Solids<D> {
         let list: Vec<_> = self
             .nodes
             .iter()
-            .zip(given)
+            .zip(self.smoothing.spread(given))
             .map(|((body, node), impulse)| NodeImpulse {
                 body: *body,
                 node: *node,
@@ -377,7 +385,7 @@ mod tests {
                 let places = oscillate(0.07 * f64::from(n), liquid, 2000);
                 let largest = |part: &[f64]| part.iter().fold(0.0f64, |most, x| most.max(x.abs()));
                 let (first, last) = (largest(&places[..1000]), largest(&places[1000..]));
-                assert!(last <= 1.001 * first, "{n} {liquid}: {first} {last}");
+                assert!(last <= 1.002 * first, "{n} {liquid}: {first} {last}");
             }
         }
     }

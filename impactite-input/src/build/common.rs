@@ -32,7 +32,7 @@ pub(crate) struct World<'a, const D: usize> {
 pub(super) fn check(scene: &SceneFile) -> Made<()> {
     for (name, body) in &scene.bodies {
         let key = format!("bodies.{name}");
-        kinds::check(&scene.method, name, body)?;
+        kinds::check(scene, name, body)?;
         if body.material.is_none() && body.rigid.is_none() {
             return wrong(key, "needs a `material`, or is `rigid`");
         }
@@ -241,7 +241,7 @@ impl<'a, const D: usize> World<'a, D> {
         let mpm = matches!(scene.method, Method::Mpm(_));
         // The liquid of a scene needs none, nor does what bounds it.
         let flow = matches!(scene.method, Method::Flow(_));
-        let apart = apart.filter(|b| !flow || b.mesh.is_some());
+        let apart = apart.filter(|b| !flow || b.mesh.is_some() || kinds::is_solid(scene, b));
         if scene.contact.is_none() && apart.count() > 1 {
             let help =
                 if mpm { "; without contact, in one velocity field: `contact = \"none\"`" } else { "" };

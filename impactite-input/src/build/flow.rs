@@ -2,24 +2,27 @@
 
 use std::sync::Arc;
 
-use impactite::coupling::ElementsInLiquid;
+use impactite::coupling::{ElementsInLiquid, ParticlesInLiquid};
 use impactite::fem::Fem;
 use impactite::flow::{Flow as Scene, FlowOptions, Fluid, RigidBody, Wall};
-use impactite::geometry::{HalfSpace, Lattice, Shape};
+use impactite::geometry::{Facets, HalfSpace, Lattice, Shape};
 use impactite::scene::{Embedding, Solver};
 
 use super::common::World;
 use super::conditions::accounts;
 use super::fem::load;
+use super::kernels::Setting;
+use super::kinds::is_solid;
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, of_body, wrong};
-use super::{material, mesh, placement};
+use super::{material, mesh, mpm, placement};
 use crate::formula::Formula;
+use crate::model::SceneFile;
 use crate::model::body::{Body, Mesh};
 use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
-use crate::model::method::Flow;
+use crate::model::method::{Flow, Method, Mpm, Purpose};
 use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
@@ -29,13 +32,15 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.339_981_043_584_856_3, 0.652_145_154_862_546_1],
     [0.861_136_311_594_052_6, 0.347_854_845_137_453_86],
 ];
+/// Edge of a facet of the surface of particles in the liquid, in their cells.
+const FACET: f64 = 0.5;
 /// Number of intervals of a run by which a velocity over time is integrated.
 const INTERVALS: usize = 4096;
 
 /// Displacement over time, m.
 type Displacement<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
-pub(super) fn build<E: Embedding<D>, const D: usize>(
+pub(super) fn build<E: Setting<D>, const D: usize>(
     embedding: E,
     world: &World<'_, D>,
     options: &Flow,
@@ -82,9 +87,13 @@ pub(super) fn build<E: Embedding<D>, const D: usize>(
         let key = if periods.contains(&true) { "conditions" } else { "method.flow.cell" };
         flow.add_deformable(ElementsInLiquid::new(elements)).at(key)?;
     }
+    if let Some(particles) = particles(embedding, world, options)? {
+        let key = if periods.contains(&true) { "conditions" } else { "method.flow.cell" };
+        flow.add_deformable(particles).at(key)?;
+    }
     for (name, body) in &world.scene.expanded {
         let key = format!("bodies.{name}");
-        if body.mesh.is_some() {
+        if body.mesh.is_some() || is_submerged(world.scene, body) {
             continue;
         }
         if let Some(spec) = &body.rigid {
@@ -154,9 +163,67 @@ fn elements<E: Embedding<D>, const D: usize>(embedding: E, world: &World<'_, D>)
     Ok(Some(fem))
 }
 
-/// True if the scene has elements in the liquid.
+/// Build the bodies of particles in the liquid, with the conditions, the gravity and the contact of the scene; none without such bodies.
+fn particles<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Flow,
+) -> Made<Option<ParticlesInLiquid<D>>> {
+    let mut scene = world.scene.clone();
+    scene.expanded.retain(|_, body| is_submerged(world.scene, body));
+    scene.bodies.retain(|_, body| is_submerged(world.scene, body));
+    let Some(first) = scene.expanded.keys().next() else {
+        if options.solids.is_some() {
+            return wrong("method.flow.solids", "no body is of a solid without a `mesh`");
+        }
+        return Ok(None);
+    };
+    if let Some((name, _)) = world.scene.expanded.iter().find(|(_, body)| body.mesh.is_some()) {
+        return Err(Wrong {
+            key: format!("bodies.{name}.mesh"),
+            message: format!("is not available beside `{first}`, a body of particles in the liquid"),
+            help: Some("give all solids a `mesh`, or none".into()),
+        });
+    }
+    // The steps of the scene are those of the liquid.
+    scene.time_step = None;
+    let mut method = options.solids.clone().unwrap_or_else(|| Mpm::with_cell(options.cell.value));
+    if method.purpose.is_none() && method.parts.is_none() {
+        method.purpose = Some(Purpose::MachineParts);
+    }
+    let spacing = FACET * method.cell.value;
+    scene.method = Method::Mpm(method.clone());
+    let own = World::new(&scene, world.folder);
+    let named = |mut wrong: Wrong| {
+        if let Some(rest) = wrong.key.strip_prefix("method.mpm") {
+            wrong.key = if options.solids.is_some() {
+                format!("method.flow.solids{rest}")
+            } else {
+                "method.flow.cell".into()
+            };
+        }
+        wrong
+    };
+    let mpm = mpm::scene(embedding, &own, &method).map_err(named)?;
+    let surfaces = scene.expanded.iter().map(|(name, body)| {
+        let key = format!("bodies.{name}.shape");
+        Facets::of(&*own.shape(&format!("bodies.{name}"), body)?, spacing).at(key)
+    });
+    let surfaces: Vec<Facets<D>> = surfaces.collect::<Made<_>>()?;
+    Ok(Some(ParticlesInLiquid::new(mpm, &surfaces).at("method.flow.solids").map_err(|wrong| {
+        let key = if options.solids.is_some() { wrong.key } else { "method.flow.cell".into() };
+        Wrong { key, ..wrong }
+    })?))
+}
+
+/// True if a body is of particles of a solid in the liquid.
+fn is_submerged(scene: &SceneFile, body: &Body) -> bool {
+    body.rigid.is_none() && body.mesh.is_none() && is_solid(scene, body)
+}
+
+/// True if the scene has deformable bodies in the liquid.
 fn deforms<const D: usize>(world: &World<'_, D>) -> bool {
-    world.scene.expanded.values().any(|body| body.mesh.is_some())
+    world.scene.expanded.values().any(|body| body.mesh.is_some() || is_submerged(world.scene, body))
 }
 
 /// Refuse keys of the scene that incompressible flow does not read.
@@ -244,14 +311,14 @@ fn wall<const D: usize>(world: &World<'_, D>, key: &str, condition: &Condition) 
                 }
             }
         }
-        // Of the elements alone.
+        // Of the deformable bodies alone.
         Condition::Prescribed(_) if deforms(world) => return Ok(None),
         Condition::Absorbing(_) | Condition::Prescribed(_) => {
             return Err(Wrong {
                 key: key.into(),
                 message: format!("`{}` is not available in `flow`", condition.kind()),
                 help: Some(
-                    "planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid; `prescribed` holds bodies with a `mesh`"
+                    "planes `wall`, `fixed`, `symmetry` and `periodic`, and rigid bodies bound a liquid; `prescribed` holds deformable bodies"
                         .into(),
                 ),
             });
@@ -392,7 +459,7 @@ fn fluid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<F
             key: at,
             message: "is no liquid, as `flow` needs".into(),
             help: Some(
-                "take `fluid.incompressible = { density, viscosity, surface_tension }`, or `library = \"water\"`; a body of a solid needs a `mesh`: it is of elements in the liquid".into(),
+                "take `fluid.incompressible = { density, viscosity, surface_tension }`, or `library = \"water\"`".into(),
             ),
         });
     };

@@ -1,7 +1,9 @@
 //! Kinds of bodies, and the keys that each reads.
 
 use super::wrong::{Made, Wrong};
+use crate::model::SceneFile;
 use crate::model::body::{Body, Mesh};
+use crate::model::material::Library;
 use crate::model::method::Method;
 
 /// Kind of a body: what carries its matter.
@@ -27,12 +29,14 @@ enum Kind {
     Solid,
     /// Finite elements in a liquid.
     Deformable,
+    /// Material points in a liquid.
+    Submerged,
 }
-use Kind::{Deformable, Elements, Fem, Fpm, Liquid, Particles, Pcmm, Rigid, Solid, Sph};
+use Kind::{Deformable, Elements, Fem, Fpm, Liquid, Particles, Pcmm, Rigid, Solid, Sph, Submerged};
 
 impl Kind {
-    fn of(method: &Method, body: &Body) -> Kind {
-        match method {
+    fn of(scene: &SceneFile, body: &Body) -> Kind {
+        match &scene.method {
             Method::Mpm(_) if body.elements.is_some() => Elements,
             Method::Mpm(_) if body.rigid.is_some() => Rigid,
             Method::Mpm(_) => Particles,
@@ -42,6 +46,7 @@ impl Kind {
             Method::Fem(_) => Fem,
             Method::Flow(_) if body.rigid.is_some() => Solid,
             Method::Flow(_) if body.mesh.is_some() => Deformable,
+            Method::Flow(_) if is_solid(scene, body) => Submerged,
             Method::Flow(_) => Liquid,
         }
     }
@@ -59,6 +64,7 @@ impl Kind {
             Liquid => "liquids of `flow`",
             Solid => "rigid bodies of `flow`",
             Deformable => "finite elements in `flow`",
+            Submerged => "material points in `flow`",
         }
     }
 }
@@ -81,7 +87,7 @@ const KEYS: &[Key] = &[
     Key {
         name: "material",
         used: |b| b.material.is_some(),
-        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem, Liquid, Deformable],
+        kinds: &[Particles, Elements, Pcmm, Sph, Fpm, Fem, Liquid, Deformable, Submerged],
         instead: Some("a rigid body has `rigid.density` instead"),
     },
     Key { name: "deactivated", used: |b| b.deactivated, kinds: &[Particles], instead: None },
@@ -90,20 +96,20 @@ const KEYS: &[Key] = &[
     Key {
         name: "body_force",
         used: |b| b.body_force.is_some(),
-        kinds: &[Particles],
+        kinds: &[Particles, Submerged],
         instead: Some("`gravity` acts on all bodies, and may be formulas of time"),
     },
     Key { name: "lit", used: |b| !b.lit.is_empty(), kinds: &[Particles], instead: None },
     Key {
         name: "initial_stress",
         used: |b| b.initial_stress.is_some(),
-        kinds: &[Particles, Sph],
+        kinds: &[Particles, Sph, Submerged],
         instead: None,
     },
     Key {
         name: "traction",
         used: |b| !b.traction.0.is_empty(),
-        kinds: &[Particles, Sph, Fpm, Fem, Deformable],
+        kinds: &[Particles, Sph, Fpm, Fem, Deformable, Submerged],
         instead: Some("push it by another body, or by a condition `prescribed`"),
     },
     Key { name: "notches", used: |b| !b.notches.is_empty(), kinds: &[Fpm], instead: None },
@@ -122,9 +128,17 @@ const KEYS: &[Key] = &[
     },
 ];
 
+/// True if a body has the material of a solid: of no liquid of `flow`.
+pub(crate) fn is_solid(scene: &SceneFile, body: &Body) -> bool {
+    let spec = body.material.as_ref().and_then(|name| scene.materials.get(name));
+    spec.is_some_and(|spec| {
+        spec.fluid.is_none() && !matches!(spec.library, Some(Library::Water | Library::WaterShocked))
+    })
+}
+
 /// Refuse keys of a body that its kind does not read.
-pub(super) fn check(method: &Method, name: &str, body: &Body) -> Made<()> {
-    let kind = Kind::of(method, body);
+pub(super) fn check(scene: &SceneFile, name: &str, body: &Body) -> Made<()> {
+    let kind = Kind::of(scene, body);
     let refused = |key: &str, message: String, help: Option<&str>| {
         Err(Wrong { key: format!("bodies.{name}.{key}"), message, help: help.map(Into::into) })
     };

@@ -34,6 +34,15 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     world: &World<'_, D>,
     options: &Mpm,
 ) -> Made<Box<dyn Solver>> {
+    Ok(Box::new(scene(embedding, world, options)?))
+}
+
+/// Build the scene with its own type.
+pub(super) fn scene<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Mpm,
+) -> Made<Scene<D>> {
     let options_of_parts = liquid::options(world.scene, options);
     let kernels = embedding.kernels(&options_of_parts)?;
     let mut origin = match &options.origin {
@@ -132,7 +141,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     if let Some(first) = resting.first() {
         mpm.deactivate(&resting).at(format!("bodies.{first}.deactivated"))?;
     }
-    Ok(Box::new(mpm))
+    Ok(mpm)
 }
 
 /// Refine the cells in regions and by criteria.

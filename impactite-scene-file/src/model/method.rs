@@ -132,6 +132,10 @@ parts! {
         #[serde(default)]
         #[schemars(example = 0.25, extend("minimum" = 0, "maximum" = 1, "default" = 0.25))]
         density_correction: Option<Quantity<Plain>>,
+        /// Material point method of the bodies of solids without a `mesh`: one size of cells, and a transfer that reads the acceleration, as `flip`.
+        /// If not given, cells of the size of those of the liquid; `for` is by default `machine parts`.
+        #[serde(default)]
+        solids: Option<Mpm>,
     }
     /// A grid that holds all nodes of a box.
     Dense {
@@ -348,6 +352,25 @@ pub enum Grid {
     Blocks,
     /// All nodes of a box, for scenes that fill it. A particle that leaves the box stops the run.
     Dense(Dense),
+}
+
+impl Mpm {
+    /// The default parts on cells of this edge, m.
+    #[must_use]
+    pub fn with_cell(edge: f64) -> Self {
+        Mpm {
+            cell: CellSize { value: edge, fine: None },
+            purpose: None,
+            parts: None,
+            particles_per_cell: two(),
+            origin: None,
+            refine: Several::default(),
+            grid: Grid::default(),
+            local_damping: None,
+            kinetic_damping: false,
+            null_space_filter: None,
+        }
+    }
 }
 
 /// Purpose of a scene of material points.

@@ -3,7 +3,7 @@
 use impactite_scene::{Body, Exchange, StepError, Stopped};
 use impactite_simd::Float;
 
-use super::hooks::{Hook, HookError, StepView, TrialNode, TrialNodes};
+use super::hooks::{Hook, HookError, StepView, StrainNodes, TrialNode, TrialNodes};
 use super::mpm::Mpm;
 use super::nodes::block_place::BlockPlace;
 use super::nodes::constraints::free_directions;
@@ -48,6 +48,20 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         StepView { time: self.clock.time, steps: self.clock.steps, bodies }
     }
 
+    /// Call the hooks with the velocities that strain the matter.
+    pub(in crate::step) fn hooks_at_strain(&mut self, dt: T) -> Result<(), StepError> {
+        self.call_hooks(|mpm, hook| {
+            if !hook.needs_nodes() || mpm.grid.fields.levels().is_some() {
+                return Ok(());
+            }
+            let remapped = mpm.facts().remap;
+            let mut nodes = StrainNodes { nodes: mpm.stage(dt).trial_nodes(remapped).nodes, work: 0.0 };
+            hook.strain(&mut nodes, dt.to_double())?;
+            mpm.ledger.work += nodes.work;
+            Ok(())
+        })
+    }
+
     /// Call the hooks with the trial velocities, and apply their changes.
     pub(in crate::step) fn hooks_at_trial(&mut self, dt: T) -> Result<(), StepError> {
         self.call_hooks(|mpm, hook| {
@@ -61,7 +75,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                         .into(),
                 );
             }
-            let mut nodes = mpm.stage(dt).trial_nodes();
+            let mut nodes = mpm.stage(dt).trial_nodes(false);
             hook.trial(&mut nodes, dt.to_double())?;
             if !nodes.changed {
                 return Ok(());
@@ -79,8 +93,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 }
 
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
-    /// List the nodes of deformable bodies of particles with their velocities.
-    fn trial_nodes(&self) -> TrialNodes<D> {
+    /// List the nodes of deformable bodies of particles with their velocities, or with those of the second map.
+    fn trial_nodes(&self, remapped: bool) -> TrialNodes<D> {
         let (lattice, layout) = (*self.grid.lattice(), self.fields.layout());
         let (mirrors, all) = (self.planes.copied(), self.grid.nodes());
         let time = self.of.time + self.of.dt.to_double();
@@ -98,6 +112,11 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                     continue;
                 }
                 let position = place.node(n);
+                let vector = |of: [T; 4]| -> [T; D] { std::array::from_fn(|d| of[d + 1]) };
+                let (end, rate) = (vector(node.first), vector(node.second));
+                let change = |d: usize| end[d] - rate[d] * self.of.dt;
+                let (velocity, before) =
+                    if remapped { (rate, rate) } else { (end, std::array::from_fn(change)) };
                 let free = free_directions(self.conditions, &position, time, lattice.spacing(), copies);
                 nodes.push(TrialNode {
                     body: owner.map(|_| self.fields.owner(block) as usize),
@@ -106,7 +125,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                     }),
                     position,
                     mass: node.first[0].to_double(),
-                    velocity: std::array::from_fn(|d| node.first[d + 1].to_double()),
+                    velocity: velocity.map(|v| v.to_double()),
+                    start: before.map(|v| v.to_double()),
                     held: std::array::from_fn(|d| !free[d] || self.books[block].held.has(d, n)),
                     place: start + i,
                 });

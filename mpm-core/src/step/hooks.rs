@@ -34,7 +34,17 @@ pub trait Hook<T: Float, const D: usize>: Send + Sync {
         Ok(())
     }
 
-    /// False for a hook without [`Hook::trial`]: then it is not called, and no list of nodes is made.
+    /// Called with the nodal velocities that strain the matter in the step, which are final: those of [`Hook::trial`] after walls on particles and
+    /// damping, or with MUSL those that the particles give back to the nodes. What moves with the matter, as a surface of it, moves with these.
+    ///
+    /// # Errors
+    /// An error stops the run.
+    fn strain(&mut self, nodes: &mut StrainNodes<D>, dt: f64) -> Result<(), HookError> {
+        let _ = (nodes, dt);
+        Ok(())
+    }
+
+    /// False for a hook without [`Hook::trial`] and [`Hook::strain`]: then they are not called, and no list of nodes is made.
     fn needs_nodes(&self) -> bool {
         true
     }
@@ -81,6 +91,8 @@ pub struct TrialNode<const D: usize> {
     pub mass: f64,
     /// Velocity at the end of the step, m/s.
     pub velocity: [f64; D],
+    /// Velocity at the start of the step, m/s; in [`Hook::strain`] with MUSL that at its end.
+    pub start: [f64; D],
     /// Directions in which a boundary condition prescribes the velocity, where changes have no effect.
     pub held: [bool; D],
     /// Place of the node in the grid.
@@ -111,6 +123,24 @@ impl<const D: usize> TrialNodes<D> {
     pub fn set_velocity(&mut self, n: usize, velocity: [f64; D]) {
         self.nodes[n].velocity = velocity;
         self.changed = true;
+    }
+}
+
+/// Nodes of a scene with the velocities that strain the matter, in the order of [`TrialNodes`].
+pub struct StrainNodes<const D: usize> {
+    pub(in crate::step) nodes: Vec<TrialNode<D>>,
+    pub(in crate::step) work: f64,
+}
+
+impl<const D: usize> StrainNodes<D> {
+    /// Nodes.
+    pub fn nodes(&self) -> &[TrialNode<D>] {
+        &self.nodes
+    }
+    /// Add to the work, J, that was booked for the changes of [`Hook::trial`] with the trial velocities. An impulse J on a point does the work
+    /// J . (v + v') / 2 by its velocities of strain in this step and the last one: the stress does its own with them.
+    pub fn add_work(&mut self, work: f64) {
+        self.work += work;
     }
 }
 

@@ -31,7 +31,7 @@ pub use clients::client::{ClientPoint, GridClient, SurfaceClient, Taken};
 pub use clients::near_particles::{NearParticle, NearParticles};
 pub use clients::new_particles::{Matter, NewParticle, NewParticles, Occupied, Surroundings};
 pub use criteria::{Criterion, NearContact, OccupiedBlock, RegridView, StateAbove, WithBody};
-pub use hooks::{Hook, HookError, StepView, TrialNode, TrialNodes};
+pub use hooks::{Hook, HookError, StepView, StrainNodes, TrialNode, TrialNodes};
 pub use mpm::{Kernels, Mpm, Scalar};
 pub use nodes::footprint::{Footprint, NodeWeight};
 pub use passes::kernels::Facts;

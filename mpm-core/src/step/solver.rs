@@ -106,17 +106,22 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
             self.complete_trial(dt)?;
+            self.hooks_at_strain(dt)?;
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.complete_trial(dt)?;
             self.begin_regrid();
+            if !remap {
+                self.hooks_at_strain(dt)?;
+            }
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if remap {
                 self.stage(dt).remap_velocities(dt); // x: eq. 3 again
                 self.hold_remapped_at_walls(dt);
                 self.apply_contact(ContactPhase::Remapped, dt); // x, if the contact algorithm corrects the strain
+                self.hooks_at_strain(dt)?;
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
         }
