@@ -149,7 +149,7 @@ impl<const D: usize> ParticlesInLiquid<D> {
             surface.facets.extend(facets);
             surface.first.push(surface.nodes.len());
             // Velocities of the particles around.
-            let mut bins: HashMap<[i32; D], Vec<([f64; D], f64, [f64; D])>> = HashMap::new();
+            let mut bins: HashMap<[i32; D], Vec<Motion<D>>> = HashMap::new();
             mpm.bodies()[body].for_each(&mut |p| {
                 let [place, velocity] = [&p.position, &p.velocity].map(|x| std::array::from_fn(|d| x[d]));
                 bins.entry(nearest(&place, &[0.0; D], cell)).or_default().push((place, p.mass, velocity));
@@ -197,6 +197,9 @@ fn left<const D: usize>(body: &str, x: &[f64; D]) -> SceneError {
         why: "it moves with the matter; a body that breaks is not available: take `mpm` or `sph` for body and liquid",
     }
 }
+
+/// Position, m, mass, kg, and velocity, m/s, of a particle.
+type Motion<const D: usize> = ([f64; D], f64, [f64; D]);
 
 /// Points with mass around a place.
 struct Points<const D: usize> {

@@ -107,7 +107,7 @@ impl Source {
                 volume += p.volume;
             });
             let spec = scene.expanded.get(body.name());
-            let spacing = spec.and_then(|b| size::spacing(&scene.method, b));
+            let spacing = spec.and_then(|b| size::spacing(scene, b));
             // Particles of a lattice have equal volumes, scaled by one factor to that of the shape; other points have individual volumes.
             let lattice = match &scene.method {
                 Method::Mpm(_) => spec.is_some_and(|b| b.elements.is_none()),

@@ -51,6 +51,11 @@ impl Source {
             sizes.push(size("method.mpm.cell.coarse".into(), m.cell.value, "m"));
             sizes.push(size("method.mpm.cell.fine".into(), fine, "m"));
         }
+        if let Method::Flow(m) = &scene.method
+            && let Some(solids) = &m.solids
+        {
+            sizes.push(size("method.flow.solids.cell".into(), solids.cell.value, "m"));
+        }
         for (name, body) in &scene.bodies {
             let file = match &body.mesh {
                 Some(Mesh::Edge(edge)) => {

@@ -22,7 +22,7 @@ use crate::model::body::{Body, Mesh};
 use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
-use crate::model::method::{Flow, Method, Mpm, Purpose};
+use crate::model::method::{Flow, Method};
 use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
@@ -187,10 +187,7 @@ fn particles<E: Setting<D>, const D: usize>(
     }
     // The steps of the scene are those of the liquid.
     scene.time_step = None;
-    let mut method = options.solids.clone().unwrap_or_else(|| Mpm::with_cell(options.cell.value));
-    if method.purpose.is_none() && method.parts.is_none() {
-        method.purpose = Some(Purpose::MachineParts);
-    }
+    let method = options.method_of_solids();
     let spacing = FACET * method.cell.value;
     scene.method = Method::Mpm(method.clone());
     let own = World::new(&scene, world.folder);

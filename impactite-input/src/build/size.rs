@@ -3,9 +3,11 @@
 use impactite::geometry::Shape as _;
 
 use super::common::World;
+use super::kinds::is_solid;
 use super::wrong::{Made, Wrong};
+use crate::model::SceneFile;
 use crate::model::body::{Body, Mesh};
-use crate::model::method::Method;
+use crate::model::method::{Method, Mpm};
 
 /// Memory per point of a body with scratch and nodes, bytes: lower bounds from solvers for squares and cubes of 1000 to 300 000 points of
 /// copper. A run needs more, so that no scene that fits is refused.
@@ -74,13 +76,15 @@ fn edge_of(body: &Body) -> Option<f64> {
 }
 
 /// Return the point spacing of a body, m; `None` if it follows from a file.
-pub(crate) fn spacing(method: &Method, body: &Body) -> Option<f64> {
-    match (method, edge_of(body)) {
+pub(crate) fn spacing(scene: &SceneFile, body: &Body) -> Option<f64> {
+    let of_particles = |m: &Mpm| Some(m.cell.value / f64::from(m.particles_per_cell.max(1)));
+    match (&scene.method, edge_of(body)) {
         (Method::Mpm(_) | Method::Fem(_) | Method::Flow(_), Some(edge)) => Some(edge),
-        (Method::Mpm(m), None) => Some(m.cell.value / f64::from(m.particles_per_cell.max(1))),
+        (Method::Mpm(m), None) => of_particles(m),
         (Method::Sph(m), _) => Some(m.spacing.value),
         (Method::Fpm(m), _) => Some(m.spacing.value),
         (Method::Pcmm(m), _) => Some(m.spacing.value),
+        (Method::Flow(m), None) if is_solid(scene, body) => of_particles(&m.method_of_solids()),
         (Method::Flow(m), None) => Some(m.cell.value / f64::from(m.particles_per_cell.max(1))),
         (Method::Fem(_), None) => None,
     }
@@ -88,7 +92,7 @@ pub(crate) fn spacing(method: &Method, body: &Body) -> Option<f64> {
 
 /// Estimate the number of points of a body; 0 if it follows from a file.
 fn points_of<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> Made<f64> {
-    let (true, Some(spacing)) = (body.shape.is_some(), spacing(&world.scene.method, body)) else {
+    let (true, Some(spacing)) = (body.shape.is_some(), spacing(world.scene, body)) else {
         return Ok(0.0);
     };
     let shape = world.shape(&format!("bodies.{name}"), body)?;

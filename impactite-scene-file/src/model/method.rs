@@ -132,10 +132,27 @@ parts! {
         #[serde(default)]
         #[schemars(example = 0.25, extend("minimum" = 0, "maximum" = 1, "default" = 0.25))]
         density_correction: Option<Quantity<Plain>>,
-        /// Material point method of the bodies of solids without a `mesh`: one size of cells, and a transfer that reads the acceleration, as `flip`.
-        /// If not given, cells of the size of those of the liquid; `for` is by default `machine parts`.
+        /// Material points of the bodies of solids without a `mesh`. If not given, cells of the size of those of the liquid.
         #[serde(default)]
-        solids: Option<Mpm>,
+        solids: Option<Solids>,
+    }
+    /// Material points in an incompressible liquid.
+    Solids {
+        /// Edge of a cell of their grid.
+        #[schemars(example = &"5 mm")]
+        cell: Quantity<Length>,
+        /// Purpose, which chooses the parts of the method: `impact` damps vibrations; not `contact at rest` and `large elastic`. Instead of it
+        /// `parts`.
+        #[serde(default, rename = "for")]
+        #[schemars(example = "machine parts", extend("default" = Purpose::MachineParts))]
+        purpose: Option<Purpose>,
+        /// Shape function, transfer and stress update; the transfers `flip` and `blend`, or `aflip`.
+        #[serde(default)]
+        parts: Option<Parts>,
+        /// Particles in a cell along each axis.
+        #[serde(default = "two")]
+        #[schemars(example = 3, extend("minimum" = 1, "maximum" = 8))]
+        particles_per_cell: u32,
     }
     /// A grid that holds all nodes of a box.
     Dense {
@@ -354,15 +371,18 @@ pub enum Grid {
     Dense(Dense),
 }
 
-impl Mpm {
-    /// The default parts on cells of this edge, m.
+impl Flow {
+    /// Material point method of the bodies of solids.
     #[must_use]
-    pub fn with_cell(edge: f64) -> Self {
+    pub fn method_of_solids(&self) -> Mpm {
+        let solids = self.solids.as_ref();
+        let parts = solids.and_then(|solids| solids.parts.clone());
+        let purpose = solids.and_then(|solids| solids.purpose);
         Mpm {
-            cell: CellSize { value: edge, fine: None },
-            purpose: None,
-            parts: None,
-            particles_per_cell: two(),
+            cell: CellSize { value: solids.map_or(self.cell, |solids| solids.cell).value, fine: None },
+            purpose: purpose.or_else(|| parts.is_none().then_some(Purpose::MachineParts)),
+            parts,
+            particles_per_cell: solids.map_or_else(two, |solids| solids.particles_per_cell),
             origin: None,
             refine: Several::default(),
             grid: Grid::default(),
