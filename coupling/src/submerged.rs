@@ -111,13 +111,13 @@ impl<const D: usize> ParticlesInLiquid<D> {
         if mpm.facts().maps_together {
             return refuse(
                 format!("the transfer of `{}`", mpm.facts().description),
-                "it plans a step before the liquid has its own; take FLIP with MUSL, as `Method::machine_parts`",
+                "it plans a step before the liquid has its own; take FLIP with MUSL",
             );
         }
         if mpm.facts().total {
             return refuse(
                 "the total Lagrangian form".into(),
-                "impulses beside prescribed nodes gain energy in it; take a method that maps in the present configuration, as `Method::machine_parts`",
+                "impulses beside prescribed nodes gain energy in it; take FLIP with MUSL in the present configuration",
             );
         }
         if mpm.cell_sizes().len() > 1 {
