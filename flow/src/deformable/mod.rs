@@ -68,7 +68,8 @@ pub trait Deformable<const D: usize>: Send + Sync {
     fn surface(&self) -> Vec<SurfaceElement<D>>;
     /// Number of changes of the list of facets.
     fn surface_revision(&self) -> u64;
-    /// Position, m, and velocity, m/s, of a node of a body.
+    /// Position, m, and velocity, m/s, of a node of a body at the end of the runs so far. The work of impulses of a run is to be that on these
+    /// positions: those of a leapfrog are in the middle of its last step, where its velocities are.
     fn node(&self, body: u32, node: u32) -> ([f64; D], [f64; D]);
     /// Run for `duration` seconds under impulses, N s, that act at a constant rate over it.
     ///

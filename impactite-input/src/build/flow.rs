@@ -22,7 +22,7 @@ use crate::model::body::{Body, Mesh};
 use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
-use crate::model::method::{Flow, Method};
+use crate::model::method::{Flow, Method, Purpose};
 use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
@@ -183,6 +183,15 @@ fn particles<E: Setting<D>, const D: usize>(
             key: format!("bodies.{name}.mesh"),
             message: format!("is not available beside `{first}`, a body of particles in the liquid"),
             help: Some("give all solids a `mesh`, or none".into()),
+        });
+    }
+    if let Some(purpose) = options.solids.as_ref().and_then(|solids| solids.purpose)
+        && matches!(purpose, Purpose::LargeElastic | Purpose::ContactAtRest)
+    {
+        return Err(Wrong {
+            key: "method.flow.solids.for".into(),
+            message: "is not available in a liquid".into(),
+            help: Some("take `machine parts`, or `impact`, which damps vibrations".into()),
         });
     }
     // The steps of the scene are those of the liquid.

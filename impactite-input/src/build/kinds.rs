@@ -128,11 +128,12 @@ const KEYS: &[Key] = &[
     },
 ];
 
-/// True if a body has the material of a solid: of no liquid of `flow`.
+/// True if a body has the material of a solid, or of the ground: of neither a liquid nor an explosive.
 pub(crate) fn is_solid(scene: &SceneFile, body: &Body) -> bool {
     let spec = body.material.as_ref().and_then(|name| scene.materials.get(name));
+    let named = [Library::Water, Library::WaterShocked, Library::Tnt].map(Some);
     spec.is_some_and(|spec| {
-        spec.fluid.is_none() && !matches!(spec.library, Some(Library::Water | Library::WaterShocked))
+        spec.fluid.is_none() && spec.explosive.is_none() && !named.contains(&spec.library)
     })
 }
 

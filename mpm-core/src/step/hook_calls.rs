@@ -51,7 +51,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Call the hooks with the velocities that strain the matter.
     pub(in crate::step) fn hooks_at_strain(&mut self, dt: T) -> Result<(), StepError> {
         self.call_hooks(|mpm, hook| {
-            if !hook.needs_nodes() || mpm.grid.fields.levels().is_some() {
+            if !hook.needs_strain() {
                 return Ok(());
             }
             let remapped = mpm.facts().remap;

@@ -36,6 +36,7 @@ pub trait Hook<T: Float, const D: usize>: Send + Sync {
 
     /// Called with the nodal velocities that strain the matter in the step, which are final: those of [`Hook::trial`] after walls on particles and
     /// damping, or with MUSL those that the particles give back to the nodes. What moves with the matter, as a surface of it, moves with these.
+    /// Not called with USF, whose strain is by the velocities at the start of a step, nor unless [`Hook::needs_strain`].
     ///
     /// # Errors
     /// An error stops the run.
@@ -44,9 +45,14 @@ pub trait Hook<T: Float, const D: usize>: Send + Sync {
         Ok(())
     }
 
-    /// False for a hook without [`Hook::trial`] and [`Hook::strain`]: then they are not called, and no list of nodes is made.
+    /// False for a hook without [`Hook::trial`]: then it is not called, and no list of nodes is made.
     fn needs_nodes(&self) -> bool {
         true
+    }
+
+    /// True for a hook with [`Hook::strain`], for which a second list of nodes is made.
+    fn needs_strain(&self) -> bool {
+        false
     }
 
     /// Called at the end of a step, with new positions and states.

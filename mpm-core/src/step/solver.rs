@@ -106,7 +106,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
             self.complete_trial(dt)?;
-            self.hooks_at_strain(dt)?;
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8

@@ -6,7 +6,7 @@ use mpm_contact::{Frictionless, Pairs, SurfaceDistance};
 use mpm_core::scene::{Archive, CheckpointError, Solver};
 use mpm_core::{
     Axisymmetric, Boundary, CpGimp, Deformable, Flip, GridContact, Hook, HookError, Linear, Method, Musl,
-    PlaneStrain, Side, StepView, Team, TrialNodes,
+    PlaneStrain, Side, StepView, StrainNodes, Team, TrialNodes,
 };
 
 use super::{BlockGrid, Made, Mpm, bits, block, law};
@@ -103,6 +103,59 @@ fn held_directions_stay_and_results_are_equal_for_any_number_of_threads() {
         seen.push(bits(&mpm));
     }
     assert!(seen.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+/// Velocities and masses of the nodes at the trial and at the strain of the last step.
+#[derive(Clone, Default)]
+struct Velocities {
+    asks: bool,
+    seen: Arc<Mutex<[Vec<(f64, [f64; 2])>; 2]>>,
+}
+
+impl Hook<f64, 2> for Velocities {
+    fn name(&self) -> &str {
+        "velocities"
+    }
+    fn trial(&mut self, nodes: &mut TrialNodes<2>, _: f64) -> Result<(), HookError> {
+        self.seen.lock().map_err(|_| "poisoned")?[0] =
+            nodes.nodes().iter().map(|n| (n.mass, n.velocity)).collect();
+        Ok(())
+    }
+    fn needs_strain(&self) -> bool {
+        self.asks
+    }
+    fn strain(&mut self, nodes: &mut StrainNodes<2>, _: f64) -> Result<(), HookError> {
+        self.seen.lock().map_err(|_| "poisoned")?[1] =
+            nodes.nodes().iter().map(|n| (n.mass, n.velocity)).collect();
+        nodes.add_work(1.0);
+        Ok(())
+    }
+}
+
+#[test]
+fn the_velocities_of_strain_are_those_of_the_trial_or_of_the_second_map() {
+    for make in methods() {
+        let hook = Velocities { asks: true, ..Velocities::default() };
+        let mut mpm = scene(&make);
+        mpm.add_hook(hook.clone());
+        (0..5).for_each(|_| drop(mpm.step().expect("a step")));
+        let [trial, strain] = hook.seen.lock().expect("velocities").clone();
+        let momentum = |list: &[(f64, [f64; 2])]| list.iter().map(|(m, v)| m * v[0]).sum::<f64>();
+        assert_eq!(trial.len(), strain.len(), "{}", make.0);
+        if mpm.facts().remap {
+            assert_ne!(trial, strain, "{}", make.0);
+            let (own, due) = (momentum(&strain), mpm.totals().momentum[0]);
+            assert!((own - due).abs() < 1e-12 * due.abs(), "{}: {own} {due}", make.0);
+        } else {
+            assert_eq!(trial, strain, "{}", make.0);
+        }
+        assert!((mpm.exchange().work - 5.0).abs() < 1e-9, "{}: {}", make.0, mpm.exchange().work);
+    }
+    let hook = Velocities::default();
+    let mut mpm = scene(&methods()[0]);
+    mpm.add_hook(hook.clone());
+    mpm.step().expect("a step");
+    assert!(hook.seen.lock().expect("velocities")[1].is_empty(), "not asked for");
 }
 
 /// Error at a step.

@@ -9,7 +9,7 @@ use impactite_scene::{Archive, CheckpointError, Exchange, SceneError, Solver, St
 use impactite_solve::least_squares_weights;
 use mpm_core::{Hook, HookError, Mpm, StrainNodes, TrialNode, TrialNodes};
 
-use crate::pace::Pace;
+use crate::leapfrog::Leapfrog;
 
 /// Longest edge of a facet, in cells, whose ends still have the motion of the matter between them.
 const LONGEST: f64 = 2.0;
@@ -103,7 +103,7 @@ impl<const D: usize> ParticlesInLiquid<D> {
     ///
     /// # Errors
     /// Another number of surfaces than of bodies, or a surface off its body; facets above two cells; rigid bodies or elements; cells of
-    /// several sizes; a transfer that plans its steps ahead (APIC with USL); the total Lagrangian form.
+    /// several sizes; a transfer that plans its steps ahead (APIC with USL); USF; the total Lagrangian form.
     pub fn new(mut mpm: Mpm<D>, surfaces: &[Facets<D>]) -> Result<Self, SceneError> {
         let refuse = |what: String, why| {
             Err(SceneError::NotWith { what, method: "particles in a liquid".into(), why })
@@ -112,6 +112,12 @@ impl<const D: usize> ParticlesInLiquid<D> {
             return refuse(
                 format!("the transfer of `{}`", mpm.facts().description),
                 "it plans a step before the liquid has its own; take FLIP with MUSL",
+            );
+        }
+        if mpm.facts().before_forces {
+            return refuse(
+                "stress before the forces (USF)".into(),
+                "the surface moves with the strain; take FLIP with MUSL",
             );
         }
         if mpm.facts().total {
@@ -352,6 +358,10 @@ impl<const D: usize> Hook<f64, D> for Push<D> {
         Ok(surface.push(nodes, dt)?)
     }
 
+    fn needs_strain(&self) -> bool {
+        true
+    }
+
     fn strain(&mut self, nodes: &mut StrainNodes<D>, dt: f64) -> Result<(), HookError> {
         let mut surface = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         Ok(surface.follow(nodes, dt)?)
@@ -490,14 +500,14 @@ impl<const D: usize> Deformable<D> for ParticlesInLiquid<D> {
     fn node(&self, body: u32, node: u32) -> ([f64; D], [f64; D]) {
         let surface = self.shared();
         let node = &surface.nodes[surface.first[body as usize] + node as usize];
-        // In the middle of the last step: see `Pace`.
+        // In the middle of the last step: see `Leapfrog`.
         let back = 0.5 * self.mpm.clock().last.unwrap_or(0.0);
         (std::array::from_fn(|d| node.position[d] - back * node.velocity[d]), node.velocity)
     }
     fn run_for(&mut self, duration: f64, impulses: &[NodeImpulse<D>]) -> Result<(), StepError> {
-        let mut pace = Pace::new(duration, self.mpm.clock().last);
+        let mut steps = Leapfrog::new(duration, self.mpm.clock().last);
         let mut left = 1.0;
-        while let Some((dt, share)) = pace.next(Solver::stable_step(&mut self.mpm)?, self.mpm.clock().last) {
+        while let Some((dt, share)) = steps.next(Solver::stable_step(&mut self.mpm)?, self.mpm.clock().last) {
             let mut surface = self.shared();
             surface.nodes.iter_mut().for_each(|node| node.force = [0.0; D]);
             for push in impulses {
@@ -507,7 +517,7 @@ impl<const D: usize> Deformable<D> for ParticlesInLiquid<D> {
             drop(surface);
             let made = self.mpm.step_at_most(dt)?;
             left *= 1.0 - share * (made / dt).min(1.0);
-            pace.made(made);
+            steps.made(made);
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use flow::{Deformable, NodeImpulse, SurfaceElement};
 use impactite_geometry::Facet;
 use impactite_scene::{Exchange, Solver, StepError};
 
-use crate::pace::Pace;
+use crate::leapfrog::Leapfrog;
 
 /// Bodies of finite elements that an incompressible liquid moves, for [`flow::Flow::add_deformable`].
 ///
@@ -82,14 +82,14 @@ impl<const D: usize> Deformable<D> for ElementsInLiquid<D> {
     }
     fn node(&self, body: u32, node: u32) -> ([f64; D], [f64; D]) {
         let node = &self.fem.body(body as usize).nodes()[node as usize];
-        // In the middle of the last step: see `Pace`.
+        // In the middle of the last step: see `Leapfrog`.
         let back = 0.5 * self.fem.clock().last.unwrap_or(0.0);
         (std::array::from_fn(|d| node.position[d] - back * node.velocity[d]), node.velocity)
     }
     fn run_for(&mut self, duration: f64, impulses: &[NodeImpulse<D>]) -> Result<(), StepError> {
-        let mut pace = Pace::new(duration, self.fem.clock().last);
+        let mut steps = Leapfrog::new(duration, self.fem.clock().last);
         let mut left = 1.0;
-        while let Some((dt, share)) = pace.next(self.fem.next_time_step(), self.fem.clock().last) {
+        while let Some((dt, share)) = steps.next(self.fem.next_time_step(), self.fem.clock().last) {
             self.fem.begin(dt)?;
             for push in impulses {
                 let part = push.impulse.map(|x| x * left * share);
@@ -97,7 +97,7 @@ impl<const D: usize> Deformable<D> for ElementsInLiquid<D> {
             }
             self.fem.finish()?;
             left *= 1.0 - share;
-            pace.made(dt);
+            steps.made(dt);
         }
         Ok(())
     }
