@@ -29,6 +29,8 @@ const AT_REST: f64 = 0.01;
 const THIN: usize = 3;
 /// Depth in a wall, in cells, at which a body has run into it.
 const WITHIN: f64 = 0.5;
+/// What a step solves here, for messages.
+const MOTION: &str = "the motion of the deformable bodies";
 
 /// Mean velocity of a surface in a step of `dt` seconds, m/s: its place at the start, and places of the body in the middles of the last step and
 /// of this one, `kick` seconds apart.
@@ -147,7 +149,7 @@ impl<const D: usize> Flow<D> {
         let mut newton = Newton::default();
         self.release(solids, &iterate, walls)?;
         let unsaved = |flow: &Self, error: &CheckpointError| {
-            flow.clock.stopped(Stopped::Solve { what: "the deformable bodies", why: error.to_string() })
+            flow.clock.stopped(Stopped::Solve { what: MOTION, why: error.to_string() })
         };
         // The state in the middle of the last step; at first that of the start.
         let mut from = match solids.middle.take() {
@@ -178,7 +180,7 @@ impl<const D: usize> Flow<D> {
             let size = mean(&mut answer.iter().map(square));
             if !residual.is_finite() {
                 let why = "a velocity is not finite".to_string();
-                return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
+                return Err(self.clock.stopped(Stopped::Solve { what: MOTION, why }));
             }
             if residual <= floor.max(RELATIVE * size) {
                 walls.velocities.clone_from(&iterate);
@@ -201,7 +203,7 @@ impl<const D: usize> Flow<D> {
                 let why = format!(
                     "the velocities of liquid and bodies differ by {residual:.2e} m/s after {ITERATIONS} iterations, with {size:.2e} m/s of the bodies; take a smaller `factor` of the time step, or, where the bodies close a region full of liquid, leave it an opening"
                 );
-                return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
+                return Err(self.clock.stopped(Stopped::Solve { what: MOTION, why }));
             }
         }
         Ok(())
@@ -268,7 +270,7 @@ impl<const D: usize> Flow<D> {
                     solids.nodes[n].1,
                     name(n)
                 );
-                return Err(self.clock.stopped(Stopped::Solve { what: "the deformable bodies", why }));
+                return Err(self.clock.stopped(Stopped::Solve { what: MOTION, why }));
             }
             if (0..walls.list.len()).any(|w| within(&w)) {
                 return Err(self.clock.stopped(Stopped::Scene(SceneError::NotWith {

@@ -105,11 +105,14 @@ fn held_directions_stay_and_results_are_equal_for_any_number_of_threads() {
     assert!(seen.windows(2).all(|pair| pair[0] == pair[1]));
 }
 
-/// Velocities and masses of the nodes at the trial and at the strain of the last step.
+/// Masses (kg) and velocities (m/s) of the nodes.
+type Nodes = Vec<(f64, [f64; 2])>;
+
+/// Masses and velocities of the nodes at the trial and at the strain of the last step.
 #[derive(Clone, Default)]
 struct Velocities {
     asks: bool,
-    seen: Arc<Mutex<[Vec<(f64, [f64; 2])>; 2]>>,
+    seen: Arc<Mutex<[Nodes; 2]>>,
 }
 
 impl Hook<f64, 2> for Velocities {
@@ -138,7 +141,9 @@ fn the_velocities_of_strain_are_those_of_the_trial_or_of_the_second_map() {
         let hook = Velocities { asks: true, ..Velocities::default() };
         let mut mpm = scene(&make);
         mpm.add_hook(hook.clone());
-        (0..5).for_each(|_| drop(mpm.step().expect("a step")));
+        for _ in 0..5 {
+            mpm.step().expect("a step");
+        }
         let [trial, strain] = hook.seen.lock().expect("velocities").clone();
         let momentum = |list: &[(f64, [f64; 2])]| list.iter().map(|(m, v)| m * v[0]).sum::<f64>();
         assert_eq!(trial.len(), strain.len(), "{}", make.0);
