@@ -79,7 +79,7 @@ pub use fragments::{Fragments, mott_strains};
 pub use heap::Heap;
 pub use immersed::{WATER_PRESSURE, immersed};
 pub use law::Law;
-pub use liquid::{FlowRun, FlowRuns, liquid};
+pub use liquid::{FlowRun, FlowRuns, FlowScheme, liquid};
 pub use meeting::Coupling;
 pub use ogive::Ogive;
 pub use outline::{Inside, Outline};

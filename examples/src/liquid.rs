@@ -2,13 +2,40 @@
 
 use std::path::Path;
 
-use flow::Flow;
+use clap::ValueEnum;
+use flow::{Flow, FlowOptions, SemiStaggered};
+use mpm_core::geometry::Lattice;
 use mpm_core::observe::{HistoryCsv, Ledger, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::output::picture::{FieldPicture, Mark, Picture, Quantity};
 use mpm_core::{Solver, Team};
 
 use crate::{CaseError, Common, Restart, Totals};
+
+/// Scheme of incompressible flow.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FlowScheme {
+    /// Velocities at faces, second order in time by reflection
+    #[default]
+    Staggered,
+    /// Velocities at faces, without reflection: first order in time
+    FirstOrder,
+    /// Velocities at nodes, as printed \[Zhang2017\]
+    SemiStaggered,
+}
+
+impl FlowScheme {
+    /// Options of a scene on a lattice.
+    pub fn options<const D: usize>(self, lattice: Lattice<D>) -> FlowOptions<D> {
+        let options = FlowOptions::new(lattice);
+        match self {
+            FlowScheme::Staggered => options,
+            FlowScheme::FirstOrder => options.without_reflection(),
+            FlowScheme::SemiStaggered => options.semi_staggered(SemiStaggered::default()),
+        }
+    }
+}
 
 /// Folder, threads and restart of the runs of a case.
 #[derive(Clone, Copy, Debug)]

@@ -8,8 +8,8 @@ use crate::transfer::face_centre;
 use crate::wall::Walls;
 
 impl<const D: usize> Flow<D> {
-    /// Book the impulse and the work of the walls: that of the pressure in the cells, and that on the mass at closed faces, which gets the
-    /// velocity of the wall. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
+    /// Book the impulse and the work of the walls: that on the mass at closed faces, which gets the velocity of the wall, and that of the
+    /// pressure. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
     pub(crate) fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
         let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
         let area = self.frame.h.powi(D as i32 - 1);
@@ -37,6 +37,15 @@ impl<const D: usize> Flow<D> {
                     self.exchange.work += impulse * wall;
                 }
             }
+        }
+        self.book_pressure_on_walls(scale, walls);
+    }
+
+    /// Book the impulse and the work of the pressure on walls; q times `scale` is an impulse per area, N s/m^2.
+    pub(crate) fn book_pressure_on_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
+        let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
+        let area = self.frame.h.powi(D as i32 - 1);
+        for (b, _) in grid.cuts.iter().enumerate().filter(|(_, cut)| cut.is_some()) {
             for i in (0..cells).filter(|i| grid.surface.kind[b * cells + i] == LIQUID) {
                 let impulse = (grid.pressure[b * cells + i] * scale) * area;
                 for d in 0..D {

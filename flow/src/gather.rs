@@ -143,21 +143,26 @@ impl<const D: usize> Gather<'_, D> {
             }
             self.blocks.load(b, self.pressure, 0.0, &mut tiles.pressure);
             f64::dispatch(Work { on: self, block: b, tiles: &tiles, particles: &mut *particles, sums });
-            let cut = self.cuts[b].is_some() || self.walls.is_some();
-            for p in &mut *particles {
-                if cut {
-                    let by = self.push(p);
-                    (0..D).for_each(|d| sums.moved[d] += p.volume * by[d]);
-                }
-                self.frame.wrap(&mut p.x);
-            }
-            if let Some(n) = &mut sums.failed {
-                *n += starts[b] as usize;
-            }
+            self.finish(b, particles, sums, starts[b]);
         });
         let mut total = Sums::default();
         sums.iter().for_each(|s| total.add(s));
         total
+    }
+
+    /// Move the particles of a block out of walls and into the period; `first` is the number of the first of them among all.
+    pub fn finish(&self, b: usize, particles: &mut [Particle<D>], sums: &mut Sums<D>, first: u32) {
+        let cut = self.cuts[b].is_some() || self.walls.is_some();
+        for p in particles {
+            if cut {
+                let by = self.push(p);
+                (0..D).for_each(|d| sums.moved[d] += p.volume * by[d]);
+            }
+            self.frame.wrap(&mut p.x);
+        }
+        if let Some(n) = &mut sums.failed {
+            *n += first as usize;
+        }
     }
 
     /// Move a particle out of a wall, and return the displacement, m.

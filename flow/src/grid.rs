@@ -93,11 +93,14 @@ impl<const D: usize> Default for Grid<D> {
 }
 
 impl<const D: usize> Grid<D> {
-    /// Allocated memory, bytes, without that of the solve.
+    /// Allocated memory, bytes, without the vectors of the iterations of a solve.
     pub fn bytes(&self) -> usize {
         let faces = [&self.open, &self.volume, &self.velocity, &self.before, &self.shift, &self.wall];
         let cells = [&self.open_cell, &self.pressure, &self.potential, &self.right];
         let reals: usize = faces.into_iter().flatten().chain(cells).map(|list| list.capacity()).sum();
-        self.blocks.bytes() + self.tension.bytes() + 8 * (reals + 4 * self.uneven.capacity())
+        self.blocks.bytes()
+            + self.tension.bytes()
+            + self.system.bytes()
+            + 8 * (reals + 4 * self.uneven.capacity())
     }
 }

@@ -96,6 +96,7 @@ mod extrapolate;
 mod gates;
 mod gather;
 mod grid;
+mod nodal;
 mod options;
 mod particles;
 mod pressure;
@@ -112,7 +113,7 @@ mod wall;
 
 pub use deformable::{Deformable, NodeImpulse, SurfaceElement};
 pub use error::FluidError;
-pub use options::{FlowOptions, Fluid};
+pub use options::{FlowOptions, Fluid, SemiStaggered};
 pub use rigid::RigidBody;
 pub use solver::{Flow, StepTimes};
 pub use wall::{Wall, WallMotion};

@@ -7,6 +7,9 @@ use crate::blocks::SIDE;
 
 /// Default share of the density error that is corrected in a step.
 const CORRECTION: f64 = 0.25;
+/// Default shares of the semi-staggered scheme: of hourglass modes, of PIC.
+const HOURGLASS: f64 = 0.05;
+const PIC: f64 = 0.03;
 /// Default tolerance of the pressure solve, relative to the right-hand side.
 const TOLERANCE: f64 = 1e-10;
 
@@ -20,6 +23,42 @@ pub struct FlowOptions<const D: usize> {
     pub(crate) tolerance: f64,
     pub(crate) ambient: f64,
     pub(crate) reflection: bool,
+    pub(crate) semi_staggered: Option<SemiStaggered>,
+}
+
+/// Parameters of the semi-staggered scheme, as printed: velocities at nodes and the pressure at the centres of cells \[Zhang2017b\].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SemiStaggered {
+    pub(crate) hourglass: f64,
+    pub(crate) pic: f64,
+}
+
+impl Default for SemiStaggered {
+    /// The share 0.05 of the hourglass modes, and 0.03 of PIC.
+    fn default() -> Self {
+        SemiStaggered { hourglass: HOURGLASS, pic: PIC }
+    }
+}
+
+impl SemiStaggered {
+    /// Set the share alpha of the hourglass modes that a step filters from the nodal velocity, 0 to 0.25; default is 0.05.
+    ///
+    /// # Errors
+    /// A share out of range.
+    pub fn with_hourglass(mut self, alpha: f64) -> Result<Self, SceneError> {
+        parameter((0.0..=0.25).contains(&alpha), "hourglass", alpha, "from 0 to 0.25")?;
+        self.hourglass = alpha;
+        Ok(self)
+    }
+    /// Set the share of PIC in the velocity of particles, 0 to 1; the rest is FLIP. Default is 0.03.
+    ///
+    /// # Errors
+    /// A share out of range.
+    pub fn with_pic(mut self, share: f64) -> Result<Self, SceneError> {
+        parameter((0.0..=1.0).contains(&share), "pic", share, "from 0 to 1")?;
+        self.pic = share;
+        Ok(self)
+    }
 }
 
 impl<const D: usize> FlowOptions<D> {
@@ -32,6 +71,7 @@ impl<const D: usize> FlowOptions<D> {
             tolerance: TOLERANCE,
             ambient: 0.0,
             reflection: true,
+            semi_staggered: None,
         }
     }
 
@@ -83,6 +123,15 @@ impl<const D: usize> FlowOptions<D> {
     /// Project velocities as they are, without the reflection of smooth motion: first order in time, as in most codes of this kind.
     pub fn without_reflection(mut self) -> Self {
         self.reflection = false;
+        self
+    }
+
+    /// Take the semi-staggered scheme instead of the staggered one, for comparison with it: first order in time, without reflection and
+    /// without correction of the density. Walls are lines of the grid that do not move, and no bodies are in the liquid.
+    pub fn semi_staggered(mut self, with: SemiStaggered) -> Self {
+        self.semi_staggered = Some(with);
+        self.reflection = false;
+        self.correction = 0.0;
         self
     }
 

@@ -227,6 +227,14 @@ impl<const D: usize> System<D> {
         }
     }
 
+    /// Allocated memory, bytes.
+    pub fn bytes(&self) -> usize {
+        let parts = self.parts.0.iter().map(Vec::capacity).sum::<usize>() + self.parts.1.capacity();
+        let own = 8 * (parts + self.right.capacity() + self.unknown.capacity()) + 4 * self.mine.capacity();
+        own + self.stencil.as_ref().map_or(0, Stencil::bytes)
+            + self.multigrid.as_ref().map_or(0, Multigrid::bytes)
+    }
+
     /// True if liquid fills a closed region, whose pressure is known but for a constant.
     pub fn is_singular(&self) -> bool {
         self.stencil.as_ref().map_or(self.closed, |stencil| stencil.singular_regions() > 0)
@@ -411,22 +419,36 @@ pub(crate) fn subtract_gradient<const D: usize>(
                 }
                 let up = in_tile(&local::<D>(i));
                 let low = up - stride(d);
-                *u -= match (kind[low] == LIQUID, kind[up] == LIQUID) {
-                    (true, true) => value[up] - value[low],
-                    (true, false) => {
-                        let part = theta(level[low], level[up]);
-                        (between(surface[low], surface[up], part) - value[low]) / part
-                    }
-                    (false, true) => {
-                        let part = theta(level[up], level[low]);
-                        (value[up] - between(surface[up], surface[low], part)) / part
-                    }
-                    (false, false) => 0.0,
-                };
+                *u -= face_gradient(&kind, &level, (&value, &surface), low, up);
             }
         });
     }
 }
+
+/// Gradient of q across the face between two cells of a tile, times the width of a cell; 0 between cells without liquid. `value` are q and
+/// its value at the surface.
+#[inline(always)]
+pub(crate) fn face_gradient(
+    kind: &[u8; TILE_CELLS],
+    level: &[f64; TILE_CELLS],
+    (value, surface): (&[f64; TILE_CELLS], &[f64; TILE_CELLS]),
+    low: usize,
+    up: usize,
+) -> f64 {
+    match (kind[low] == LIQUID, kind[up] == LIQUID) {
+        (true, true) => value[up] - value[low],
+        (true, false) => {
+            let part = theta(level[low], level[up]);
+            (between(surface[low], surface[up], part) - value[low]) / part
+        }
+        (false, true) => {
+            let part = theta(level[up], level[low]);
+            (value[up] - between(surface[up], surface[low], part)) / part
+        }
+        (false, false) => 0.0,
+    }
+}
+
 /// Continue the pressure linearly into cells within walls beside the liquid, by the mean over the axes; into the cells of edges and corners, which
 /// touch no liquid, from those. Particles beside a wall then have the pressure of their place.
 pub(crate) fn continue_into_walls<const D: usize>(blocks: &Blocks<D>, kind: &[u8], pressure: &mut [f64]) {

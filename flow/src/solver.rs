@@ -18,6 +18,7 @@ use crate::deformable::Solids;
 use crate::deformable::skin::Skin;
 use crate::error::FluidError;
 use crate::grid::Grid;
+use crate::nodal::Nodes;
 use crate::options::{FlowOptions, Fluid, parameter};
 use crate::particles::{Frame, Liquid, Particle};
 use crate::rigid::Floater;
@@ -70,6 +71,8 @@ pub struct Flow<const D: usize> {
     pub(crate) swept: Vec<(u32, f64)>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) grid: Grid<D>,
+    /// Fields at nodes of the semi-staggered scheme; none in the staggered one.
+    pub(crate) nodes: Option<Box<Nodes<D>>>,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
     pub(crate) clock: Clock,
@@ -127,6 +130,7 @@ impl<const D: usize> Flow<D> {
             swept: Vec::new(),
             body_force: None,
             grid: Grid::default(),
+            nodes: None,
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: GROWTH },
             clock: Clock::default(),
@@ -277,6 +281,17 @@ impl<const D: usize> Flow<D> {
         self.liquids.iter().flat_map(|l| l.points()).collect()
     }
 
+    /// Allocated memory, bytes: of the particles, which are there twice to be sorted, and of the grid.
+    pub fn memory(&self) -> [usize; 2] {
+        let nodes = self.nodes.iter().map(|nodes| nodes.bytes()).sum::<usize>();
+        [self.liquids.iter().map(Liquid::bytes).sum(), self.grid.bytes() + nodes]
+    }
+
+    /// Number of liquid cells in the last step.
+    pub fn liquid_cells(&self) -> usize {
+        self.grid.system.unknowns
+    }
+
     /// Time from the velocities to the positions, s: velocities are those of the middle of the last step.
     pub fn velocity_lag(&self) -> f64 {
         self.lag
@@ -302,7 +317,24 @@ impl<const D: usize> Flow<D> {
         rate = self.rigid.iter().fold(rate, |rate, body| rate.max(2.0 * body.speed() / h));
         rate = self.solids.iter().fold(rate, |rate, solids| rate.max(2.0 * solids.speed() / h));
         rate = rate.max((gravity / h).sqrt());
+        rate = rate.max(self.rate_of_explicit_stress());
         self.limit_of_tension().map_or(rate, |limit| rate.max(1.0 / limit))
+    }
+
+    /// Rate of the viscous stress of particles in the semi-staggered scheme, 4 D nu / h^2, 1/s: its inverse is half of the stability
+    /// limit of hat functions with equal masses.
+    fn rate_of_explicit_stress(&self) -> f64 {
+        let viscosity = self.fluid.map_or(0.0, |fluid| fluid.viscosity / fluid.density);
+        let explicit = if self.options.semi_staggered.is_some() { 4.0 * D as f64 } else { 0.0 };
+        explicit * viscosity / (self.frame.h * self.frame.h)
+    }
+
+    /// Scheme, as messages name it.
+    pub(crate) fn method_of_scheme(&self) -> &'static str {
+        match self.options.semi_staggered {
+            None => "incompressible free-surface flow: affine particle-in-cell on a staggered grid",
+            Some(_) => "incompressible free-surface flow: FLIP and PIC on a semi-staggered grid",
+        }
     }
 
     /// Longest step by surface tension, s \[Brackbill1992\]; none without it.
@@ -343,11 +375,12 @@ impl<const D: usize> Flow<D> {
             speed: self.speed.max(self.speed_of_rest()),
             // The energy of the surface is in no balance.
             energy: self.fluid.is_none_or(|fluid| fluid.tension == 0.0),
-            loss: LOSS,
+            loss: if self.options.semi_staggered.is_some() { LOSS_AT_NODES } else { LOSS },
         };
         let mut watcher = std::mem::take(&mut self.watcher);
         let bodies = self.bodies();
-        let gain = gain_at_the_fastest(&bodies, |_| GAIN);
+        let gain_by = if self.options.semi_staggered.is_some() { GAIN_AT_NODES } else { GAIN };
+        let gain = gain_at_the_fastest(&bodies, |_| gain_by);
         let looked = watcher.look(&totals, false, &at, || not_finite(&bodies), gain);
         self.watcher = watcher;
         looked
@@ -391,6 +424,7 @@ impl<const D: usize> Flow<D> {
         if self.liquids.is_empty() {
             return Err(SceneError::NoBodies);
         }
+        self.check_scheme()?;
         if self.moves_bodies() && self.fluid.is_some_and(|fluid| fluid.tension > 0.0) {
             return Err(SceneError::NotWith {
                 what: "a body that the liquid moves beside surface tension".into(),
@@ -402,6 +436,17 @@ impl<const D: usize> Flow<D> {
             let wrong = values.into_iter().find(|x| !x.is_finite());
             wrong.map_or(Ok(()), |value| Err(SceneError::NotFinite { what: what.into(), value, time }))
         };
+        let stress = self.rate_of_explicit_stress();
+        if matches!(self.control, TimeControl::Fixed(_)) && dt * stress > 1.0 + 1e-9 {
+            let limit = 1.0 / stress;
+            return Err(SceneError::NotWith {
+                what: format!(
+                    "a fixed time step of {dt:.3e} s beyond the limit of the viscous stress, {limit:.3e} s,"
+                ),
+                method: self.method(),
+                why: "the stress of particles is explicit; take a shorter step, or `time_step.factor`",
+            });
+        }
         if let (TimeControl::Fixed(_), Some(limit)) = (self.control, self.limit_of_tension())
             && dt > limit * (1.0 + 1e-9)
         {
@@ -488,13 +533,21 @@ const LOSS: Loss = Loss {
     by: "the transfer between particles and grid (APIC), or liquid that collided",
     remedy: "take smaller cells; a splash or impact of an incompressible liquid loses energy by its nature",
 };
+/// Likely sinks of energy in the semi-staggered scheme.
+const LOSS_AT_NODES: Loss = Loss {
+    by: "the share of PIC in each step, or liquid that collided",
+    remedy: "take the staggered scheme, or a smaller share of PIC",
+};
+/// Likely source of energy in the semi-staggered scheme.
+const GAIN_AT_NODES: &str =
+    "the particles there are the fastest; take the staggered scheme, or a smaller Courant factor";
 /// Likely source of energy.
 const GAIN: &str =
     "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
 
 impl<const D: usize> Solver for Flow<D> {
     fn method(&self) -> String {
-        "incompressible free-surface flow: affine particle-in-cell on a staggered grid".into()
+        self.method_of_scheme().into()
     }
     fn dimensions(&self) -> usize {
         D
@@ -574,10 +627,9 @@ impl<const D: usize> Solver for Flow<D> {
         self.watcher.account(totals, &Solver::exchange(self), false)
     }
     fn bytes(&self) -> usize {
-        self.liquids.iter().map(Liquid::bytes).sum::<usize>()
+        self.memory().iter().sum::<usize>()
             + self.rigid.iter().map(Body::bytes).sum::<usize>()
             + self.solids.iter().map(|solids| solids.bytes()).sum::<usize>()
-            + self.grid.bytes()
     }
 }
 

@@ -38,14 +38,19 @@ impl<const D: usize> Flow<D> {
     /// Make a step of `dt` seconds. Velocities are those of the middle between positions (leap-frog): forces act over the mean of the last
     /// step and this one.
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
-        let (time, kick) = (self.clock.time, self.lag + 0.5 * dt);
+        let (time, nodal) = (self.clock.time, self.options.semi_staggered);
+        // The semi-staggered scheme has the whole impulse of the first step, too.
+        let kick = if nodal.is_some() { dt } else { self.lag + 0.5 * dt };
         let list = std::mem::take(&mut self.walls);
         let skins = self.solids.as_mut().map_or(Vec::new(), |solids| std::mem::take(&mut solids.skins));
         let mut walls = Walls::at(&list, (&self.rigid, &skins), time, dt);
         if let Some(solids) = &self.solids {
             walls.velocities.clone_from(&solids.velocities);
         }
-        let stepped = self.stages(dt, kick, &mut walls);
+        let stepped = match nodal {
+            None => self.stages(dt, kick, &mut walls),
+            Some(with) => self.stages_at_nodes(with, dt, &mut walls),
+        };
         self.walls = list;
         if let (Some(solids), Err(_)) = (&mut self.solids, &stepped) {
             solids.skins = skins;
@@ -65,7 +70,11 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Run a stage, and measure its wall time if times are measured.
-    fn part<R>(&mut self, of: impl Fn(&mut StepTimes) -> &mut f64, work: impl FnOnce(&mut Self) -> R) -> R {
+    pub(crate) fn part<R>(
+        &mut self,
+        of: impl Fn(&mut StepTimes) -> &mut f64,
+        work: impl FnOnce(&mut Self) -> R,
+    ) -> R {
         if self.times.is_none() {
             return work(self);
         }
@@ -118,7 +127,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Sort the particles into blocks, and cut the cells by the walls.
-    fn sort(&mut self, walls: &Walls<'_, D>) -> Result<(), StepError> {
+    pub(crate) fn sort(&mut self, walls: &Walls<'_, D>) -> Result<(), StepError> {
         let mut occupied = Vec::new();
         for (body, liquid) in self.liquids.iter().enumerate() {
             let found = liquid.occupied(&self.frame, &mut occupied);
@@ -249,10 +258,15 @@ impl<const D: usize> Flow<D> {
         }
         let (impulse, heat) = (impulse.map(|sum| mass * sum), mass * (lost + work));
         add_to(&mut self.exchange.impulse, &impulse);
+        self.book_heat(heat);
+        Ok(())
+    }
+
+    /// Book heat of viscosity, J, to the liquids by their volumes.
+    pub(crate) fn book_heat(&mut self, heat: f64) {
         let volume = |l: &crate::particles::Liquid<D>| l.particles.iter().map(|p| p.volume).sum::<f64>();
         let total: f64 = self.liquids.iter().map(volume).sum();
         self.liquids.iter_mut().for_each(|l| l.heat += heat * volume(l) / total);
-        Ok(())
     }
 
     /// Closed faces of walls without slip, as 1; empty if there are none.
@@ -300,13 +314,13 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    fn cells(&self) -> Cells<'_, D> {
+    pub(crate) fn cells(&self) -> Cells<'_, D> {
         let grid = &self.grid;
         let (kind, level) = (&grid.surface.kind[..], &grid.surface.level[..]);
         Cells { blocks: &grid.blocks, kind, level, open: &grid.open, surface: None }
     }
 
-    fn unsolved(&self, what: &'static str, why: &PressureError) -> StepError {
+    pub(crate) fn unsolved(&self, what: &'static str, why: &PressureError) -> StepError {
         self.clock.stopped(Stopped::Solve { what, why: why.to_string() })
     }
 
@@ -319,7 +333,7 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Turn q into the pressure, Pa. Air has that of the surface; cells within walls continue that of the liquid beside them.
-    fn finish_pressure(&mut self, scale: f64) {
+    pub(crate) fn finish_pressure(&mut self, scale: f64) {
         let (grid, ambient) = (&mut self.grid, self.options.ambient);
         for (n, p) in grid.pressure.iter_mut().enumerate() {
             let q =
@@ -482,16 +496,22 @@ impl<const D: usize> Flow<D> {
         };
         let sums: Vec<_> = liquids.iter_mut().map(|l| gather.run(&self.team, l)).collect();
         self.liquids = liquids;
+        self.check_sums(&sums)?;
+        Ok(sums)
+    }
+
+    /// Check that all particles have moved, and by no more than the grid around them.
+    pub(crate) fn check_sums(&self, sums: &[Sums<D>]) -> Result<(), StepError> {
         for (body, sum) in sums.iter().enumerate() {
             if let Some(n) = sum.failed {
                 let finite = self.liquids[body].particles[n].v.iter().all(|v| v.is_finite());
                 return Err(self.failed(body, n, if finite { Cause::TooFast } else { Cause::Velocity }));
             }
         }
-        Ok(sums)
+        Ok(())
     }
 
-    fn failed(&self, body: usize, n: usize, cause: Cause) -> StepError {
+    pub(crate) fn failed(&self, body: usize, n: usize, cause: Cause) -> StepError {
         let liquid = &self.liquids[body];
         let p = &liquid.particles[n];
         self.clock.stopped(Stopped::Point {
@@ -519,8 +539,12 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Largest net outflow of a liquid cell in the last step over the area of a face, m/s: of the velocity at the time of the positions at
-    /// its start, which is the mean of those in the middles of the steps before and after.
+    /// its start, which is the mean of those in the middles of the steps before and after. In the semi-staggered scheme that of the nodal
+    /// velocity at its end.
     pub fn largest_divergence(&self) -> f64 {
+        if let Some(nodes) = &self.nodes {
+            return self.divergence_at_nodes(nodes);
+        }
         let mut right = Vec::new();
         outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut right);
         for (body, around) in self.rigid.iter().zip(&self.around) {

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use impactite_geometry::Shape;
+use impactite_geometry::{Bounds, Shape};
 
 use crate::deformable::skin::Skin;
 use crate::rigid::Floater;
@@ -100,6 +100,10 @@ impl<const D: usize> Wall<D> {
     /// True for the surface of a body that the liquid moves.
     pub(crate) fn follows(&self) -> bool {
         self.body.is_some() || self.solid.is_some()
+    }
+    /// Box around the shape, m, without its displacement.
+    pub(crate) fn bounds(&self) -> Bounds<D> {
+        self.shape.bounds()
     }
     /// Displacement at the time `t`, s, in m.
     pub fn displacement(&self, t: f64) -> [f64; D] {

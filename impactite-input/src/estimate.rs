@@ -10,7 +10,7 @@ use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
 use crate::model::condition::{Condition, Wall};
-use crate::model::method::{Method, Purpose, ShapeFunction, Sph, SphForm, TimeStep};
+use crate::model::method::{Flow, Method, Purpose, ShapeFunction, Sph, SphForm, TimeStep};
 use crate::model::shape::Shape;
 use crate::model::{SceneFile, Space};
 
@@ -263,6 +263,13 @@ impl Source {
             if let Some(why) = liquid::without_pressure(scene, options) {
                 notes.push(without_pressure(why));
             }
+        }
+        if let Method::Flow(Flow { semi_staggered: Some(_), .. }) = &scene.method {
+            notes.push(
+                "method.flow.semi_staggered: for comparison; the surface is up to half a cell too high, waves lower than a cell are wrong, velocities have \
+                 divergence, and the share of PIC in each step is a viscosity; leave it out for the staggered scheme"
+                    .into(),
+            );
         }
         if let Method::Sph(options) = &scene.method {
             notes_of_liquids(scene, options, &mut notes);

@@ -23,6 +23,11 @@ pub(crate) struct Coarsest {
 }
 
 impl Coarsest {
+    /// Allocated memory, bytes.
+    pub fn bytes(&self) -> usize {
+        8 * (self.inverse.capacity() + self.b.capacity()) + 16 * self.places.capacity()
+    }
+
     /// Factorise the operator of a level.
     pub fn renew<const D: usize>(&mut self, level: &Level<D>) {
         let (n, h) = (slots::<D>(), half::<D>());

@@ -50,6 +50,16 @@ impl<const D: usize> Level<D> {
         level
     }
 
+    /// Allocated memory, bytes.
+    pub fn bytes(&self) -> usize {
+        let natural = &self.natural;
+        let colours = [&self.coefficients, &self.b, &self.x].into_iter().flatten();
+        let reals = natural.weights.capacity()
+            + natural.excess.capacity()
+            + colours.map(Vec::capacity).sum::<usize>();
+        4 * reals + 8 * natural.unknown.capacity()
+    }
+
     /// Adapt the arrays to a set of cells.
     pub fn resize(&mut self, cells: Arc<CellBlocks<D>>) {
         let (blocks, h) = (cells.blocks(), half::<D>());

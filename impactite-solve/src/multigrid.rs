@@ -43,6 +43,13 @@ impl<const D: usize> Multigrid<D> {
         multigrid
     }
 
+    /// Allocated memory, bytes, without that of the cells.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        let levels = self.levels.iter().map(Level::bytes).sum::<usize>();
+        levels + self.transfers.iter().map(Transfer::bytes).sum::<usize>() + self.coarsest.bytes()
+    }
+
     /// Create the levels of another operator, of any cells, in the memory of this one. Results do not depend on the previous operator.
     pub fn renew(&mut self, team: &Team, stencil: &Stencil<D>) {
         self.scale = largest(team, stencil.diagonal());

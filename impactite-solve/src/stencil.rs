@@ -64,6 +64,12 @@ impl<const D: usize> Stencil<D> {
         Ok(stencil)
     }
 
+    /// Allocated memory of the coefficients, bytes.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        8 * (self.diagonal.capacity() + self.weights.iter().map(Vec::capacity).sum::<usize>())
+    }
+
     /// Return the arrays of weights and of the diagonal, to be used again.
     #[must_use]
     pub fn into_parts(self) -> ([Vec<f64>; D], Vec<f64>) {

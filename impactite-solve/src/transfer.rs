@@ -32,6 +32,12 @@ pub(crate) struct Transfer<const D: usize> {
 }
 
 impl<const D: usize> Transfer<D> {
+    /// Allocated memory, bytes.
+    pub fn bytes(&self) -> usize {
+        let words = self.starts.capacity() + self.factors.capacity() + self.flux.capacity();
+        4 * words + 32 * self.children.capacity()
+    }
+
     /// Adapt the arrays to sets of cells.
     pub fn resize(&mut self, fine: &CellBlocks<D>, coarse: &CellBlocks<D>) {
         let (n, h) = (slots::<D>(), half::<D>());

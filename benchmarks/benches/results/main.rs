@@ -24,6 +24,7 @@ mod sample;
 mod scenes;
 mod search;
 mod smoothed;
+mod water;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -115,6 +116,8 @@ enum Section {
     Search,
     /// What a step of smoothed particles is made of
     Cycle,
+    /// Incompressible flow: rates, stages, memory, and another program beside it
+    Water,
     /// Times of compilers
     Compile,
     /// Time of all tests, compilers included
@@ -159,6 +162,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Fragile => fragile::cost(options.quick, &options.python)?,
             Section::Search => search::times(options.quick)?,
             Section::Cycle => cycle::shares_of_steps(options.quick, &options.chart)?,
+            Section::Water => water::cost(options.quick, &options.python)?,
             Section::Compile => compile::times(&options.before)?,
             Section::Tests => compile::tests(false)?,
             Section::Ci => compile::tests(true)?,

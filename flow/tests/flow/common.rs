@@ -4,6 +4,8 @@ use flow::{Flow, FlowOptions, Fluid, Wall};
 use impactite_geometry::{Cuboid, Lattice, Seeds};
 use impactite_scene::{PointView, Solver};
 
+use crate::gates::Scheme;
+
 pub const GRAVITY: f64 = 9.81;
 
 /// Lattice of particles, `per` along an axis of a cell of width `h`, in a box.
@@ -24,12 +26,13 @@ pub fn box_of_particles<const D: usize>(low: [f64; D], high: [f64; D], h: f64, p
 }
 
 /// Tank of length `length` with water of depth `depth` and the surface depth + surface(x), `cells` along it, with gravity.
-pub fn tank(length: f64, depth: f64, cells: usize, surface: impl Fn(f64) -> f64) -> Flow<2> {
-    viscous_tank(length, depth, cells, 0.0, surface)
+pub fn tank(scheme: Scheme, length: f64, depth: f64, cells: usize, surface: impl Fn(f64) -> f64) -> Flow<2> {
+    viscous_tank(scheme, length, depth, cells, 0.0, surface)
 }
 
 /// [`tank`] of a liquid of this viscosity, Pa s, and a density of 1000 kg/m^3.
 pub fn viscous_tank(
+    scheme: Scheme,
     length: f64,
     depth: f64,
     cells: usize,
@@ -37,7 +40,7 @@ pub fn viscous_tank(
     surface: impl Fn(f64) -> f64,
 ) -> Flow<2> {
     let h = length / cells as f64;
-    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 2], h).unwrap()));
+    let mut flow = Flow::new(scheme(FlowOptions::new(Lattice::new([0.0; 2], h).unwrap())));
     flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [length, 2.0 * depth]).unwrap())).unwrap();
     let mut seeds = box_of_particles([0.0; 2], [length, depth], h, 2);
     for (x, volume) in seeds.positions.iter_mut().zip(&mut seeds.volumes) {

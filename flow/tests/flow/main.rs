@@ -4,7 +4,9 @@
 mod bodies;
 mod common;
 mod drops;
+mod gates;
 mod inclined;
+mod schemes;
 mod solver;
 mod tension;
 mod viscous;

@@ -1,13 +1,22 @@
 //! Conformance of a scene as a solver.
 
-use flow::{Flow, FlowOptions, Fluid, RigidBody, Wall};
+use flow::{Flow, FlowOptions, Fluid, RigidBody, SemiStaggered, Wall};
 use impactite_geometry::{Ball, Compose, Cuboid, HalfSpace, Lattice};
 use impactite_scene::{Solver, solver_conforms};
 
 use crate::common::GRAVITY;
 
 fn dam() -> impl Solver {
-    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 2], 0.05).unwrap()));
+    dam_of(FlowOptions::new(Lattice::new([0.0; 2], 0.05).unwrap()))
+}
+
+fn dam_at_nodes() -> impl Solver {
+    let lattice = Lattice::new([0.0; 2], 0.05).unwrap();
+    dam_of(FlowOptions::new(lattice).semi_staggered(SemiStaggered::default()))
+}
+
+fn dam_of(options: FlowOptions<2>) -> impl Solver {
+    let mut flow = Flow::new(options);
     flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [1.0, 0.8]).unwrap())).unwrap();
     let column = Cuboid::new([0.0; 2], [0.4, 0.4]).unwrap();
     flow.add_shape("water", Fluid::new(1000.0).unwrap(), &column, 2, |_| [0.0; 2]).unwrap();
@@ -44,8 +53,10 @@ fn raft() -> impl Solver {
 solver_conforms! {
     // Eight cells high, with an impact on the wall in front.
     plane: dam, SolverTests::until(0.6).energy_within(0.12);
-    // The energy of the surface is in no balance.
+    // The surface of balls is too high by up to half a cell of eight: a third of the energy.
+    nodes: dam_at_nodes, SolverTests::until(0.6).energy_within(0.4);
     // Ten cells high; an impact of a flat box on liquid loses energy.
     bodies: raft, SolverTests::until(0.3).energy_within(0.35);
+    // The energy of the surface is in no balance.
     space: drop, SolverTests::until(4e-3).energy_within(1.0);
 }

@@ -4,6 +4,8 @@ use flow::{Flow, FlowOptions, Fluid};
 use impactite_geometry::{Ball, Lattice};
 use impactite_scene::{Solver, Watch};
 
+use crate::gates::{drop_at_rest, staggered};
+
 const RADIUS: f64 = 5.0e-3;
 const TENSION: f64 = 0.072;
 const DENSITY: f64 = 1000.0;
@@ -44,12 +46,7 @@ fn pressure<const D: usize>(flow: &Flow<D>) -> f64 {
 #[test]
 fn a_drop_at_rest_has_its_pressure() {
     for (cells, allowed) in [(8.0, 0.01), (16.0, 0.005)] {
-        let mut flow = drop::<2>(cells, 1e-3, 0.0);
-        flow.step_at_most(f64::INFINITY).unwrap();
-        let first = pressure(&flow) / 14.4 - 1.0;
-        flow.run_until(0.01).unwrap();
-        let fastest = flow.points().iter().map(|p| p.velocity[0].hypot(p.velocity[1])).fold(0.0, f64::max);
-        let last = pressure(&flow) / 14.4 - 1.0;
+        let [first, last, fastest] = drop_at_rest(staggered, cells, 0.01).unwrap();
         println!(
             "{cells} cells: errors of the pressure {first:.1e}, {last:.1e} after 10 ms; speed {fastest:.1e} m/s"
         );

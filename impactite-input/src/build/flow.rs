@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use impactite::coupling::{ElementsInLiquid, ParticlesInLiquid};
 use impactite::fem::Fem;
-use impactite::flow::{Flow as Scene, FlowOptions, Fluid, RigidBody, Wall};
+use impactite::flow::{Flow as Scene, FlowOptions, Fluid, RigidBody, SemiStaggered, Wall};
 use impactite::geometry::{Facets, HalfSpace, Lattice, Shape};
 use impactite::scene::{Embedding, Solver};
 
@@ -22,7 +22,7 @@ use crate::model::body::{Body, Mesh};
 use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
-use crate::model::method::{Flow, Method, Purpose};
+use crate::model::method::{Flow, Method, Purpose, SemiStaggered as Shares};
 use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
@@ -40,6 +40,18 @@ const INTERVALS: usize = 4096;
 /// Displacement over time, m.
 type Displacement<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
 
+/// Parameters of the semi-staggered scheme at this key.
+fn semi_staggered(key: &str, given: &Shares) -> Made<SemiStaggered> {
+    let mut made = SemiStaggered::default();
+    if let Some(share) = given.hourglass {
+        made = made.with_hourglass(share.value).at(format!("{key}.hourglass"))?;
+    }
+    if let Some(share) = given.pic {
+        made = made.with_pic(share.value).at(format!("{key}.pic"))?;
+    }
+    Ok(made)
+}
+
 pub(super) fn build<E: Setting<D>, const D: usize>(
     embedding: E,
     world: &World<'_, D>,
@@ -55,6 +67,15 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let mut made = FlowOptions::new(lattice);
     if let Some(share) = options.density_correction {
         made = made.density_correction(share.value).at(format!("{key}.density_correction"))?;
+    }
+    if let Some(scheme) = &options.semi_staggered {
+        if options.density_correction.is_some() {
+            return wrong(
+                format!("{key}.density_correction"),
+                "is not available with `semi_staggered`, which corrects no density; leave it out",
+            );
+        }
+        made = made.semi_staggered(semi_staggered(&format!("{key}.semi_staggered"), scheme)?);
     }
     let mut periods = [false; D];
     for (n, condition) in world.scene.conditions.iter().enumerate() {
@@ -111,6 +132,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         flow.add_fluid(name, fluid, &seeds, |x| velocity(x)).map_err(|e| of_body(&key, e))?;
     }
     placement::check_planes(world, &flow)?;
+    flow.check_scheme().at(format!("{key}.semi_staggered"))?;
     if let Some(gravity) = world.gravity()? {
         flow.set_body_force(move |t| gravity(t));
     }

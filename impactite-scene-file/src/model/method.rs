@@ -132,9 +132,24 @@ parts! {
         #[serde(default)]
         #[schemars(example = 0.25, extend("minimum" = 0, "maximum" = 1, "default" = 0.25))]
         density_correction: Option<Quantity<Plain>>,
+        /// Semi-staggered scheme, as printed, for comparison with the staggered one: velocities at nodes. It has no correction of the
+        /// density; walls are lines of the grid that do not move, and no bodies are in the liquid.
+        #[serde(default)]
+        semi_staggered: Option<SemiStaggered>,
         /// Material points of the bodies of solids without a `mesh`. If not given, cells of the size of those of the liquid.
         #[serde(default)]
         solids: Option<Solids>,
+    }
+    /// Parameters of the semi-staggered scheme of incompressible flow.
+    SemiStaggered {
+        /// Share of the hourglass modes that a step filters from the velocities of nodes.
+        #[serde(default)]
+        #[schemars(example = 0.05, extend("minimum" = 0, "maximum" = 0.25, "default" = 0.05))]
+        hourglass: Option<Quantity<Plain>>,
+        /// Share of PIC in the velocities of particles; the rest is FLIP.
+        #[serde(default)]
+        #[schemars(example = 0.03, extend("minimum" = 0, "maximum" = 1, "default" = 0.03))]
+        pic: Option<Quantity<Plain>>,
     }
     /// Material points in an incompressible liquid.
     Solids {

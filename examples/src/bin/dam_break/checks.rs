@@ -22,7 +22,7 @@ const GAIN: f64 = 0.01;
 const MOMENTUM: f64 = 1e-11;
 
 const LET_GO: &str = "water let go at once is ahead of water behind a gate that is pulled: the clock of the experiment starts before the gate is open";
-const ALTERNATES: &str = "the pressure of single steps alternates about its mean, by the reflection, after impacts; --no-reflection is smooth";
+const ALTERNATES: &str = "the pressure of single steps alternates about its mean, by the reflection, after impacts; --scheme first-order is smooth";
 const FILMS: &str = "films and drops thinner than a cell fill no cell of the level set";
 
 /// Check all runs.

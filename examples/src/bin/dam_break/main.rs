@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use examples::martin_moyce::FRONT;
-use examples::{CaseError, Common, FlowRuns, Report, Resolution, Restart, Totals, case, within};
+use examples::{CaseError, Common, FlowRuns, FlowScheme, Report, Resolution, Restart, Totals, case, within};
 
 use scene::Outcome;
 use setup::{COLUMN, Setup, Study};
@@ -45,9 +45,9 @@ struct Options {
     /// End of the runs in the tank over sqrt(H / g), 1 to 100
     #[arg(long, value_name = "TIMES", default_value_t = 7.0, value_parser = within(1.0, 100.0))]
     end: f64,
-    /// Project velocities without reflection, in first order
-    #[arg(long)]
-    no_reflection: bool,
+    /// Scheme of the flow
+    #[arg(long, value_enum, default_value_t)]
+    scheme: FlowScheme,
     /// Cells over the depth of the reservoir of the runs of the cost, one run each and method, 4 to 100
     #[arg(long, value_name = "N", value_delimiter = ',', default_values = ["4", "8", "16"], value_parser = clap::value_parser!(u32).range(4..=100))]
     compared: Vec<u32>,
@@ -67,9 +67,8 @@ impl Options {
     }
     fn setups(&self, study: Study) -> Vec<Setup> {
         let cells = self.cells.unwrap_or_else(|| self.common.resolution.choose(24, 48, 96));
-        let (viscosity, reflection) = (self.viscosity, !self.no_reflection);
-        let tank =
-            Setup { study, height: self.height, aspect: 2.0, cells, viscosity, end: self.end, reflection };
+        let (viscosity, scheme) = (self.viscosity, self.scheme);
+        let tank = Setup { study, height: self.height, aspect: 2.0, cells, viscosity, end: self.end, scheme };
         match study {
             // One step, in which no particle moves.
             Study::Release => {

@@ -1,7 +1,7 @@
 //! Scene and run.
 
 use examples::{CaseError, FlowRun, FlowRuns, Heap};
-use flow::{Flow, FlowOptions, Fluid, Wall};
+use flow::{Flow, Fluid, Wall};
 use mpm_core::Solver;
 use mpm_core::geometry::{Cuboid, Lattice};
 
@@ -43,11 +43,7 @@ impl Outcome {
 }
 
 fn scene(setup: &Setup) -> Result<Flow<2>, CaseError> {
-    let mut options = FlowOptions::new(Lattice::new([0.0; 2], setup.spacing())?);
-    if !setup.reflection {
-        options = options.without_reflection();
-    }
-    let mut flow = Flow::new(options);
+    let mut flow = Flow::new(setup.scheme.options(Lattice::new([0.0; 2], setup.spacing())?));
     let [left, right] = setup.tank();
     flow.add_wall(Wall::container(Cuboid::new([left, 0.0], [right, setup.ceiling()])?))?;
     let water = Fluid::new(DENSITY)?.with_viscosity(setup.viscosity)?;

@@ -1,6 +1,7 @@
 //! Parameters of a run.
 
 use clap::ValueEnum;
+use examples::FlowScheme;
 use examples::martin_moyce::WIDTH;
 use serde::Serialize;
 
@@ -52,7 +53,7 @@ pub struct Setup {
     pub viscosity: f64,
     /// End of the run over sqrt(H / g).
     pub end: f64,
-    pub reflection: bool,
+    pub scheme: FlowScheme,
 }
 
 impl Setup {

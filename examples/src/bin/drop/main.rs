@@ -10,7 +10,7 @@ mod theory;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, FlowRuns, Report, Restart, Totals, case, within};
+use examples::{CaseError, Common, FlowRuns, FlowScheme, Report, Restart, Totals, case, within};
 
 use scene::{Outcome, RATE};
 use setup::{Setup, Study};
@@ -42,6 +42,9 @@ struct Options {
     /// Stretch at the start of the drops that oscillate, less 1, 0.01 to 0.5
     #[arg(long, value_name = "PART", default_value_t = 0.05, value_parser = within(0.01, 0.5))]
     stretch: f64,
+    /// Scheme of the flow
+    #[arg(long, value_enum, default_value_t)]
+    scheme: FlowScheme,
     /// Write ParaView frames
     #[arg(long)]
     frames: bool,
@@ -57,8 +60,9 @@ impl Options {
             (Study::Cube, level) => [&[5][..], &[5], &[5, 10]][level],
             (Study::Rest, level) => [&[8, 16][..], &[8, 16, 32], &[8, 16, 32, 64]][level],
         };
-        let Options { radius, tension, viscosity, stretch, .. } = *self;
-        let at_rest = Setup { study, size: radius, cells: 0, tension, viscosity, stretch: 0.0, end: 0.0 };
+        let Options { radius, tension, viscosity, stretch, scheme, .. } = *self;
+        let at_rest =
+            Setup { study, size: radius, cells: 0, tension, viscosity, stretch: 0.0, end: 0.0, scheme };
         let of = |cells: u32| {
             let setup = Setup { cells, ..at_rest };
             match study {

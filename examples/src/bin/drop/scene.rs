@@ -1,7 +1,7 @@
 //! Scene and run.
 
 use examples::{CaseError, FlowRun, FlowRuns};
-use flow::{Flow, FlowOptions, Fluid};
+use flow::{Flow, Fluid};
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::{Solver, TimeControl, Watch};
 
@@ -43,7 +43,7 @@ fn scene<const D: usize>(setup: &Setup) -> Result<Flow<D>, CaseError> {
     // Not centred at a node, but for shapes with edges.
     let at = if setup.study.has_edges() { 0.0 } else { 0.37 * h };
     let lattice = Lattice::new([at; D], h)?;
-    let mut flow = Flow::new(FlowOptions::new(lattice));
+    let mut flow = Flow::new(setup.scheme.options(lattice));
     let fluid = Fluid::new(DENSITY)?.with_surface_tension(setup.tension)?.with_viscosity(setup.viscosity)?;
     let shape: Box<dyn Shape<D>> = if setup.study.has_edges() {
         Box::new(Cuboid::new([-setup.size; D], [setup.size; D])?)

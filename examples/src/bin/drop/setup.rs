@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use clap::ValueEnum;
+use examples::FlowScheme;
 use serde::Serialize;
 
 use crate::theory::Drop;
@@ -66,6 +67,7 @@ pub struct Setup {
     pub stretch: f64,
     /// End of the run, s.
     pub end: f64,
+    pub scheme: FlowScheme,
 }
 
 impl Setup {

@@ -10,7 +10,7 @@ mod theory;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, FlowRuns, Report, Resolution, Restart, Totals, case, within};
+use examples::{CaseError, Common, FlowRuns, FlowScheme, Report, Resolution, Restart, Totals, case, within};
 
 use setup::{STRONG, Setup, Study};
 use theory::Mode;
@@ -45,6 +45,9 @@ struct Options {
     /// Cells over the length, 16 to 1000 [default: 40; 64; 128 by resolution, 24; 24; 48 for 20 s]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(16..=1000))]
     cells: Option<u32>,
+    /// Scheme of the flow
+    #[arg(long, value_enum, default_value_t)]
+    scheme: FlowScheme,
     /// Cells over the length of the runs of the cost, one run each and method, 8 to 200
     #[arg(long, value_name = "N", value_delimiter = ',', default_values = ["16", "32", "64"], value_parser = clap::value_parser!(u32).range(8..=200))]
     compared: Vec<u32>,
@@ -68,9 +71,9 @@ impl Options {
             Study::Long => choose(24, 24, 48),
             _ => choose(40, 64, 128),
         });
-        let Options { length, viscosity, .. } = *self;
+        let Options { length, viscosity, scheme, .. } = *self;
         let (depth, amplitude) = (self.depth * length, self.amplitude * length);
-        let setup = Setup { study, length, depth, cells, mode: 1, amplitude, viscosity };
+        let setup = Setup { study, length, depth, cells, mode: 1, amplitude, viscosity, scheme };
         match study {
             Study::Cost => vec![Setup { amplitude: 2.0 * amplitude, ..setup }],
             Study::Wave => self.mode.iter().map(|mode| Setup { mode: *mode, ..setup }).collect(),

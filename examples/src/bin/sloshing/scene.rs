@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use examples::{CaseError, FlowRun, FlowRuns};
-use flow::{Flow, FlowOptions, Fluid, Wall};
+use flow::{Flow, Fluid, Wall};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{Solver, Watch};
 
@@ -39,7 +39,7 @@ pub struct Outcome {
 fn scene(setup: &Setup) -> Result<Flow<2>, CaseError> {
     let Setup { length, depth, study, .. } = *setup;
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
-    let mut flow = Flow::new(FlowOptions::new(lattice));
+    let mut flow = Flow::new(setup.scheme.options(lattice));
     flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [length, 3.0 * depth])?))?;
     let mut seeds = fill(&Cuboid::new([0.0; 2], [length, depth])?, &lattice, 2, &Filling::new())?;
     let mode = Mode::new(setup.mode, setup);

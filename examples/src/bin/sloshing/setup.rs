@@ -1,6 +1,7 @@
 //! Parameters of a run.
 
 use clap::ValueEnum;
+use examples::FlowScheme;
 use serde::Serialize;
 
 /// Gravity, m/s^2.
@@ -39,6 +40,7 @@ pub struct Setup {
     pub amplitude: f64,
     /// Kinematic viscosity of a wave that decays, m^2/s.
     pub viscosity: f64,
+    pub scheme: FlowScheme,
 }
 
 impl Setup {

@@ -9,7 +9,7 @@ mod theory;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, FlowRuns, Report, Restart, Totals, case, within};
+use examples::{CaseError, Common, FlowRuns, FlowScheme, Report, Restart, Totals, case, within};
 
 use scene::{Setup, Study};
 
@@ -31,9 +31,9 @@ struct Options {
     /// Reynolds number U L / nu of the vortices, 1 to 10000
     #[arg(long, value_name = "RE", default_value_t = 100.0, value_parser = within(1.0, 1e4))]
     reynolds: f64,
-    /// Project velocities without reflection, in first order
-    #[arg(long)]
-    no_reflection: bool,
+    /// Scheme of the flow
+    #[arg(long, value_enum, default_value_t)]
+    scheme: FlowScheme,
     /// Write ParaView frames
     #[arg(long)]
     frames: bool,
@@ -51,8 +51,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let mut outcomes = Vec::new();
     for &study in &options.study {
         for &cells in cells {
-            let setup =
-                Setup { study, cells, reynolds: options.reynolds, reflection: !options.no_reflection };
+            let setup = Setup { study, cells, reynolds: options.reynolds, scheme: options.scheme };
             outcomes.push(scene::run(&setup, &runs)?);
         }
         let Some(finest) = outcomes.last() else { continue };
