@@ -216,15 +216,26 @@ impl<const D: usize> Blocks<D> {
     #[inline]
     pub fn load<X: Copy>(&self, b: usize, field: &[X], outside: X, tile: &mut [X; TILE_CELLS]) {
         let near = self.near(b);
-        let layers = if D == 3 { TILE } else { 1 };
-        for k in 0..layers {
-            let (slab, high) = if D == 3 { (9 * PART[k], 16 * WITHIN[k]) } else { (0, 0) };
-            for j in 0..TILE {
-                let (around, start) = (slab + 3 * PART[j], high + 4 * WITHIN[j]);
-                let row = &mut tile[(k * TILE + j) * TILE..][..TILE];
-                copy_row::<X, D, 2>(field, near[around], start + 2, outside, &mut row[..2]);
-                copy_row::<X, D, 4>(field, near[around + 1], start, outside, &mut row[2..6]);
-                copy_row::<X, D, 2>(field, near[around + 2], start, outside, &mut row[6..]);
+        let of = |block: u32| {
+            let first = block as usize * Self::CELLS;
+            if block == NONE { None } else { field.get(first..first + Self::CELLS) }
+        };
+        let layers: &[Span] = if D == 3 { &SPANS } else { &SPANS[..1] };
+        for (slab, layer) in layers.iter().enumerate() {
+            for (line, rows) in SPANS.iter().enumerate() {
+                let first = 9 * slab + 3 * line;
+                let blocks = [of(near[first]), of(near[first + 1]), of(near[first + 2])];
+                for k in 0..if D == 3 { layer.count } else { 1 } {
+                    for j in 0..rows.count {
+                        let high = if D == 3 { (layer.first + k) * SIDE * SIDE } else { 0 };
+                        let start = high + (rows.first + j) * SIDE;
+                        let place = if D == 3 { layer.place + k } else { 0 } * TILE + rows.place + j;
+                        let row = &mut tile[place * TILE..][..TILE];
+                        copy_row::<X, 2>(blocks[0], start + 2, outside, &mut row[..2]);
+                        copy_row::<X, 4>(blocks[1], start, outside, &mut row[2..6]);
+                        copy_row::<X, 2>(blocks[2], start, outside, &mut row[6..]);
+                    }
+                }
             }
         }
     }
@@ -235,22 +246,26 @@ impl<const D: usize> Blocks<D> {
     }
 }
 
-/// Block of each row of a tile: below, itself, above; and the row within it.
-const PART: [usize; TILE] = [0, 0, 1, 1, 1, 1, 2, 2];
-const WITHIN: [usize; TILE] = [2, 3, 0, 1, 2, 3, 0, 1];
+/// Part of a tile along an axis that is of one block.
+struct Span {
+    /// First layer in the tile.
+    place: usize,
+    count: usize,
+    /// First layer in the block.
+    first: usize,
+}
+
+/// Parts of the block below, of the block itself, and of the block above.
+const SPANS: [Span; 3] = [
+    Span { place: 0, count: HALO, first: SIDE - HALO },
+    Span { place: HALO, count: SIDE, first: 0 },
+    Span { place: HALO + SIDE, count: HALO, first: 0 },
+];
 
 /// Copy `N` cells of a block.
 #[inline(always)]
-fn copy_row<X: Copy, const D: usize, const N: usize>(
-    field: &[X],
-    block: u32,
-    start: usize,
-    outside: X,
-    out: &mut [X],
-) {
-    let first = block as usize * volume(D) + start;
-    let from = if block == NONE { None } else { field.get(first..first + N) };
-    match from.and_then(|row| <&[X; N]>::try_from(row).ok()) {
+fn copy_row<X: Copy, const N: usize>(cells: Option<&[X]>, start: usize, outside: X, out: &mut [X]) {
+    match cells.and_then(|cells| cells.get(start..start + N)) {
         Some(row) => out.copy_from_slice(row),
         None => out.fill(outside),
     }

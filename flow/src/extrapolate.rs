@@ -2,7 +2,7 @@
 
 use impactite_simd::Team;
 
-use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
+use crate::blocks::{Blocks, NONE, TILE_CELLS, in_tile, local, stride};
 use crate::cuts::{CutBlock, Cuts};
 use crate::particles::Frame;
 use crate::surface::LIQUID;
@@ -20,6 +20,8 @@ pub(crate) const CLOSED: u8 = 3;
 /// Mark of an open face of a liquid cell.
 pub(crate) const SOLVED: u8 = 4;
 
+/// Blocks whose marks are collected at once.
+const GROUP: usize = 64;
 /// Layers of faces with extrapolated velocities.
 const LAYERS: usize = 3;
 
@@ -54,6 +56,8 @@ pub(crate) fn mark<const D: usize>(
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scratch {
     blocks: Vec<Replaced>,
+    /// Marks of the faces of each block, one bit each.
+    present: Vec<u8>,
 }
 
 /// New values of a block.
@@ -64,7 +68,23 @@ struct Replaced {
     which: u64,
     /// Closed faces without liquid that no open face is beside: their velocity is not known.
     lost: u64,
-    values: [f64; 64],
+    /// Of each field.
+    values: [[f64; 64]; 2],
+}
+
+/// Field that is extrapolated: values of the faces across an axis, and those before the projection, of which changes are extrapolated.
+pub(crate) struct Field<'a> {
+    pub values: &'a mut [f64],
+    pub before: Option<&'a [f64]>,
+}
+
+/// New velocities of the closed faces of a block.
+#[derive(Clone, Debug)]
+pub(crate) struct Held<const D: usize> {
+    block: u32,
+    /// Cells whose lower faces walls hold, one bit each, for each axis.
+    which: [u64; D],
+    values: [[f64; 64]; D],
 }
 
 /// Faces that an extrapolation replaces.
@@ -76,15 +96,15 @@ pub(crate) enum Reach {
     Beyond,
 }
 
-/// Extrapolate the velocity across one axis: each layer is the mean of the known faces beside it. In the first layer, faces with particles
+/// Extrapolate one or two fields across one axis: each layer is the mean of the known faces beside it. In the first layer, faces with particles
 /// get the mean change of velocity of the faces beside them instead, from that in `before`: so that affine velocities stay as they are.
 /// Farther faces with particles keep their velocities.
 pub(crate) fn extrapolate<const D: usize>(
     team: &Team,
     blocks: &Blocks<D>,
     reach: Reach,
-    (before, volume): (Option<&[f64]>, &[f64]),
-    (values, marks): (&mut [f64], &mut [u8]),
+    fields: &mut [Field<'_>],
+    (volume, marks): (&[f64], &mut [u8]),
     scratch: &mut Scratch,
 ) {
     let cells = Blocks::<D>::CELLS;
@@ -92,22 +112,35 @@ pub(crate) fn extrapolate<const D: usize>(
     for layer in 0..layers {
         let rule = Rule { reach, layer };
         scratch.blocks.clear();
-        for (b, marks) in marks.chunks(cells).enumerate() {
-            if marks.iter().any(|m| rule.replaces(*m)) {
-                scratch.blocks.push(Replaced { block: b as u32, which: 0, lost: 0, values: [0.0; 64] });
+        scratch.present.clear();
+        scratch.present.resize(blocks.len(), 0);
+        let known = &*marks;
+        let mut groups = vec![(); blocks.len().div_ceil(GROUP)];
+        team.each_piece(&mut scratch.present, GROUP, &mut groups, |n, present, ()| {
+            for (present, marks) in present.iter_mut().zip(known[n * GROUP * cells..].chunks(cells)) {
+                *present = marks.iter().fold(0, |all, mark| all | 1 << mark);
+            }
+        });
+        let (replaced, taken) = (rule.bits(Rule::replaces), rule.bits(Rule::takes));
+        for (b, present) in scratch.present.iter().enumerate().filter(|(_, present)| *present & replaced != 0)
+        {
+            let near = |other: &u32| *other != NONE && scratch.present[*other as usize] & taken != 0;
+            // Without a face to take from, a closed face may be lost.
+            if reach == Reach::Closed || present & taken != 0 || blocks.near(b).iter().any(near) {
+                scratch.blocks.push(Replaced { block: b as u32, which: 0, lost: 0, values: [[0.0; 64]; 2] });
             }
         }
-        let (old, known) = (&*values, &*marks);
-        team.each(&mut scratch.blocks, |_, new| {
-            extend_block(blocks, rule, (before, volume), (old, known), new)
-        });
+        let (old, known) = (&*fields, &*marks);
+        team.each(&mut scratch.blocks, |_, new| extend_block(blocks, rule, old, (volume, known), new));
         for new in scratch.blocks.iter().filter(|new| new.which | new.lost != 0) {
             for i in (0..cells).filter(|i| new.lost >> i & 1 == 1) {
                 marks[new.block as usize * cells + i] = UNKNOWN;
             }
             for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
                 let slot = new.block as usize * cells + i;
-                values[slot] = new.values[i];
+                for (field, values) in fields.iter_mut().zip(&new.values) {
+                    field.values[slot] = values[i];
+                }
                 marks[slot] = marks[slot].max(EXTRAPOLATED);
             }
         }
@@ -122,6 +155,10 @@ struct Rule {
 }
 
 impl Rule {
+    /// Marks of which this holds, one bit each.
+    fn bits(self, of: impl Fn(Self, u8) -> bool) -> u8 {
+        (UNKNOWN..=SOLVED).filter(|mark| of(self, *mark)).fold(0, |bits, mark| bits | 1 << mark)
+    }
     #[inline(always)]
     fn replaces(self, mark: u8) -> bool {
         match (self.reach, self.layer) {
@@ -144,8 +181,8 @@ impl Rule {
 fn extend_block<const D: usize>(
     blocks: &Blocks<D>,
     rule: Rule,
-    (before, volume): (Option<&[f64]>, &[f64]),
-    (old, known): (&[f64], &[u8]),
+    fields: &[Field<'_>],
+    (volume, known): (&[f64], &[u8]),
     new: &mut Replaced,
 ) {
     let (b, cells) = (new.block as usize, Blocks::<D>::CELLS);
@@ -154,31 +191,37 @@ fn extend_block<const D: usize>(
     if !from[..1 << (3 * D)].iter().any(|m| rule.takes(*m)) {
         return;
     }
-    let (mut tile, mut start) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
-    blocks.load(b, old, 0.0, &mut tile);
-    if let Some(before) = before {
-        blocks.load(b, before, 0.0, &mut start);
-    }
+    let beside = |at: usize| {
+        (0..D).flat_map(move |e| [at - stride(e), at + stride(e)]).filter(|other| rule.takes(from[*other]))
+    };
     for i in 0..cells {
         let at = in_tile(&local::<D>(i));
-        if !rule.replaces(from[at]) {
-            continue;
-        }
-        let changes = before.is_some() && volume[b * cells + i] > 0.0;
-        let (mut sum, mut count) = (0.0, 0);
-        for e in 0..D {
-            for other in [at - stride(e), at + stride(e)] {
-                if rule.takes(from[other]) {
-                    sum += if changes { tile[other] - start[other] } else { tile[other] };
-                    count += 1;
-                }
+        if rule.replaces(from[at]) {
+            if beside(at).next().is_some() {
+                new.which |= 1 << i;
+            } else if rule.reach == Reach::Closed && volume[b * cells + i] <= 0.0 {
+                new.lost |= 1 << i;
             }
         }
-        if count > 0 {
-            new.values[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
-            new.which |= 1 << i;
-        } else if rule.reach == Reach::Closed && volume[b * cells + i] <= 0.0 {
-            new.lost |= 1 << i;
+    }
+    if new.which == 0 {
+        return;
+    }
+    for (field, values) in fields.iter().zip(&mut new.values) {
+        let (mut tile, mut start) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
+        blocks.load(b, field.values, 0.0, &mut tile);
+        if let Some(before) = field.before {
+            blocks.load(b, before, 0.0, &mut start);
+        }
+        for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
+            let at = in_tile(&local::<D>(i));
+            let changes = field.before.is_some() && volume[b * cells + i] > 0.0;
+            let (mut sum, mut count) = (0.0, 0);
+            for other in beside(at) {
+                sum += if changes { tile[other] - start[other] } else { tile[other] };
+                count += 1;
+            }
+            values[i] = sum / f64::from(count) + if changes { start[at] } else { 0.0 };
         }
     }
 }
@@ -193,69 +236,74 @@ pub(crate) fn constrain<const D: usize>(
     reach: Reach,
     (walls, moves, frame): (&Walls<'_, D>, bool, &Frame<D>),
     velocity: &mut [Vec<f64>; D],
-    scratch: &mut [Scratch; D],
+    scratch: &mut Vec<Held<D>>,
 ) {
     let cells = Blocks::<D>::CELLS;
     if walls.list.is_empty() {
         return;
     }
     let old = &*velocity;
-    for (d, scratch) in scratch.iter_mut().enumerate() {
-        scratch.blocks.clear();
-        let held = |mark: u8| if reach == Reach::Closed { mark == CLOSED } else { mark != UNKNOWN };
-        for b in (0..blocks.len()).filter(|b| cuts[*b].is_some()) {
-            let mut which = 0;
+    let held = |mark: u8| if reach == Reach::Closed { mark == CLOSED } else { mark != UNKNOWN };
+    let cut = |b: &u32| cuts[*b as usize].is_some();
+    let mut list: Vec<_> = (0..blocks.len() as u32).filter(cut).map(|b| (b, [0; D])).collect();
+    team.each(&mut list, |_, (b, which)| {
+        for (d, which) in which.iter_mut().enumerate() {
             for i in 0..cells {
-                let slot = b * cells + i;
-                which |= u64::from(open[d][slot] <= 0.0 && held(marks[d][slot])) << i;
-            }
-            if which != 0 {
-                scratch.blocks.push(Replaced { block: b as u32, which, lost: 0, values: [0.0; 64] });
+                let slot = *b as usize * cells + i;
+                *which |= u64::from(open[d][slot] <= 0.0 && held(marks[d][slot])) << i;
             }
         }
-        team.each(&mut scratch.blocks, |_, new| {
-            let b = new.block as usize;
-            let Some(cut) = &cuts[b] else { return };
-            let mut tiles = [[0.0; TILE_CELLS]; 3];
-            (0..D).for_each(|e| blocks.load(b, &old[e], 0.0, &mut tiles[e]));
-            // At first, faces beyond the liquid have no velocity yet.
+    });
+    scratch.clear();
+    let any = list.into_iter().filter(|(_, which)| *which != [0; D]);
+    scratch.extend(any.map(|(block, which)| Held { block, which, values: [[0.0; 64]; D] }));
+    team.each(scratch, |_, new| {
+        let b = new.block as usize;
+        let Some(cut) = &cuts[b] else { return };
+        let mut tiles = [[0.0; TILE_CELLS]; 3];
+        (0..D).for_each(|e| blocks.load(b, &old[e], 0.0, &mut tiles[e]));
+        // At first, faces beyond the liquid have no velocity yet.
+        let known = (reach == Reach::Closed).then(|| {
             let mut known = [[1.0; TILE_CELLS]; 3];
-            if reach == Reach::Closed {
-                let mut tile = [UNKNOWN; TILE_CELLS];
-                for e in 0..D {
-                    blocks.load(b, &marks[e], UNKNOWN, &mut tile);
-                    for ((known, value), mark) in known[e].iter_mut().zip(&mut tiles[e]).zip(&tile) {
-                        *known = if *mark >= CLOSED { 1.0 } else { 0.0 };
-                        *value *= *known;
-                    }
+            let mut tile = [UNKNOWN; TILE_CELLS];
+            for e in 0..D {
+                blocks.load(b, &marks[e], UNKNOWN, &mut tile);
+                for ((known, value), mark) in known[e].iter_mut().zip(&mut tiles[e]).zip(&tile) {
+                    *known = if *mark >= CLOSED { 1.0 } else { 0.0 };
+                    *value *= *known;
                 }
             }
-            for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
+            known
+        });
+        for d in 0..D {
+            for i in (0..cells).filter(|i| new.which[d] >> i & 1 == 1) {
                 let beside = marks[d][b * cells + i] == CLOSED;
                 let free = old[d][b * cells + i];
-                new.values[i] = wall_velocity(cut, (&tiles, &known), (i, d, beside), free, |wall| {
-                    if !moves {
-                        return ([0.0; D], false);
-                    }
-                    let x = frame.place(&blocks.keys[b], &face_centre::<D>(i, d));
-                    (std::array::from_fn(|e| walls.velocity(wall, &x, e)), walls.list[wall].is_no_slip())
-                });
+                new.values[d][i] =
+                    wall_velocity(cut, (&tiles, known.as_ref()), (i, d, beside), free, |wall| {
+                        if !moves {
+                            return ([0.0; D], false);
+                        }
+                        let x = frame.place(&blocks.keys[b], &face_centre::<D>(i, d));
+                        (std::array::from_fn(|e| walls.velocity(wall, &x, e)), walls.list[wall].is_no_slip())
+                    });
             }
-        });
-    }
-    for (velocity, scratch) in velocity.iter_mut().zip(scratch) {
-        for new in &scratch.blocks {
-            for i in (0..cells).filter(|i| new.which >> i & 1 == 1) {
-                velocity[new.block as usize * cells + i] = new.values[i];
+        }
+    });
+    for new in &*scratch {
+        for (d, velocity) in velocity.iter_mut().enumerate() {
+            for i in (0..cells).filter(|i| new.which[d] >> i & 1 == 1) {
+                velocity[new.block as usize * cells + i] = new.values[d][i];
             }
         }
     }
 }
 
-/// Velocity of the closed face `i` across axis `d` by its wall; `free` without it. Values of faces that are not known are zero.
+/// Velocity of the closed face `i` across axis `d` by its wall; `free` without it. Values of faces that are not known are zero; all are known
+/// without `known`.
 fn wall_velocity<const D: usize>(
     cut: &CutBlock<D>,
-    (tiles, known): (&[[f64; TILE_CELLS]; 3], &[[f64; TILE_CELLS]; 3]),
+    (tiles, known): (&[[f64; TILE_CELLS]; 3], Option<&[[f64; TILE_CELLS]; 3]>),
     (i, d, beside): (usize, usize, bool),
     free: f64,
     walls: impl Fn(usize) -> ([f64; D], bool),
@@ -276,8 +324,8 @@ fn wall_velocity<const D: usize>(
         return if depth > 0.0 { 2.0 * moves[d] - fluid } else { moves[d] };
     }
     let mut approach = 0.0;
-    for e in 0..D {
-        let share = sample(&known[e], &at, e).0;
+    for e in (0..D).filter(|e| normal[*e] != 0.0) {
+        let share = known.map_or(1.0, |known| sample(&known[e], &at, e).0);
         if share > 0.0 {
             approach += (sample(&tiles[e], &at, e).0 / share - moves[e]) * normal[e];
         }

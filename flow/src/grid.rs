@@ -56,6 +56,7 @@ pub(crate) struct Grid<const D: usize> {
 pub(crate) struct GridScratch<const D: usize> {
     pub transfer: Scratch,
     pub extrapolate: [extrapolate::Scratch; D],
+    pub held: Vec<extrapolate::Held<D>>,
     pub marks: [Vec<u8>; D],
 }
 
@@ -86,6 +87,7 @@ impl<const D: usize> Default for Grid<D> {
             scratch: GridScratch {
                 transfer: Scratch::default(),
                 extrapolate: std::array::from_fn(|_| extrapolate::Scratch::default()),
+                held: Vec::new(),
                 marks: faces(),
             },
         }

@@ -1,8 +1,12 @@
 //! Particles of a liquid, sorted by block.
 
 use impactite_geometry::Lattice;
+use impactite_simd::Team;
 
-use crate::blocks::{Blocks, NONE, SIDE};
+use crate::blocks::{Blocks, SIDE};
+
+/// Number of particles whose blocks are found at once.
+const PIECE: usize = 8192;
 
 const _: () = assert!(SIDE == 4, "the block of a cell is a quarter of its coordinate");
 
@@ -119,7 +123,50 @@ pub(crate) struct Liquid<const D: usize> {
     /// First particle of each block, and the count of all.
     pub starts: Vec<u32>,
     sorted: Vec<Particle<D>>,
-    block_of: Vec<u32>,
+    pieces: Vec<Piece<D>>,
+    /// Block, first particle and number of particles of each run.
+    order: Vec<(u32, u32, u32)>,
+}
+
+/// Successive particles in one block.
+#[derive(Clone, Copy, Debug)]
+struct Run<const D: usize> {
+    key: [i32; D],
+    /// First particle in its piece, and number.
+    first: u32,
+    count: u32,
+}
+
+/// Runs of some successive particles.
+#[derive(Clone, Debug)]
+struct Piece<const D: usize> {
+    runs: Vec<Run<D>>,
+    /// Index of a particle whose position is no cell.
+    failed: Option<usize>,
+}
+
+impl<const D: usize> Default for Piece<D> {
+    fn default() -> Self {
+        Piece { runs: Vec::new(), failed: None }
+    }
+}
+
+impl<const D: usize> Piece<D> {
+    /// Find the runs of particles, of which the first has the index `start`.
+    fn find(&mut self, frame: &Frame<D>, start: usize, particles: &[Particle<D>]) {
+        self.runs.clear();
+        self.failed = None;
+        for (n, p) in particles.iter().enumerate() {
+            let Some(key) = frame.block(&p.x) else {
+                self.failed = Some(start + n);
+                return;
+            };
+            match self.runs.last_mut() {
+                Some(run) if run.key == key => run.count += 1,
+                _ => self.runs.push(Run { key, first: n as u32, count: 1 }),
+            }
+        }
+    }
 }
 
 impl<const D: usize> Liquid<D> {
@@ -135,42 +182,44 @@ impl<const D: usize> Liquid<D> {
             particles,
             starts: Vec::new(),
             sorted: Vec::new(),
-            block_of: Vec::new(),
+            pieces: Vec::new(),
+            order: Vec::new(),
         }
     }
 
-    /// Blocks that contain particles, in any order, with repetitions.
+    /// Blocks that contain particles, in any order, with repetitions; for the next [`Liquid::sort`], too.
     ///
     /// # Errors
     /// Index of a particle whose position is no cell.
-    pub fn occupied(&self, frame: &Frame<D>, out: &mut Vec<[i32; D]>) -> Result<(), usize> {
-        let mut last = None;
-        for (n, p) in self.particles.iter().enumerate() {
-            let key = frame.block(&p.x).ok_or(n)?;
-            if last != Some(key) {
-                out.push(key);
-                last = Some(key);
-            }
+    pub fn occupied(&mut self, team: &Team, frame: &Frame<D>, out: &mut Vec<[i32; D]>) -> Result<(), usize> {
+        let particles = &self.particles;
+        self.pieces.resize_with(particles.len().div_ceil(PIECE), Piece::default);
+        team.each(&mut self.pieces, |n, piece| {
+            let first = n * PIECE;
+            piece.find(frame, first, &particles[first..particles.len().min(first + PIECE)]);
+        });
+        if let Some(failed) = self.pieces.iter().find_map(|piece| piece.failed) {
+            return Err(failed);
         }
+        out.extend(self.pieces.iter().flat_map(|piece| &piece.runs).map(|run| run.key));
         Ok(())
     }
 
-    /// Sort the particles by block, keeping their order within a block.
-    pub fn sort(&mut self, blocks: &Blocks<D>, frame: &Frame<D>) {
+    /// Sort the particles by the blocks that [`Liquid::occupied`] found, keeping their order within a block.
+    pub fn sort(&mut self, team: &Team, blocks: &Blocks<D>) {
         let count = self.particles.len();
         self.starts.clear();
         self.starts.resize(blocks.len() + 1, 0);
-        self.block_of.clear();
-        let (mut key, mut block, mut sorted, mut before) = ([i32::MAX; D], NONE, true, 0);
-        for p in &self.particles {
-            let here = frame.block(&p.x).unwrap_or(key);
-            if here != key {
-                (key, block) = (here, blocks.find(&here));
+        let (mut sorted, mut before) = (true, 0);
+        self.order.clear();
+        for (n, piece) in self.pieces.iter().enumerate() {
+            for run in &piece.runs {
+                let block = blocks.find(&run.key);
+                sorted &= block >= before;
+                before = block;
+                self.starts[block as usize + 1] += run.count;
+                self.order.push((block, (n * PIECE) as u32 + run.first, run.count));
             }
-            sorted &= block >= before;
-            before = block;
-            self.block_of.push(block);
-            self.starts[block as usize + 1] += 1;
         }
         for b in 0..blocks.len() {
             self.starts[b + 1] += self.starts[b];
@@ -178,14 +227,26 @@ impl<const D: usize> Liquid<D> {
         if sorted || count == 0 {
             return;
         }
-        let mut next = self.starts.clone();
-        self.sorted.clear();
+        // By block and then by place, which are all different.
+        self.order.sort_unstable();
         self.sorted.resize(count, self.particles[0]);
-        for (p, &b) in self.particles.iter().zip(&self.block_of) {
-            let place = &mut next[b as usize];
-            self.sorted[*place as usize] = *p;
-            *place += 1;
-        }
+        let (order, particles) = (&self.order, &self.particles);
+        let mut next = 0;
+        let mut runs: Vec<&[(u32, u32, u32)]> = (0..blocks.len() as u32)
+            .map(|b| {
+                let first = next;
+                next += order[first..].iter().take_while(|run| run.0 == b).count();
+                &order[first..next]
+            })
+            .collect();
+        team.each_part(&mut self.sorted, &self.starts, &mut runs, |_, to, runs| {
+            let mut at = 0;
+            for (_, first, count) in *runs {
+                let (first, count) = (*first as usize, *count as usize);
+                to[at..at + count].copy_from_slice(&particles[first..first + count]);
+                at += count;
+            }
+        });
         std::mem::swap(&mut self.particles, &mut self.sorted);
     }
 
@@ -198,6 +259,8 @@ impl<const D: usize> Liquid<D> {
     /// Allocated memory, bytes.
     pub fn bytes(&self) -> usize {
         (self.particles.capacity() + self.sorted.capacity()) * size_of::<Particle<D>>()
-            + 4 * (self.starts.capacity() + self.block_of.capacity())
+            + 4 * self.starts.capacity()
+            + 12 * self.order.capacity()
+            + self.pieces.iter().map(|p| p.runs.capacity() * size_of::<Run<D>>()).sum::<usize>()
     }
 }

@@ -8,7 +8,7 @@ use impactite_solve::Stop;
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::coupled::Column;
 use crate::cuts::{Cuts, cut};
-use crate::extrapolate::{CLOSED, Reach, constrain, extrapolate, mark};
+use crate::extrapolate::{CLOSED, Field, Reach, constrain, extrapolate, mark};
 use crate::gather::{Gather, Sums};
 use crate::pressure::{Cells, Place, PressureError, continue_into_walls, outflow, subtract_gradient, theta};
 use crate::solver::{Flow, StepTimes, add_to};
@@ -31,6 +31,8 @@ const LARGEST_ERROR: f64 = 0.5;
 const ALLOWED: f64 = 0.1;
 /// Density error that is no error in cells whose kernels walls cut through cells: the few particles of the open part are no lattice.
 const ALLOWED_AT_CUTS: f64 = 0.05;
+/// Number of faces that are worked on at once.
+const MANY: usize = 1 << 14;
 /// Density errors below which no correction is made.
 const NO_ERROR: f64 = 1e-9;
 
@@ -113,7 +115,14 @@ impl<const D: usize> Flow<D> {
         self.find_jump(kick);
         self.apply_viscosity(kick, walls)?;
         self.apply_body_force(0.5 * kick);
-        (0..D).for_each(|d| self.grid.before[d].clone_from(&self.grid.velocity[d]));
+        let grid = &mut self.grid;
+        for (before, velocity) in grid.before.iter_mut().zip(&grid.velocity) {
+            before.resize(velocity.len(), 0.0);
+            let mut pieces: Vec<&[f64]> = velocity.chunks(MANY).collect();
+            self.team.each_piece(before, MANY, &mut pieces, |_, before, velocity| {
+                before.copy_from_slice(velocity);
+            });
+        }
         Ok(())
     }
 
@@ -129,12 +138,14 @@ impl<const D: usize> Flow<D> {
     /// Sort the particles into blocks, and cut the cells by the walls.
     pub(crate) fn sort(&mut self, walls: &Walls<'_, D>) -> Result<(), StepError> {
         let mut occupied = Vec::new();
-        for (body, liquid) in self.liquids.iter().enumerate() {
-            let found = liquid.occupied(&self.frame, &mut occupied);
-            found.map_err(|n| self.failed(body, n, Cause::TooFast))?;
+        for (body, liquid) in self.liquids.iter_mut().enumerate() {
+            let found = liquid.occupied(&self.team, &self.frame, &mut occupied);
+            if let Err(n) = found {
+                return Err(self.failed(body, n, Cause::TooFast));
+            }
         }
         let blocks = Blocks::around(occupied, self.frame.period);
-        self.liquids.iter_mut().for_each(|l| l.sort(&blocks, &self.frame));
+        self.liquids.iter_mut().for_each(|l| l.sort(&self.team, &blocks));
         let grid = &mut self.grid;
         let cuts = cut(&blocks, (&grid.blocks, &grid.cuts), &self.options.lattice, walls);
         (grid.blocks, grid.cuts) = (blocks, cuts);
@@ -198,10 +209,13 @@ impl<const D: usize> Flow<D> {
 
     fn apply_body_force(&mut self, kick: f64) {
         let force = self.force(self.clock.time);
+        let mut pieces = vec![(); self.grid.blocks.cells().div_ceil(MANY)];
         for d in 0..D {
             let by = kick * force[d];
             if by != 0.0 {
-                self.grid.velocity[d].iter_mut().for_each(|u| *u += by);
+                self.team.each_piece(&mut self.grid.velocity[d], MANY, &mut pieces, |_, velocity, ()| {
+                    velocity.iter_mut().for_each(|u| *u += by);
+                });
             }
         }
     }
@@ -457,23 +471,27 @@ impl<const D: usize> Flow<D> {
     /// Extrapolate the velocities beyond the liquid, and apply the walls.
     fn extend_velocities(&mut self, walls: &Walls<'_, D>) {
         let (grid, team) = (&mut self.grid, &self.team);
-        for (field, changed) in [(&mut grid.velocity, true), (&mut grid.shift, false)] {
-            if field[0].len() != grid.blocks.cells() {
-                continue;
+        let corrected = grid.shift[0].len() == grid.blocks.cells();
+        for reach in [Reach::Closed, Reach::Beyond] {
+            for d in 0..D {
+                grid.scratch.marks[d].clone_from(&grid.marks[d]);
+                let mut fields = [
+                    Field { values: &mut grid.velocity[d], before: Some(&grid.before[d]) },
+                    Field { values: &mut grid.shift[d], before: None },
+                ];
+                let fields = &mut fields[..if corrected { 2 } else { 1 }];
+                let faces = (&grid.volume[d][..], &mut grid.scratch.marks[d][..]);
+                extrapolate(team, &grid.blocks, reach, fields, faces, &mut grid.scratch.extrapolate[d]);
             }
-            for reach in [Reach::Closed, Reach::Beyond] {
-                for d in 0..D {
-                    grid.scratch.marks[d].clone_from(&grid.marks[d]);
-                    let values = (&mut field[d][..], &mut grid.scratch.marks[d][..]);
-                    let from = (changed.then_some(&grid.before[d][..]), &grid.volume[d][..]);
-                    extrapolate(team, &grid.blocks, reach, from, values, &mut grid.scratch.extrapolate[d]);
-                }
-                if changed && reach == Reach::Closed {
-                    start_at_closed_faces(&grid.cuts, &grid.marks, &grid.volume, field, &mut grid.before);
-                }
-                let at = (&grid.cuts, &grid.open, &grid.scratch.marks);
-                let walls = (walls, changed, &self.frame);
-                constrain(team, &grid.blocks, at, reach, walls, field, &mut grid.scratch.extrapolate);
+            if reach == Reach::Closed {
+                let velocity = &grid.velocity;
+                start_at_closed_faces(&grid.cuts, &grid.marks, &grid.volume, velocity, &mut grid.before);
+            }
+            let at = (&grid.cuts, &grid.open, &grid.scratch.marks);
+            let held = &mut grid.scratch.held;
+            constrain(team, &grid.blocks, at, reach, (walls, true, &self.frame), &mut grid.velocity, held);
+            if corrected {
+                constrain(team, &grid.blocks, at, reach, (walls, false, &self.frame), &mut grid.shift, held);
             }
         }
     }

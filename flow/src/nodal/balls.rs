@@ -5,8 +5,10 @@ use impactite_simd::Team;
 use crate::blocks::{Blocks, NONE, SIDE, TILE_CELLS, in_tile, local, stride};
 use crate::particles::{Frame, Liquid};
 
-/// Level, in cells, of cells that are farther from all particles.
+/// Level, in cells, of cells that are farther from the surface.
 const FAR: f64 = 2.0;
+/// Largest level, in cells, of a cell beside one that balls cover.
+const NEAR: f64 = 1.0;
 /// Rounds of the sweep: layers of cells beside the surface whose level is a distance.
 const ROUNDS: usize = 3;
 
@@ -33,11 +35,12 @@ pub(super) fn level<const D: usize>(
     level: &mut Vec<f64>,
 ) {
     let r = 0.5 * (D as f64).sqrt();
-    let most = (FAR + r) * (FAR + r);
+    // Cells beside the surface are nearer; the sweep finds the levels of the others.
+    let reach = r + NEAR;
     level.clear();
     level.resize(blocks.cells(), 0.0);
     team.each_piece(level, Blocks::<D>::CELLS, &mut vec![(); blocks.len()], |b, level, ()| {
-        level.fill(most);
+        level.fill(reach * reach);
         for (n, &other) in blocks.near(b).iter().enumerate() {
             if other == NONE {
                 continue;
@@ -48,7 +51,7 @@ pub(super) fn level<const D: usize>(
                 // In cells from the corner of this block; the neighbour may be an image.
                 let mut at = frame.local(&p.x, there);
                 (0..D).for_each(|d| at[d] += f64::from(by[d]) * SIDE as f64);
-                cover(&at, FAR + r, level);
+                cover(&at, reach, level);
             }
         }
         level.iter_mut().for_each(|x| *x = x.sqrt() - r);

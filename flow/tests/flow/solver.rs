@@ -53,8 +53,8 @@ fn raft() -> impl Solver {
 solver_conforms! {
     // Eight cells high, with an impact on the wall in front.
     plane: dam, SolverTests::until(0.6).energy_within(0.12);
-    // The surface of balls is too high by up to half a cell of eight: a third of the energy.
-    nodes: dam_at_nodes, SolverTests::until(0.6).energy_within(0.4);
+    // The surface of balls is too high by up to half a cell of eight, and gravity works on it: half of the energy is lost.
+    nodes: dam_at_nodes, SolverTests::until(0.6).energy_within(0.6);
     // Ten cells high; an impact of a flat box on liquid loses energy.
     bodies: raft, SolverTests::until(0.3).energy_within(0.35);
     // The energy of the surface is in no balance.
