@@ -299,6 +299,49 @@ pub(crate) fn constrain<const D: usize>(
     }
 }
 
+/// Limit the velocities in walls beside cells in corners, which walls close along two axes and more: those towards the corner by that of the open
+/// face beside them, their mirror image. Extrapolated velocities need not be free of divergence there, and a corner that draws particles in
+/// collects them, all at one point in the end.
+pub(crate) fn limit_at_corners<const D: usize>(
+    blocks: &Blocks<D>,
+    (cuts, open, open_cell): (&Cuts<D>, &[Vec<f64>; D], &[f64]),
+    velocity: &mut [Vec<f64>; D],
+) {
+    let cells = Blocks::<D>::CELLS;
+    let beside = |slot: usize, axis: usize, up: bool| blocks.beside(slot / cells, slot % cells, axis, up);
+    for slot in (0..blocks.len()).filter(|b| cuts[*b].is_some()).flat_map(|b| b * cells..(b + 1) * cells) {
+        // Walls on lines of the grid alone: round ones close the faces of the cells that they cut.
+        if open_cell[slot] < 1.0 {
+            continue;
+        }
+        // Closed side of each axis: none, the lower or the upper one.
+        let side: [Option<bool>; D] = std::array::from_fn(|d| {
+            let low = open[d][slot] <= 0.0;
+            let up = beside(slot, d, true).is_some_and(|up| open[d][up] <= 0.0);
+            (low != up).then_some(up)
+        });
+        if side.iter().flatten().count() < 2 {
+            continue;
+        }
+        for d in 0..D {
+            let Some(closed) = side[d] else { continue };
+            let Some(face) = (if closed { Some(slot) } else { beside(slot, d, true) }) else { continue };
+            let value = velocity[d][face];
+            for axes in (1..1usize << D).filter(|axes| axes >> d & 1 == 0) {
+                let across = |face: Option<usize>, e: usize| match (axes >> e & 1, side[e]) {
+                    (0, _) => face,
+                    (_, Some(up)) => beside(face?, e, up),
+                    _ => None,
+                };
+                if let Some(mirror) = (0..D).fold(Some(face), across) {
+                    let of = &mut velocity[d][mirror];
+                    *of = if closed { of.min(value) } else { of.max(value) };
+                }
+            }
+        }
+    }
+}
+
 /// Velocity of the closed face `i` across axis `d` by its wall; `free` without it. Values of faces that are not known are zero; all are known
 /// without `known`.
 fn wall_velocity<const D: usize>(

@@ -165,12 +165,31 @@ impl<const D: usize> Gather<'_, D> {
         }
     }
 
-    /// Move a particle out of a wall, and return the displacement, m.
+    /// Move a particle out of walls, and return the displacement, m: out of one wall after another where they meet, or it would stay in a corner.
     fn push(&self, p: &mut Particle<D>) -> [f64; D] {
-        let (mut gap, mut slope) = (f64::INFINITY, [0.0; D]);
+        let mut by = [0.0; D];
+        for n in 0..=D {
+            let (gap, slope) = self.gap(p);
+            let least = if n == 0 { MARGIN } else { 0.5 * MARGIN };
+            let square: f64 = slope.iter().map(|s| s * s).sum();
+            if gap >= least || square <= 0.01 {
+                break;
+            }
+            for d in 0..D {
+                let out = (MARGIN - gap) * slope[d] / square * self.frame.h;
+                by[d] += out;
+                p.x[d] += out;
+            }
+        }
+        by
+    }
+
+    /// Distance of a particle from the walls, in cells, and its gradient; the gradient is zero in open space.
+    fn gap(&self, p: &Particle<D>) -> (f64, [f64; D]) {
+        let mut slope = [0.0; D];
         if let Some(walls) = self.walls {
             let h = self.frame.h;
-            gap = walls.gap(p.x).0 / h;
+            let gap = walls.gap(p.x).0 / h;
             if gap < MARGIN {
                 for d in 0..D {
                     let at = |by: f64| {
@@ -181,23 +200,17 @@ impl<const D: usize> Gather<'_, D> {
                     slope[d] = (at(1e-3) - at(-1e-3)) / 2e-3;
                 }
             }
-        } else if let Some(key) = self.frame.block(&p.x) {
-            let b = self.blocks.find(&key);
-            if let Some(Some(cut)) = (b != NONE).then(|| &self.cuts[b as usize]) {
-                let at = self.frame.local(&p.x, &key).map(|y| y.clamp(0.0, SIDE as f64));
-                if cut.is_near(&at) {
-                    (gap, slope, _) = cut.sample(&at);
-                }
+            return (gap, slope);
+        }
+        let Some(key) = self.frame.block(&p.x) else { return (f64::INFINITY, slope) };
+        let b = self.blocks.find(&key);
+        if let Some(Some(cut)) = (b != NONE).then(|| &self.cuts[b as usize]) {
+            let at = self.frame.local(&p.x, &key).map(|y| y.clamp(0.0, SIDE as f64));
+            if cut.is_near(&at) {
+                let (gap, slope, _) = cut.sample(&at);
+                return (gap, slope);
             }
         }
-        let square: f64 = slope.iter().map(|s| s * s).sum();
-        let mut by = [0.0; D];
-        if gap < MARGIN && square > 0.01 {
-            for d in 0..D {
-                by[d] = (MARGIN - gap) * slope[d] / square * self.frame.h;
-                p.x[d] += by[d];
-            }
-        }
-        by
+        (f64::INFINITY, slope)
     }
 }

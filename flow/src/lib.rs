@@ -39,6 +39,12 @@
 //! **Step size.** The Courant factor limits the displacement to a share of a cell, gravity to sqrt(h / g), and surface tension to
 //! sqrt(rho h^3 / (4 pi sigma)) (\[Brackbill1992\]).
 //!
+//! # Semi-staggered scheme
+//! [`FlowOptions::semi_staggered`] is the scheme of \[Zhang2017b\], as printed, for comparison: velocities at nodes, pressure at the centres of
+//! cells, a 7-point Laplacian that is not the divergence of the gradient at the nodes, a filter of hourglass modes, FLIP with a share of PIC, and
+//! the surface of balls around the particles. `cargo run --release -p impactite-flow --example schemes` prints both beside each other.
+//! The level set that is advected, of its drops, is not there.
+//!
 //! # Balances
 //! The work of the body force is that of all displacements, those of the density correction included. Impulses of walls are those of the
 //! pressure on their areas and of the mass at closed faces. What the transfer loses of momentum is booked as dropped: below 0.1 % of the
@@ -63,17 +69,17 @@
 //! | drop at rest, 8 and 16 cells a radius; 6 in space | pressure within 0.3 %; 1 % |
 //! | oscillating drop, 6 and 12 cells a radius | period +11, +2.5 % |
 //! | sloshing of 20 s, 24 cells | volume -0.33 to 0.0 %, energy +0.6 J (1226 J of potential energy) |
-//! | the same, forced for 100 000 steps (2195 s) | volume -3.5 to +0.5 %, divergence below 2.4e-10 v/h |
+//! | forced for 100 000 steps (3258, 2428 s), gently and strongly | mean volume +0.15, -0.15 %, without a trend; single steps within 0.9 % |
 //!
 //! # Cost
-//! `cargo run --release -p impactite-flow --example speed`: a column of 1 M particles in space, AMD EPYC: 3.8 M particle-steps/s on
-//! one thread, 6.3 M on two. Pressure and density correction are 25 % of it, with 10 and 2 iterations; transfers 34 %, sort 15 %.
+//! `cargo run --release -p impactite-flow --example speed`: a column of 1 M particles in space, AMD EPYC: 4.2 M particle-steps/s on
+//! one thread, 7.5 M on two. Pressure and density correction are 26 % of it, with 10 and 2 iterations; transfers 36 %, sort 12 %.
+//! Memory: 295 bytes a particle, 785 a liquid cell with what is around it. `benchmarks/RESULTS.md` has it beside another program.
 //!
 //! # Limits
 //! - Speeds of a drop at rest, 0.01 m/s for water and 5 mm, do not fall with the cells: noise of the particles in the curvature, whose filters
 //!   are a fixed number of cells wide.
 //! - The decay of vortices does not converge below 1 %: the noise of the particles again.
-//! - Volume is lost over 100 000 steps of forced sloshing, 3 %: errors of density within the dead bands of the correction are not corrected.
 //! - Energy grows by up to 1 % where the reflection meets a surface (elliptic drop), and with the centroid that the density correction lifts.
 //! - Liquid does not separate from a wall by tension, but from deformable bodies within three cells of air; a closed full tank may have negative pressures, known but for a constant.
 //! - Deformable bodies are at least a cell thick, do not erode, and are not beside rigid bodies that the liquid moves. Layers under water are

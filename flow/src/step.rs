@@ -8,7 +8,7 @@ use impactite_solve::Stop;
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::coupled::Column;
 use crate::cuts::{Cuts, cut};
-use crate::extrapolate::{CLOSED, Field, Reach, constrain, extrapolate, mark};
+use crate::extrapolate::{CLOSED, Field, Reach, constrain, extrapolate, limit_at_corners, mark};
 use crate::gather::{Gather, Sums};
 use crate::pressure::{Cells, Place, PressureError, continue_into_walls, outflow, subtract_gradient, theta};
 use crate::solver::{Flow, StepTimes, add_to};
@@ -494,6 +494,8 @@ impl<const D: usize> Flow<D> {
                 constrain(team, &grid.blocks, at, reach, (walls, false, &self.frame), &mut grid.shift, held);
             }
         }
+        let walls = (&grid.cuts, &grid.open, &grid.open_cell[..]);
+        limit_at_corners(&grid.blocks, walls, &mut grid.velocity);
     }
 
     fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use impactite_scene::Solver;
+use impactite_scene::{Solver, Watch};
 
 use crate::common::{GRAVITY, centroid, energy, tank, viscous_tank};
 use crate::gates::{sloshing, staggered, standing_wave};
@@ -114,4 +114,33 @@ fn volume_is_kept_in_long_sloshing() {
     // steps, of a largest kinetic energy of 36 J.
     assert!(unexplained.abs() < 0.1, "{unexplained}");
     assert!(divergence < 1e-10, "{divergence}");
+}
+
+/// Volume of the liquid over long times, and particles that are at one place: corners drew them in, and held them for good. Without mirrors
+/// in corners 25 of the 288 particles are at one place in the end, and the tank loses 2 to 3 % of its volume.
+#[test]
+fn corners_do_not_collect_particles() {
+    let mut flow = tank(staggered, 1.0, 0.5, 12, |_| 0.0);
+    flow.set_watch(Watch::off());
+    flow.set_body_force(|t| [-0.1 * (0.8 * 5.31655 * t).sin(), -GRAVITY]);
+    let mut means = Vec::new();
+    for _ in 0..4 {
+        let (mut sum, steps) = (0.0, 8000);
+        for _ in 0..steps {
+            flow.step_at_most(f64::INFINITY).unwrap();
+            sum += flow.liquid_volume() / 0.5 - 1.0;
+        }
+        means.push(sum / f64::from(steps));
+    }
+    let mut places: Vec<_> = flow.points().iter().map(|p| p.position.map(|x| (x * 1e9) as i64)).collect();
+    let count = places.len();
+    places.sort_unstable();
+    places.dedup();
+    println!(
+        "mean volumes less 1: {means:.5?}; {} of {count} particles at the place of another",
+        count - places.len()
+    );
+    assert_eq!(places.len(), count);
+    // The volume is uncertain by some thousandths on so coarse a grid.
+    assert!((means[3] - means[0]).abs() < 1e-2, "{means:?}");
 }
