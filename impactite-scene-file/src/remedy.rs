@@ -84,6 +84,9 @@ pub const REMEDIES: &[Remedy] = &[
         "or filter it (`method.mpm.null_space_filter = 10`)",
     ),
     remedy("a larger penalty", "a larger `method.fpm.penalty`"),
+    remedy("take the staggered scheme", "leave `method.flow.semi_staggered` out"),
+    remedy("or the staggered scheme", "or leave `method.flow.semi_staggered` out"),
+    remedy("a smaller share of PIC", "a smaller `method.flow.semi_staggered.pic`"),
     remedy("a smaller density correction", "a smaller `method.flow.density_correction`"),
     // Time.
     remedy("lower the time step", "lower `time_step.factor`"),
