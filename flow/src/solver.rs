@@ -18,7 +18,7 @@ use crate::deformable::Solids;
 use crate::deformable::skin::Skin;
 use crate::error::FluidError;
 use crate::grid::Grid;
-use crate::nodal::Nodes;
+use crate::nodal::nodes::Nodes;
 use crate::options::{FlowOptions, Fluid, parameter};
 use crate::particles::{Frame, Liquid, Particle};
 use crate::rigid::Floater;

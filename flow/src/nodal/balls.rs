@@ -2,6 +2,7 @@
 
 use impactite_simd::Team;
 
+use super::nodes::Balls;
 use crate::blocks::{Blocks, NONE, SIDE, TILE_CELLS, in_tile, local, stride};
 use crate::particles::{Frame, Liquid};
 
@@ -11,19 +12,6 @@ const FAR: f64 = 2.0;
 const NEAR: f64 = 1.0;
 /// Rounds of the sweep: layers of cells beside the surface whose level is a distance.
 const ROUNDS: usize = 3;
-
-/// Scratch memory of the sweep.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Balls {
-    before: Vec<f64>,
-    frozen: Vec<bool>,
-}
-
-impl Balls {
-    pub fn bytes(&self) -> usize {
-        8 * self.before.capacity() + self.frozen.capacity()
-    }
-}
 
 /// Find min_p |x_p - x_c| - r at the cells, in cells. The radius r of balls is half of the diagonal of a cell, so that every cell with a
 /// particle is liquid.

@@ -2,7 +2,7 @@
 
 use impactite_simd::{Arch, Float, Kernel, Team};
 
-use super::Nodes;
+use super::nodes::Nodes;
 use super::transfer::{corner, hat, step_to};
 use crate::blocks::{HALO, SIDE, TILE, TILE_CELLS};
 use crate::gather::{Gather, Sums};

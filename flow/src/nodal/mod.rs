@@ -12,6 +12,7 @@
 
 mod balls;
 mod gather;
+pub(crate) mod nodes;
 mod operators;
 mod transfer;
 
@@ -26,66 +27,11 @@ use crate::solver::{Flow, add_to};
 use crate::surface::{AIR, LIQUID, SOLID};
 use crate::wall::{Wall, Walls};
 
-use balls::Balls;
 use gather::NodalGather;
-use transfer::Scratch;
+use nodes::Nodes;
 
 /// Open share of a cell or a face by which a wall is off the lines of the grid.
 const OFF: f64 = 1e-6;
-
-/// Fields at nodes, which are the lower corners of cells.
-#[derive(Clone, Debug)]
-pub(crate) struct Nodes<const D: usize> {
-    /// Liquid volume over that of a cell.
-    pub volume: Vec<f64>,
-    /// Velocity, m/s.
-    pub velocity: Vec<[f64; D]>,
-    /// Velocity that particles brought; then the change of velocity in the step, m/s.
-    pub change: Vec<[f64; D]>,
-    /// Components that walls hold, one bit each.
-    held: Vec<u8>,
-    /// Copy of the velocity, for passes that read neighbours.
-    spare: Vec<[f64; D]>,
-    balls: Balls,
-    scratch: Scratch<D>,
-}
-
-impl<const D: usize> Default for Nodes<D> {
-    fn default() -> Self {
-        Nodes {
-            volume: Vec::new(),
-            velocity: Vec::new(),
-            change: Vec::new(),
-            held: Vec::new(),
-            spare: Vec::new(),
-            balls: Balls::default(),
-            scratch: Scratch::default(),
-        }
-    }
-}
-
-impl<const D: usize> Nodes<D> {
-    /// Allocated memory, bytes.
-    pub fn bytes(&self) -> usize {
-        let vectors = self.velocity.capacity() + self.change.capacity() + self.spare.capacity();
-        8 * (self.volume.capacity() + D * vectors)
-            + self.held.capacity()
-            + self.balls.bytes()
-            + self.scratch.bytes()
-    }
-
-    /// Set the components that walls hold to zero, and return volume times change of velocity, in cells times m/s.
-    fn hold(&mut self) -> [f64; D] {
-        let mut sum = [0.0; D];
-        for (slot, held) in self.held.iter().enumerate().filter(|(_, held)| **held != 0) {
-            for d in (0..D).filter(|d| held >> d & 1 == 1) {
-                sum[d] -= self.volume[slot] * self.velocity[slot][d];
-                self.velocity[slot][d] = 0.0;
-            }
-        }
-        sum
-    }
-}
 
 fn add_up<const D: usize>(sum: &mut [f64; D], by: &[f64; D]) {
     (0..D).for_each(|d| sum[d] += by[d]);

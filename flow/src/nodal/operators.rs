@@ -2,7 +2,7 @@
 
 use impactite_simd::Team;
 
-use super::Nodes;
+use super::nodes::Nodes;
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
 use crate::pressure::{Cells, face_gradient};
 use crate::surface::LIQUID;

@@ -2,7 +2,7 @@
 
 use impactite_simd::{Arch, Float, Kernel, Team};
 
-use super::Nodes;
+use super::nodes::{Nodes, Scratch};
 use crate::blocks::{Blocks, HALO, NONE, SIDE, TILE, TILE_CELLS, local, offset};
 use crate::options::Fluid;
 use crate::particles::{Frame, Liquid};
@@ -55,31 +55,6 @@ pub(super) fn hat<const D: usize>(part: &[f64; D], n: usize) -> (f64, [f64; D]) 
 #[inline(always)]
 pub(super) fn step_to<const D: usize>(n: usize, edge: usize) -> usize {
     (0..D).rev().fold(0, |sum, e| sum * edge + (n >> e & 1))
-}
-
-/// Scratch memory of the transfer.
-#[derive(Clone, Debug)]
-pub(super) struct Scratch<const D: usize> {
-    /// Volume and volume times velocity at the nodes that the particles of a block reach, block by block; then forces.
-    records: Vec<(f64, [f64; D])>,
-    /// Place of the records of each block; [`NONE`] without particles.
-    place: Vec<u32>,
-    /// Blocks with particles.
-    occupied: Vec<usize>,
-}
-
-impl<const D: usize> Default for Scratch<D> {
-    fn default() -> Self {
-        Scratch { records: Vec::new(), place: Vec::new(), occupied: Vec::new() }
-    }
-}
-
-impl<const D: usize> Scratch<D> {
-    pub fn bytes(&self) -> usize {
-        self.records.capacity() * size_of::<(f64, [f64; D])>()
-            + 4 * self.place.capacity()
-            + 8 * self.occupied.capacity()
-    }
 }
 
 /// Deviatoric stress, Pa, and its power per volume, W/m^3, of a change `c` of the velocity over a cell; in the plane without strain across it.

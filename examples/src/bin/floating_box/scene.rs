@@ -24,6 +24,7 @@ pub const HEIGHT: usize = 1;
 pub const TURN: usize = 2;
 pub const ENERGY: usize = 3;
 pub const MOMENTUM: usize = 4;
+pub const VOLUME: usize = 5;
 
 /// Radius of the ball of water that falls, its horizontal velocity and the place of the box in it, m and m/s.
 const DROP: f64 = 0.4;

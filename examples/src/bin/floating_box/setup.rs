@@ -68,6 +68,15 @@ impl Setup {
     pub fn covered(&self) -> f64 {
         (EDGE / TANK[0]).powi(self.dimensions() - 1)
     }
+    /// Area of the tank, m^2 (m in the plane).
+    pub fn area(&self) -> f64 {
+        TANK[0].powi(self.dimensions() - 1)
+    }
+    /// Volume of the water, m^3 (m^2 in the plane).
+    pub fn water(&self) -> f64 {
+        let displaced = (self.draught() - self.lifted) * EDGE.powi(self.dimensions() - 1);
+        TANK[1] * self.area() - displaced
+    }
     /// Height of the surface when the box floats upright, m: the water of the start is displaced to the depth `TANK[1]` where the lower face
     /// is `lifted` higher.
     pub fn level(&self) -> f64 {
@@ -80,11 +89,8 @@ impl Setup {
     /// Weight of the water and the box over a cell, J: the energy of particles is uncertain by a hundredth of it, half of their weight over a
     /// fiftieth of a cell by which the density correction moves their centroid.
     pub fn uncertain(&self) -> f64 {
-        let measure = |sizes: f64, d: i32| sizes.powi(d);
-        let water = TANK[1] * measure(TANK[0], self.dimensions() - 1);
-        let displaced = (self.draught() - self.lifted) * measure(EDGE, self.dimensions() - 1);
-        let boxed = measure(EDGE, self.dimensions()) * self.density;
-        0.01 * GRAVITY * self.spacing() * (WATER * (water - displaced) + boxed)
+        let boxed = EDGE.powi(self.dimensions()) * self.density;
+        0.01 * GRAVITY * self.spacing() * (WATER * self.water() + boxed)
     }
     /// Name in files and tables.
     pub fn name(&self) -> String {
