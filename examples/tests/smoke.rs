@@ -839,11 +839,11 @@ fn sloshing() {
 
 #[test]
 fn floating_box() {
-    // Depth, period, growth, energy and momentum of two boxes; the same without a period in space; depth, turn, energy and momentum of the light
+    // Level, depth, period, growth, energy and momentum of two boxes; the same without a period in space; depth, turn, energy and momentum of the light
     // box; turn, energy and momentum of the one that rolls over; momentum, way and turn of the fall.
     smoke!(
         floating_box,
-        only(2 * 5 + 4 + 4 + 3 + 3),
+        only(2 * 6 + 5 + 4 + 3 + 3),
         ["heave.png", "turn.png", "water_roll.png", "heave_500_40.csv", "space_20.csv"]
     );
 }
