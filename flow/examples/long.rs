@@ -1,5 +1,6 @@
 //! Tank of 24 cells of water that sways for long: mean and extreme volumes, and particles that are at the place of another.
-#![allow(missing_docs, dead_code)]
+#![allow(missing_docs, reason = "modules of the tests")]
+#![allow(dead_code, reason = "the tests use the rest")]
 
 #[path = "../tests/flow/common.rs"]
 mod common;

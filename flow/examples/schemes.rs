@@ -1,5 +1,6 @@
 //! Table of exact cases in the staggered scheme, with and without reflection, and in the semi-staggered one, in Markdown.
-#![allow(missing_docs, dead_code)]
+#![allow(missing_docs, reason = "modules of the tests")]
+#![allow(dead_code, reason = "the tests use the rest")]
 
 #[path = "../tests/flow/common.rs"]
 mod common;

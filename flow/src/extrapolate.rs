@@ -68,7 +68,7 @@ struct Replaced {
     which: u64,
     /// Closed faces without liquid that no open face is beside: their velocity is not known.
     lost: u64,
-    /// Of each field.
+    /// Values of each field.
     values: [[f64; 64]; 2],
 }
 

@@ -404,48 +404,62 @@ pub(crate) fn subtract_gradient<const D: usize>(
     let cells = Blocks::<D>::CELLS;
     for d in 0..D {
         team.each_piece(&mut velocity[d], cells, &mut vec![(); at.blocks.len()], |b, velocity, ()| {
-            let mut kind = [0; TILE_CELLS];
-            at.blocks.load(b, at.kind, 0, &mut kind);
-            let (mut level, mut value) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
-            at.blocks.load(b, at.level, 1.0, &mut level);
-            at.blocks.load(b, q, 0.0, &mut value);
-            let mut surface = [0.0; TILE_CELLS];
-            if let Some(field) = at.surface {
-                at.blocks.load(b, field, 0.0, &mut surface);
-            }
+            let tile = Tile::load(at, b, q);
             for (i, u) in velocity.iter_mut().enumerate() {
                 if at.open[d][b * cells + i] <= 0.0 {
                     continue;
                 }
                 let up = in_tile(&local::<D>(i));
                 let low = up - stride(d);
-                *u -= face_gradient(&kind, &level, (&value, &surface), low, up);
+                *u -= tile.gradient(low, up);
             }
         });
     }
 }
 
-/// Gradient of q across the face between two cells of a tile, times the width of a cell; 0 between cells without liquid. `value` are q and
-/// its value at the surface.
-#[inline(always)]
-pub(crate) fn face_gradient(
-    kind: &[u8; TILE_CELLS],
-    level: &[f64; TILE_CELLS],
-    (value, surface): (&[f64; TILE_CELLS], &[f64; TILE_CELLS]),
-    low: usize,
-    up: usize,
-) -> f64 {
-    match (kind[low] == LIQUID, kind[up] == LIQUID) {
-        (true, true) => value[up] - value[low],
-        (true, false) => {
-            let part = theta(level[low], level[up]);
-            (between(surface[low], surface[up], part) - value[low]) / part
+/// Cells around a block: kinds, level set, q, and its value at the surface.
+pub(crate) struct Tile {
+    pub kind: [u8; TILE_CELLS],
+    level: [f64; TILE_CELLS],
+    value: [f64; TILE_CELLS],
+    surface: [f64; TILE_CELLS],
+}
+
+impl Tile {
+    /// Copy the cells around block `b`.
+    #[inline(always)]
+    pub fn load<const D: usize>(at: &Cells<'_, D>, b: usize, q: &[f64]) -> Self {
+        let mut tile = Tile {
+            kind: [0; TILE_CELLS],
+            level: [0.0; TILE_CELLS],
+            value: [0.0; TILE_CELLS],
+            surface: [0.0; TILE_CELLS],
+        };
+        at.blocks.load(b, at.kind, 0, &mut tile.kind);
+        at.blocks.load(b, at.level, 1.0, &mut tile.level);
+        at.blocks.load(b, q, 0.0, &mut tile.value);
+        if let Some(field) = at.surface {
+            at.blocks.load(b, field, 0.0, &mut tile.surface);
         }
-        (false, true) => {
-            let part = theta(level[up], level[low]);
-            (value[up] - between(surface[up], surface[low], part)) / part
+        tile
+    }
+
+    /// Gradient of q across the face between two cells, times the width of a cell; 0 between cells without liquid.
+    #[inline(always)]
+    pub fn gradient(&self, low: usize, up: usize) -> f64 {
+        let Tile { kind, level, value, surface } = self;
+        match (kind[low] == LIQUID, kind[up] == LIQUID) {
+            (true, true) => value[up] - value[low],
+            (true, false) => {
+                let part = theta(level[low], level[up]);
+                (between(surface[low], surface[up], part) - value[low]) / part
+            }
+            (false, true) => {
+                let part = theta(level[up], level[low]);
+                (value[up] - between(surface[up], surface[low], part)) / part
+            }
+            (false, false) => 0.0,
         }
-        (false, false) => 0.0,
     }
 }
 

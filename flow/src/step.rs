@@ -225,7 +225,8 @@ impl<const D: usize> Flow<D> {
         let grid = &mut self.grid;
         grid.jump.clear();
         let Some(fluid) = self.fluid.filter(|fluid| fluid.tension > 0.0) else { return };
-        let at = (&grid.surface.fraction[..], &grid.open_cell[..], grid.cuts.iter().any(Option::is_some));
+        let walls = grid.cuts.iter().any(Option::is_some);
+        let at = (&grid.surface.fraction[..], walls.then_some((&grid.open, &grid.open_cell[..])));
         grid.tension.find(&self.team, &grid.blocks, at, &grid.profile);
         let h = self.frame.h;
         let scale = fluid.tension / h * kick / (fluid.density * h);

@@ -29,7 +29,7 @@ const AT_REST: f64 = 0.01;
 const THIN: usize = 3;
 /// Depth in a wall, in cells, at which a body has run into it.
 const WITHIN: f64 = 0.5;
-/// What a step solves here, for messages.
+/// Name of the solve in messages.
 const MOTION: &str = "the motion of the deformable bodies";
 
 /// Mean velocity of a surface in a step of `dt` seconds, m/s: its place at the start, and places of the body in the middles of the last step and

@@ -42,10 +42,17 @@ impl<const D: usize> Flow<D> {
     /// and round walls are found where liquid meets them.
     ///
     /// # Errors
-    /// With the semi-staggered scheme a body that the liquid moves, a wall that moves, and a wall that is not on lines of the grid.
+    /// With the semi-staggered scheme a correction of the density that was asked for after it, a body that the liquid moves, a wall that moves, and a wall that is not on lines of the grid.
     pub fn check_scheme(&self) -> Result<(), SceneError> {
         if self.options.semi_staggered.is_none() {
             return Ok(());
+        }
+        if self.options.correction > 0.0 {
+            return Err(SceneError::NotWith {
+                what: "a correction of the density".into(),
+                method: self.method_of_scheme().into(),
+                why: "the scheme has none; leave it out, or take the staggered scheme",
+            });
         }
         let moving = self.walls.iter().any(|wall| wall.is_moving() || wall.spin().is_some());
         let what = if self.moves_bodies() {
@@ -172,8 +179,6 @@ impl<const D: usize> Flow<D> {
         };
         surface.kind.clear();
         surface.kind.extend(surface.level.iter().zip(&grid.open_cell).map(kind));
-        surface.fraction.clear();
-        surface.fraction.extend(surface.kind.iter().map(|kind| if *kind == LIQUID { 1.0 } else { 0.0 }));
         // Faces of walls on lines of the grid are open or closed.
         grid.open.iter_mut().flatten().for_each(|open| *open = open.round());
     }

@@ -4,7 +4,7 @@ use impactite_simd::Team;
 
 use super::nodes::Nodes;
 use crate::blocks::{Blocks, TILE_CELLS, in_tile, local, stride};
-use crate::pressure::{Cells, face_gradient};
+use crate::pressure::{Cells, Tile};
 use crate::surface::LIQUID;
 
 /// Layers of nodes beyond the liquid that get a velocity.
@@ -54,17 +54,9 @@ pub(super) fn subtract_gradient<const D: usize>(
 ) {
     let cells = Blocks::<D>::CELLS;
     team.each_piece(velocity, cells, &mut vec![(); at.blocks.len()], |b, velocity, ()| {
-        let mut kind = [0; TILE_CELLS];
-        at.blocks.load(b, at.kind, 0, &mut kind);
-        if !kind.contains(&LIQUID) {
+        let tile = Tile::load(at, b, q);
+        if !tile.kind.contains(&LIQUID) {
             return;
-        }
-        let (mut level, mut value) = ([0.0; TILE_CELLS], [0.0; TILE_CELLS]);
-        at.blocks.load(b, at.level, 1.0, &mut level);
-        at.blocks.load(b, q, 0.0, &mut value);
-        let mut surface = [0.0; TILE_CELLS];
-        if let Some(field) = at.surface {
-            at.blocks.load(b, field, 0.0, &mut surface);
         }
         for d in 0..D {
             let mut open = [0.0; TILE_CELLS];
@@ -75,8 +67,8 @@ pub(super) fn subtract_gradient<const D: usize>(
                 for n in (0..1 << D).filter(|n| n >> d & 1 == 0) {
                     let up = node - corner::<D>(n);
                     let low = up - stride(d);
-                    if open[up] > 0.0 && (kind[low] == LIQUID || kind[up] == LIQUID) {
-                        sum += face_gradient(&kind, &level, (&value, &surface), low, up);
+                    if open[up] > 0.0 && (tile.kind[low] == LIQUID || tile.kind[up] == LIQUID) {
+                        sum += tile.gradient(low, up);
                         count += 1;
                     }
                 }
@@ -105,7 +97,7 @@ pub(super) fn filter<const D: usize>(
         return;
     }
     let cells = Blocks::<D>::CELLS;
-    // Of the square of a normalised mode.
+    // Modes are normalised by the square root of the number of corners.
     let share = alpha / f64::from(1 << D);
     let sign = |mask: usize, n: usize| if (mask & !n).count_ones().is_multiple_of(2) { 1.0 } else { -1.0 };
     team.each_piece(velocity, cells, &mut vec![(); at.blocks.len()], |b, velocity, ()| {

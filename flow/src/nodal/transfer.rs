@@ -79,7 +79,7 @@ fn deviatoric<const D: usize>(c: &[[f64; D]; D], viscosity: f64, h: f64) -> ([[f
     (stress, power)
 }
 
-/// What a block scatters to its records.
+/// Quantity that a block scatters to its records.
 enum What<'a, const D: usize> {
     /// Volume and momentum of particles.
     Momentum,

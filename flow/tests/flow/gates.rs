@@ -238,3 +238,71 @@ pub fn sloshing(scheme: Scheme, cells: usize, end: f64) -> Result<[f64; 5], Step
     let height = centroid(&flow.points())[1] / before;
     Ok([least, most, divergence, account.unexplained / account.energy_scale, height])
 }
+
+/// Ratios of the amplitude of a capillary wave in deep liquid to that at the start, at w0 t = pi, 2 pi, 4 pi, 6 pi; `damping` is nu k^2 / w0, and
+/// `cells` are on half of a wave.
+pub fn capillary_wave(
+    scheme: Scheme,
+    cells: usize,
+    damping: f64,
+    periodic: bool,
+) -> Result<[f64; 4], StepError> {
+    let (h, amp) = (1.0 / cells as f64, 0.02);
+    let options = options(scheme, h);
+    let options = if periodic { options.periodic(0, 2 * cells).unwrap() } else { options };
+    let mut flow = Flow::new(options);
+    let mut seeds = box_of_particles([0.0; 2], [if periodic { 2.0 } else { 1.0 }, 1.5], h, 2);
+    if periodic {
+        flow.add_wall(Wall::solid(HalfSpace::new([0.0; 2], [0.0, 1.0]).unwrap())).unwrap();
+    } else {
+        flow.add_wall(Wall::container(Cuboid::new([0.0; 2], [1.0, 3.0]).unwrap())).unwrap();
+    }
+    for (x, volume) in seeds.positions.iter_mut().zip(&mut seeds.volumes) {
+        let stretch = 1.0 + amp / 1.5 * (PI * x[0]).cos();
+        (x[1], *volume) = (x[1] * stretch, *volume * stretch);
+    }
+    // w0 = 1 at k = pi.
+    let fluid = Fluid::new(1.0).unwrap().with_surface_tension(PI.powi(-3)).unwrap();
+    let fluid = fluid.with_viscosity(damping / (PI * PI)).unwrap();
+    flow.add_fluid("liquid", fluid, &seeds, |_| [0.0; 2]).unwrap();
+    flow.set_watch(Watch::off());
+    let at =
+        |flow: &Flow<2>| flow.points().iter().map(|p| p.volume * (PI * p.position[0]).cos()).sum::<f64>();
+    let first = at(&flow);
+    let mut found = [0.0; 4];
+    for (found, periods) in found.iter_mut().zip([0.5, 1.0, 2.0, 3.0]) {
+        flow.run_until(2.0 * PI * periods)?;
+        *found = at(&flow) / first;
+    }
+    Ok(found)
+}
+
+/// Dam of the depth 1 with `cells` cells that breaks onto liquid of the depth 0.1, at `end` sqrt(H / g): mean depth behind the bore, and speed of the
+/// bore over sqrt(g H), where the depth is the mean of both sides.
+pub fn wet_bed(scheme: Scheme, cells: usize, end: f64) -> Result<[f64; 2], StepError> {
+    const LEFT: f64 = 20.0;
+    const RIGHT: f64 = 26.0;
+    const COLUMN: f64 = 0.25;
+    let h = 1.0 / cells as f64;
+    let mut flow = Flow::new(options(scheme, h));
+    flow.add_wall(Wall::container(Cuboid::new([-LEFT, 0.0], [RIGHT, 3.0]).unwrap())).unwrap();
+    let fluid = Fluid::new(1000.0).unwrap();
+    for (name, low, high) in [("dam", -LEFT, [0.0, 1.0]), ("bed", 0.0, [RIGHT, 0.1])] {
+        let seeds = box_of_particles([low, 0.0], high, h, 2);
+        flow.add_fluid(name, fluid, &seeds, |_| [0.0; 2]).unwrap();
+    }
+    flow.set_body_force(|_| [0.0, -1.0]);
+    flow.run_until(end)?;
+    let mut depths = vec![0.0; ((LEFT + RIGHT) / COLUMN) as usize];
+    for p in flow.points() {
+        depths[((p.position[0] + LEFT) / COLUMN) as usize] += p.volume / COLUMN;
+    }
+    let of = |x: f64| ((x + LEFT) / COLUMN) as usize;
+    let behind = &depths[of(0.25 * end)..of(0.83 * end)];
+    let mean = behind.iter().sum::<f64>() / behind.len() as f64;
+    let bore = (0..depths.len()).rev().find(|n| depths[*n] > 0.25).map_or(f64::NAN, |n| {
+        let share = (depths[n] - 0.25) / (depths[n] - depths[n + 1]);
+        (n as f64 + 0.5 + share) * COLUMN - LEFT
+    });
+    Ok([mean, bore / end])
+}

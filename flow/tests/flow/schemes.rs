@@ -140,6 +140,9 @@ fn what_is_off_the_lines_is_refused() {
         let error = run(wall, rigid).unwrap_err();
         assert!(error.contains(expected) && error.contains("lines of the grid"), "{error}");
     }
+    let options = nodal::<2>(0.1).density_correction(0.1).unwrap();
+    let error = Flow::new(options).check_scheme().unwrap_err().to_string();
+    assert!(error.contains("a correction of the density"), "{error}");
     let mut flow = Flow::new(nodal::<2>(0.1));
     let seeds = box_of_particles([0.0; 2], [1.0, 0.5], 0.1, 2);
     flow.add_fluid("oil", water.with_viscosity(100.0).unwrap(), &seeds, |_| [0.0; 2]).unwrap();

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use impactite_scene::{Solver, Watch};
 
 use crate::common::{GRAVITY, centroid, energy, tank, viscous_tank};
-use crate::gates::{sloshing, staggered, standing_wave};
+use crate::gates::{capillary_wave, sloshing, staggered, standing_wave, wet_bed};
 
 /// Leap-frog is (w dt)^2 / 24 fast, 0.09 and 0.05 % here; the rest is the level set of particles, of a wave of 0.16 and 0.32 cells.
 #[test]
@@ -143,4 +143,28 @@ fn corners_do_not_collect_particles() {
     assert_eq!(places.len(), count);
     // The volume is uncertain by some thousandths on so coarse a grid.
     assert!((means[3] - means[0]).abs() < 1e-2, "{means:?}");
+}
+
+/// Capillary waves in deep liquid against the solution of Prosperetti, between walls, which the surface meets at a right angle, and with a
+/// period. Walls were no mirrors of the curvature before, and the wave between them grew.
+#[test]
+fn capillary_waves_decay_as_they_should() {
+    const EXACT: [f64; 4] = [-0.85683, 0.72052, 0.51562, 0.36801];
+    let error = |found: [f64; 4]| -> [f64; 4] { std::array::from_fn(|n| (found[n] - EXACT[n]).abs()) };
+    let coarse = capillary_wave(staggered, 12, 0.03, false).unwrap();
+    let periodic = capillary_wave(staggered, 12, 0.03, true).unwrap();
+    let fine = capillary_wave(staggered, 24, 0.03, false).unwrap();
+    let order = (error(coarse)[3] / error(fine)[3]).log2();
+    println!("12 cells {coarse:.4?}, periodic {periodic:.4?}, 24 cells {fine:.4?}: order {order:.2}");
+    assert!(error(fine).iter().all(|e| *e < 0.03) && order > 2.0, "{fine:?} {order}");
+    assert!(coarse.iter().zip(&periodic).all(|(a, b)| (a - b).abs() < 0.01), "{coarse:?} {periodic:?}");
+}
+
+/// Stoker's dam on a wet bed, a tenth as deep: depth 0.39617 H and speed of the bore 0.99139 sqrt(g H) of shallow flow, from which vertical
+/// accelerations keep it away at first: the depth is 0.370, 0.384, 0.387 at 6, 12, 18 sqrt(H / g).
+#[test]
+fn a_dam_breaks_onto_a_wet_bed() {
+    let [depth, bore] = wet_bed(staggered, 20, 18.0).unwrap();
+    println!("wet bed: depth {depth:.4} for 0.39617, bore {bore:.4} for 0.99139");
+    assert!((depth / 0.39617 - 1.0).abs() < 0.04 && (bore / 0.99139 - 1.0).abs() < 0.05, "{depth} {bore}");
 }

@@ -117,7 +117,7 @@ fn scene(setup: &Setup) -> Result<Flow<2>, CaseError> {
 const CHANNEL: usize = 8;
 /// Step of channel flow, nu dt / h^2: the speed of the liquid sets none at first. Errors of time are of fourth order in the cell.
 const STEP: f64 = 0.4;
-/// The same of an explicit stress.
+/// Largest step of an explicit stress, in this unit.
 const EXPLICIT: f64 = 1.0 / 16.0;
 
 /// Velocities are those in the middle of the last step.
