@@ -299,8 +299,8 @@ pub(crate) fn constrain<const D: usize>(
     }
 }
 
-/// Limit the velocities in walls beside cells in corners, which walls close along two axes and more: those towards the corner by that of the open
-/// face beside them, their mirror image. Extrapolated velocities need not be free of divergence there, and a corner that draws particles in
+/// Limit the velocities in walls beside cells in corners, which walls close along two axes and more, by their mirror images: those towards the
+/// corner by that of the open face; those through a wall are that of the closed one. Extrapolated velocities need not be free of divergence there, and a corner that draws particles in
 /// collects them, all at one point in the end.
 pub(crate) fn limit_at_corners<const D: usize>(
     blocks: &Blocks<D>,
@@ -325,17 +325,25 @@ pub(crate) fn limit_at_corners<const D: usize>(
         }
         for d in 0..D {
             let Some(closed) = side[d] else { continue };
-            let Some(face) = (if closed { Some(slot) } else { beside(slot, d, true) }) else { continue };
-            let value = velocity[d][face];
-            for axes in (1..1usize << D).filter(|axes| axes >> d & 1 == 0) {
-                let across = |face: Option<usize>, e: usize| match (axes >> e & 1, side[e]) {
-                    (0, _) => face,
-                    (_, Some(up)) => beside(face?, e, up),
-                    _ => None,
-                };
-                if let Some(mirror) = (0..D).fold(Some(face), across) {
-                    let of = &mut velocity[d][mirror];
-                    *of = if closed { of.min(value) } else { of.max(value) };
+            // The face that the wall closes, whose velocity is that of the wall, and the open one.
+            for is_open in [false, true] {
+                let lower = closed == is_open;
+                let Some(face) = (if lower { Some(slot) } else { beside(slot, d, true) }) else { continue };
+                let value = velocity[d][face];
+                for axes in (1..1usize << D).filter(|axes| axes >> d & 1 == 0) {
+                    let across = |face: Option<usize>, e: usize| match (axes >> e & 1, side[e]) {
+                        (0, _) => face,
+                        (_, Some(up)) => beside(face?, e, up),
+                        _ => None,
+                    };
+                    if let Some(mirror) = (0..D).fold(Some(face), across) {
+                        let of = &mut velocity[d][mirror];
+                        *of = match (is_open, closed) {
+                            (false, _) => value,
+                            (true, true) => of.min(value),
+                            (true, false) => of.max(value),
+                        };
+                    }
                 }
             }
         }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use flow::{Flow, FlowOptions, Fluid, Wall};
+use impactite_geometry::{Cuboid, Lattice};
 use impactite_scene::{Solver, Watch};
 
 use crate::common::{GRAVITY, centroid, energy, tank, viscous_tank};
@@ -116,6 +118,15 @@ fn volume_is_kept_in_long_sloshing() {
     assert!(divergence < 1e-10, "{divergence}");
 }
 
+/// Number of particles at the place of another one.
+fn coincident<const D: usize>(flow: &Flow<D>) -> usize {
+    let mut places: Vec<_> = flow.points().iter().map(|p| p.position.map(|x| (x * 1e9) as i64)).collect();
+    let count = places.len();
+    places.sort_unstable();
+    places.dedup();
+    count - places.len()
+}
+
 /// Volume of the liquid over long times, and particles that are at one place: corners drew them in, and held them for good. Without mirrors
 /// in corners 25 of the 288 particles are at one place in the end, and the tank loses 2 to 3 % of its volume.
 #[test]
@@ -132,17 +143,30 @@ fn corners_do_not_collect_particles() {
         }
         means.push(sum / f64::from(steps));
     }
-    let mut places: Vec<_> = flow.points().iter().map(|p| p.position.map(|x| (x * 1e9) as i64)).collect();
-    let count = places.len();
-    places.sort_unstable();
-    places.dedup();
-    println!(
-        "mean volumes less 1: {means:.5?}; {} of {count} particles at the place of another",
-        count - places.len()
-    );
-    assert_eq!(places.len(), count);
+    println!("mean volumes less 1: {means:.5?}");
+    assert_eq!(coincident(&flow), 0);
     // The volume is uncertain by some thousandths on so coarse a grid.
     assert!((means[3] - means[0]).abs() < 1e-2, "{means:?}");
+}
+
+/// In space 335 of the 1200 particles were in one corner after 4000 steps: faces that walls close had other velocities beside their corners.
+#[test]
+fn corners_in_space_do_not_collect_particles() {
+    let mut flow = Flow::new(FlowOptions::<3>::new(Lattice::new([0.0; 3], 0.1).unwrap()));
+    flow.add_wall(Wall::container(Cuboid::new([0.0; 3], [1.0, 0.3, 0.9]).unwrap())).unwrap();
+    let water = Cuboid::new([0.0; 3], [1.0, 0.3, 0.5]).unwrap();
+    flow.add_shape("water", Fluid::new(1000.0).unwrap(), &water, 2, |_| [0.0; 3]).unwrap();
+    flow.set_body_force(|t| [-0.1 * (0.8 * 5.31655 * t).sin(), 0.0, -GRAVITY]);
+    flow.set_watch(Watch::off());
+    let (mut sum, steps) = (0.0, 4000);
+    for _ in 0..steps {
+        flow.step_at_most(f64::INFINITY).unwrap();
+        sum += flow.liquid_volume() / 0.15 - 1.0;
+    }
+    let mean = sum / f64::from(steps);
+    println!("mean volume less 1: {mean:+.4}");
+    assert_eq!(coincident(&flow), 0);
+    assert!(mean.abs() < 0.03, "{mean}");
 }
 
 /// Capillary waves in deep liquid against the solution of Prosperetti, between walls, which the surface meets at a right angle, and with a
