@@ -88,16 +88,6 @@ pub(crate) fn add(team: &Team, y: &mut [f64], a: f64, x: &[f64]) {
     });
 }
 
-/// y <- x + a y.
-pub(crate) fn scale_and_add(team: &Team, y: &mut [f64], a: f64, x: &[f64]) {
-    update(team, y, |start, piece| {
-        for (y, x) in piece.iter_mut().zip(&x[start..]) {
-            *y = x + a * *y;
-        }
-        []
-    });
-}
-
 /// y <- b - y.
 pub(crate) fn subtract_from(team: &Team, b: &[f64], y: &mut [f64]) {
     update(team, y, |start, piece| {
