@@ -211,7 +211,7 @@ impl<const D: usize> Flow<D> {
 
     /// Find the impulses of the liquid on the rigid bodies, and move them.
     pub(crate) fn move_bodies(&mut self, dt: f64, kick: f64) {
-        let unit = self.unit();
+        let (unit, mean) = (self.unit(), self.mean_force(dt));
         for (body, coupling) in self.rigid.iter_mut().zip(&self.couplings) {
             let impulse = coupling.impulse(&self.grid, unit);
             let solved = coupling.solved(&self.grid.pressure, unit);
@@ -230,7 +230,7 @@ impl<const D: usize> Flow<D> {
             body.advance(dt);
             for d in 0..D {
                 body.momentum_rate[d] = (body.momentum[d] - body.before[d]) / kick;
-                self.exchange.work += body.mass * body.moved[d] * body.force[d];
+                self.exchange.work += body.mass * body.moved[d] * mean[d];
                 body.before[d] = body.momentum[d];
             }
         }

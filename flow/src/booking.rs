@@ -75,9 +75,12 @@ impl<const D: usize> Flow<D> {
         }
     }
 
-    /// Book the body force, and the momentum that the transfer lost.
-    pub(crate) fn book(&mut self, sums: &[Sums<D>], kick: f64) {
+    /// Book the body force over a step of `dt` seconds, and the momentum that the transfer lost. The work is that of the mean of the forces at
+    /// both ends, as the kinetic energy is that of the ends: with the force at the start alone it is off by dt / 2 of force times acceleration,
+    /// which adds up where the force swings.
+    pub(crate) fn book(&mut self, sums: &[Sums<D>], dt: f64, kick: f64) {
         let force = self.force(self.clock.time);
+        let mean = self.mean_force(dt);
         self.speed = sums.iter().fold(0.0, |speed, s| speed.max(s.speed));
         let walls = self.exchange.impulse;
         let mut change = [0.0; 3];
@@ -91,7 +94,7 @@ impl<const D: usize> Flow<D> {
                 liquid.momentum_rate[d] = gained / kick;
                 change[d] += gained;
                 load[d] = mass * force[d] * kick;
-                self.exchange.work += liquid.density * sum.moved[d] * force[d];
+                self.exchange.work += liquid.density * sum.moved[d] * mean[d];
             }
             add_to(&mut self.exchange.load, &load);
             (0..D).for_each(|d| change[d] -= load[d]);

@@ -22,6 +22,8 @@ use crate::wall::{Wall, Walls};
 const CORRECTION_TOLERANCE: f64 = 1e-2;
 /// Relative change of the volume of a cell in a step by the velocity that particles bring, up to which it comes from smooth motion.
 const SMOOTH: f64 = 0.02;
+/// Share of the first step in which walls have the velocity of their start.
+const START: f64 = 1e-3;
 /// Share of the divergence that is reflected. With all of it errors of the transfer alternate from step to step without decay: the forces of a
 /// steady jet on a wall, 16 cells thick, were a hundred times its momentum flux to both sides. With 0.9 they are between a third and twice of it.
 const REFLECTED: f64 = 0.9;
@@ -58,7 +60,7 @@ impl<const D: usize> Flow<D> {
             solids.skins = skins;
         }
         let sums = stepped?;
-        self.book(&sums, kick);
+        self.book(&sums, dt, kick);
         self.lag = 0.5 * dt;
         self.clock.advance(dt);
         let force = self.force(self.clock.time);
@@ -183,10 +185,21 @@ impl<const D: usize> Flow<D> {
 
     /// Find what the reflection adds to the right-hand side of the pressure equation: the divergence of the velocity that particles brought,
     /// once more, where it is small enough to come from smooth motion and not from an impact. Liquid that fills a closed region has no impact.
+    /// Walls have their velocities of the last step in it, as the liquid has: with those of this step, liquid would be ahead of a wall that
+    /// gets faster, by half a step.
     fn find_advected_divergence(&mut self, dt: f64, walls: &Walls<'_, D>) {
-        self.find_wall_velocities(walls);
         let mut once_more = std::mem::take(&mut self.grid.advected);
         if self.options.reflection {
+            if walls.moving() {
+                let (time, bodies) = (self.clock.time, (&self.rigid[..], walls.skins));
+                let mut last = match self.clock.last {
+                    Some(last) => Walls::at(walls.list, bodies, time - last, last),
+                    // Velocities at the start.
+                    None => Walls::at(walls.list, bodies, time, START * dt),
+                };
+                last.velocities.clone_from(&walls.velocities);
+                self.find_wall_velocities(&last);
+            }
             outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut once_more);
             self.subtract_bodies(&mut once_more);
             let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
@@ -200,6 +213,7 @@ impl<const D: usize> Flow<D> {
         } else {
             once_more.clear();
         }
+        self.find_wall_velocities(walls);
         self.grid.advected = once_more;
     }
 

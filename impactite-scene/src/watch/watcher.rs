@@ -58,6 +58,8 @@ pub struct Look<'a> {
     pub speed: f64,
     /// True if energy is judged.
     pub energy: bool,
+    /// Gain of energy, J, that does not stop a run: what the method's own corrections may add.
+    pub uncertain: f64,
     /// Likely sink of lost energy, and the remedy.
     pub loss: Loss,
 }
@@ -266,7 +268,8 @@ impl Watcher {
         let [last, one_before, _] = self.gains;
         self.gains = [gain, last, one_before];
         // A single check may show an oscillation, since kinetic and internal energy belong to times half a step apart.
-        let stops = gain.min(last) > self.watch.stop_gain || gain > EXPLODES;
+        let certain = share((joules - at.uncertain).max(0.0), scale);
+        let stops = certain.min(last) > self.watch.stop_gain || certain > EXPLODES;
         let gain_that_lasts = gain.min(last).min(one_before);
         // No later check judges a gain at the end of a run.
         let warns = gain_that_lasts > self.watch.warn_gain || (at_the_end && gain > self.watch.stop_gain);
@@ -345,6 +348,15 @@ mod tests {
         Totals { mass: 1.0, kinetic, momentum_scale: 1.0, ..Totals::default() }
     }
     fn look(watcher: &mut Watcher, steps: u64, kinetic: f64, speed: f64) -> Result<(), StepError> {
+        look_with(watcher, steps, kinetic, speed, 0.0)
+    }
+    fn look_with(
+        watcher: &mut Watcher,
+        steps: u64,
+        kinetic: f64,
+        speed: f64,
+        uncertain: f64,
+    ) -> Result<(), StepError> {
         let clock = Clock { steps, ..Clock::default() };
         let exchange = Exchange::default();
         let at = Look {
@@ -353,6 +365,7 @@ mod tests {
             rounding: f64::EPSILON,
             speed,
             energy: true,
+            uncertain,
             loss: LOSS,
         };
         watcher.look(&totals(kinetic), false, &at, String::new, |share, joules| Finding::EnergyGain {
@@ -399,6 +412,16 @@ mod tests {
         assert!(!watcher.due_at_the_end(256) && !watcher.due_at_the_end(271) && watcher.due_at_the_end(272));
         look(&mut watcher, 300, 1.2, 1.0).expect("a warning");
         assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyGain { .. }, .. }]));
+    }
+
+    #[test]
+    fn an_uncertain_gain_warns_and_does_not_stop() {
+        let mut watcher = watcher();
+        for steps in [16, 64, 256, 512] {
+            look_with(&mut watcher, steps, 1.8, 1.0, 0.9).expect("0.8 J of 0.9 J");
+        }
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyGain { .. }, .. }]));
+        look_with(&mut watcher, 768, 2.5, 1.0, 0.9).expect_err("0.6 J more than 0.9 J");
     }
 
     #[test]

@@ -193,6 +193,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
             rounding: f64::EPSILON,
             speed: self.parts().map(ParticleBody::speed).fold(0.0, f64::max),
             energy: true,
+            uncertain: 0.0,
             loss: self.loss(),
         };
         let mut watcher = std::mem::take(&mut self.watcher);

@@ -126,6 +126,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
             // With kinetic damping the balance closes to half a step only.
             energy: self.between_steps.kinetic_damping.is_none(),
+            uncertain: 0.0,
             loss: loss(self.facts(), [filters, exchange.node_contact > 0.0, walls]),
         };
         let broken = || {
