@@ -591,8 +591,7 @@ const LOSS_AT_NODES: Loss = Loss {
 const GAIN_AT_NODES: &str =
     "the particles there are the fastest; take the staggered scheme, or a smaller Courant factor";
 /// Likely source of energy.
-const GAIN: &str =
-    "the particles there are the fastest; take a smaller Courant factor, or a smaller density correction";
+const GAIN: &str = "the particles there are the fastest, or the density correction lifts coarse liquid; take smaller cells, a smaller Courant factor, or a smaller density correction";
 
 impl<const D: usize> Solver for Flow<D> {
     fn method(&self) -> String {
