@@ -91,8 +91,9 @@ pub use step::Scalar;
 pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Hook,
     HookError, Kernels, Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle,
-    NewParticles, NodeWeight, Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepView,
-    StrainNodes, SurfaceClient, Surroundings, Taken, Traction, TrialNode, TrialNodes, Twist,
+    NewParticles, NodeWeight, Occupied, OperatorPoint, OperatorWeight, PointOperator, Rest, Rested, Rigid,
+    RigidState, SplitBook, Splitting, StepView, StrainNodes, SurfaceClient, Surroundings, Taken, Traction,
+    TrialNode, TrialNodes, Twist,
 };
 pub use step::{Criterion, NearContact, OccupiedBlock, Refinement, RegridView, StateAbove, WithBody};
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

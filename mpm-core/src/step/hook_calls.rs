@@ -1,5 +1,8 @@
 //! Calls of hooks in a step, and application of their nodal velocities.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use impactite_scene::{Body, Exchange, StepError, Stopped};
 use impactite_simd::Float;
 
@@ -7,9 +10,11 @@ use super::hooks::{Hook, HookError, StepView, StrainNodes, TrialNode, TrialNodes
 use super::mpm::Mpm;
 use super::nodes::block_place::BlockPlace;
 use super::nodes::constraints::free_directions;
+use super::nodes::footprint::Folds;
 use super::nodes::layout::numbers;
 use super::nodes::node_update::{Around, NodeUpdate, Nothing};
 use super::nodes::stages::GridStages;
+use super::point_operator::{OperatorPoint, OperatorWeight, PointOperator};
 use crate::grid::Node;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
@@ -62,6 +67,35 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         })
     }
 
+    /// Assemble the particles of deformable bodies with their weights on listed nodes.
+    fn point_operator(&self, nodes: &TrialNodes<D>) -> PointOperator<D> {
+        let list = nodes.nodes().iter().enumerate();
+        let at: HashMap<_, usize> = list.map(|(n, node)| ((node.body, node.index), n)).collect();
+        let (fields, facts) = (&self.grid.fields, self.facts());
+        let folds = Folds::of(&self.scene.conditions.boundaries, fields, facts.boundary_modified);
+        let (mut operator, mut folded) = (PointOperator::new(nodes.nodes().len()), Vec::new());
+        for (body, of) in self.scene.bodies.iter().enumerate() {
+            if of.rigid().is_some() || of.client().is_some() {
+                continue;
+            }
+            let own = Some(fields.owner_of(body as u32) as usize);
+            let find = |node| at.get(&(own, node)).or_else(|| at.get(&(None, node)));
+            of.footprints(self.clock.time, &mut |p| {
+                folds.fold(p.nodes, &mut folded);
+                let per_radius = if facts.hoop { 1.0 / p.position[0] } else { 0.0 };
+                let (number, mass, volume, stress) = (p.number, p.mass, p.volume, p.stress);
+                let point = OperatorPoint { body, number, mass, volume, stress, per_radius };
+                let weights = folded.iter().filter_map(|w| {
+                    let sign = std::array::from_fn(|d| w.sign[d]);
+                    let (value, gradient) = (w.value, w.gradient);
+                    find(w.node).map(|&node| OperatorWeight { node, value, gradient, sign })
+                });
+                operator.push(point, weights);
+            });
+        }
+        operator
+    }
+
     /// Call the hooks with the trial velocities, and apply their changes.
     pub(in crate::step) fn hooks_at_trial(&mut self, dt: T) -> Result<(), StepError> {
         self.call_hooks(|mpm, hook| {
@@ -76,6 +110,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 );
             }
             let mut nodes = mpm.stage(dt).trial_nodes(false);
+            if hook.needs_points() {
+                nodes.points = Some(Arc::new(mpm.point_operator(&nodes)));
+            }
             hook.trial(&mut nodes, dt.to_double())?;
             if !nodes.changed {
                 return Ok(());
@@ -132,7 +169,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 });
             }
         }
-        TrialNodes { nodes, spacing: lattice.spacing(), changed: false }
+        TrialNodes { nodes, points: None, spacing: lattice.spacing(), changed: false }
     }
 
     /// Set the velocities of listed nodes, and book the changes as loads.

@@ -1,7 +1,11 @@
 //! Hooks: operations of a user in a time step, at named places.
 
+use std::sync::Arc;
+
 use impactite_scene::{Archive, Body, CheckpointError};
 use impactite_simd::Float;
+
+use super::point_operator::PointOperator;
 
 /// Error of a hook, which stops the run.
 pub type HookError = Box<dyn std::error::Error + Send + Sync>;
@@ -48,6 +52,11 @@ pub trait Hook<T: Float, const D: usize>: Send + Sync {
     /// False for a hook without [`Hook::trial`]: then it is not called, and no list of nodes is made.
     fn needs_nodes(&self) -> bool {
         true
+    }
+
+    /// True for a hook that needs the weights of the particles on the nodes in [`Hook::trial`]: [`TrialNodes::points`].
+    fn needs_points(&self) -> bool {
+        false
     }
 
     /// True for a hook with [`Hook::strain`], for which a second list of nodes is made.
@@ -109,6 +118,7 @@ pub struct TrialNode<const D: usize> {
 /// mirror images.
 pub struct TrialNodes<const D: usize> {
     pub(in crate::step) nodes: Vec<TrialNode<D>>,
+    pub(in crate::step) points: Option<Arc<PointOperator<D>>>,
     pub(in crate::step) spacing: f64,
     pub(in crate::step) changed: bool,
 }
@@ -117,6 +127,10 @@ impl<const D: usize> TrialNodes<D> {
     /// Nodes.
     pub fn nodes(&self) -> &[TrialNode<D>] {
         &self.nodes
+    }
+    /// Particles of deformable bodies with their weights on the nodes; none unless [`Hook::needs_points`].
+    pub fn points(&self) -> Option<Arc<PointOperator<D>>> {
+        self.points.clone()
     }
     /// Cell size, m.
     pub fn spacing(&self) -> f64 {

@@ -5,6 +5,7 @@ mod absorbing;
 mod hooks;
 mod incline;
 mod levels;
+mod operator;
 mod own;
 mod periodic;
 mod same_bits;

@@ -33,6 +33,10 @@ pub struct Footprint<'a, const D: usize> {
     pub number: usize,
     /// Mass, kg.
     pub mass: f64,
+    /// Volume, m^3 (per metre of depth or radian), of the configuration of the gradients.
+    pub volume: f64,
+    /// Position in the configuration of the gradients, m.
+    pub position: [f64; D],
     /// Velocity, m/s.
     pub velocity: [f64; 3],
     /// Largest wave speed over the cells, m/s: c, or c |F^-1| in the reference configuration.

@@ -122,13 +122,16 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 stress[i][j] = volume * s.to_double();
             }
         }
+        let (lattice, bins) = (self.lattices.of_block(&block.coordinates).0, block.bin_coordinates(bin));
+        let position: [f64; D] = std::array::from_fn(|d| {
+            let xi = numbers[Columns::position() + d].to_double();
+            lattice.origin()[d] + lattice.spacing() * (f64::from(bins[d]) + self.bin_centre() + xi)
+        });
         let mut hoop = [0.0; 3];
         if facts.hoop {
-            let xi = numbers[Columns::position()].to_double();
-            let cells = f64::from(block.bin_coordinates(bin)[0]) + self.bin_centre() + xi;
-            let lattice = self.lattices.of_block(&block.coordinates).0;
-            hoop[0] = -stress[2][2] / (lattice.origin()[0] + lattice.spacing() * cells);
+            hoop[0] = -stress[2][2] / position[0];
         }
+        let volume = if facts.total { mass / self.material.density().to_double() } else { volume };
         let (mut velocity, mut load) = ([0.0; 3], [0.0; 3]);
         let areas = self.loads.rows(self.columns.load()).areas[0]..;
         let number = numbers[self.columns.number()].to_double() as usize;
@@ -143,7 +146,20 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             (0..D).for_each(|d| load[d] += mass * acceleration[d]);
         }
         let wave_speed = speed.to_double();
-        Some(Footprint { number, mass, velocity, wave_speed, stress, hoop, load, rigid: false, nodes })
+        let rigid = false;
+        Some(Footprint {
+            number,
+            mass,
+            volume,
+            position,
+            velocity,
+            wave_speed,
+            stress,
+            hoop,
+            load,
+            rigid,
+            nodes,
+        })
     }
 }
 
