@@ -99,10 +99,11 @@ impl<const D: usize> Flow<D> {
             add_to(&mut self.exchange.load, &load);
             (0..D).for_each(|d| change[d] -= load[d]);
         }
+        let field = self.book_load_of_field();
         let bodies = self.change_of_bodies(kick);
         let passed = self.solids.as_ref().map_or([0.0; D], |solids| solids.passed);
         for d in 0..D {
-            change[d] += bodies[d] + passed[d];
+            change[d] += bodies[d] + passed[d] - field[d];
             self.speed = self.rigid.iter().fold(self.speed, |speed, body| speed.max(body.speed()));
             self.speed = self.solids.iter().fold(self.speed, |speed, solids| speed.max(solids.speed()));
             self.exchange.dropped[d] += change[d] - (walls[d] - self.booked_walls[d]);

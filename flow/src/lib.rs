@@ -66,6 +66,7 @@
 //! | Taylor-Green, Re 100, 16 and 32 cells | amplitude -1.6, +1.1 %; without reflection -16, -8 % |
 //! | start of channel flow, 8 and 16 cells | 0.0022, 0.0006 of the final speed: second order |
 //! | round full tank in rotation, 8, 16, 32 cells a radius | spin -4.2, -1.7, -0.7 % after a revolution |
+//! | drop in a central force, 12 and 24 cells a radius, ten periods | period +0.31, +0.07 %; amplitude -0.1, -0.3 % |
 //! | drop at rest, 8 and 16 cells a radius; 6 in space | pressure within 0.3 %; 1 % |
 //! | oscillating drop, 6 and 12 cells a radius | period +11, +2.5 % |
 //! | sloshing of 20 s, 24 cells | volume -0.28 to 0.0 %, energy +0.3 J (1226 J of potential energy, 36 J of kinetic) |
@@ -100,6 +101,7 @@ mod cuts;
 mod deformable;
 mod error;
 mod extrapolate;
+mod field;
 #[cfg(test)]
 mod gates;
 mod gather;

@@ -82,6 +82,11 @@ impl<const D: usize> Frame<D> {
     pub fn place(&self, key: &[i32; D], at: &[f64; D]) -> [f64; D] {
         std::array::from_fn(|d| self.origin[d] + (f64::from(key[d]) * SIDE as f64 + at[d]) * self.h)
     }
+    /// Way from `from` to `to` along an axis, m, over the period if that is shorter.
+    pub fn way(&self, axis: usize, from: f64, to: f64) -> f64 {
+        let (way, period) = (to - from, f64::from(self.period[axis]) * SIDE as f64 * self.h);
+        if period > 0.0 { way - period * (way / period).round() } else { way }
+    }
     /// Image of a position in the period.
     #[inline(always)]
     pub fn wrap(&self, x: &mut [f64; D]) {
@@ -117,6 +122,8 @@ pub(crate) struct Liquid<const D: usize> {
     pub momentum_rate: [f64; D],
     /// Mass times square of the acceleration in the last step, N^2/kg.
     pub acceleration: f64,
+    /// Power of the force by place at the present time, W.
+    pub power: f64,
     /// Heat of viscosity since the start, J.
     pub heat: f64,
     pub particles: Vec<Particle<D>>,
@@ -178,6 +185,7 @@ impl<const D: usize> Liquid<D> {
             force: [0.0; D],
             momentum_rate: [0.0; D],
             acceleration: 0.0,
+            power: 0.0,
             heat: 0.0,
             particles,
             starts: Vec::new(),

@@ -17,6 +17,7 @@ use crate::couple::{Coupling, Surroundings};
 use crate::deformable::Solids;
 use crate::deformable::skin::Skin;
 use crate::error::FluidError;
+use crate::field::ForceField;
 use crate::grid::Grid;
 use crate::nodal::nodes::Nodes;
 use crate::options::{FlowOptions, Fluid, parameter};
@@ -70,6 +71,7 @@ pub struct Flow<const D: usize> {
     /// Net outflow of cells by the motion of the deformable bodies, in areas of a face times m/s.
     pub(crate) swept: Vec<(u32, f64)>,
     pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) field: Option<ForceField<D>>,
     pub(crate) grid: Grid<D>,
     /// Fields at nodes of the semi-staggered scheme; none in the staggered one.
     pub(crate) nodes: Option<Box<Nodes<D>>>,
@@ -129,6 +131,7 @@ impl<const D: usize> Flow<D> {
             solids: None,
             swept: Vec::new(),
             body_force: None,
+            field: None,
             grid: Grid::default(),
             nodes: None,
             team: Team::one(),
@@ -307,7 +310,7 @@ impl<const D: usize> Flow<D> {
     fn rate(&self) -> f64 {
         let flow = self.rate_of_flow();
         let Some(solids) = &self.solids else { return flow };
-        let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
+        let gravity = self.gravity();
         let most =
             (MOST_OF_FLOW * self.speed / self.frame.h).max(MOST_OF_WAVES * (gravity / self.frame.h).sqrt());
         flow.max((COURANT / PHASE * solids.frequency()).min(most))
@@ -316,7 +319,7 @@ impl<const D: usize> Flow<D> {
     /// Rate without that of the vibration of deformable bodies, 1/s.
     fn rate_of_flow(&self) -> f64 {
         let h = self.frame.h;
-        let gravity = self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt();
+        let gravity = self.gravity();
         let turning = self.walls.iter().map(Wall::turning_speed).fold(self.speed, f64::max);
         let mut rate = turning / h;
         // Liquid between bodies that meet is faster than they are.
@@ -371,9 +374,9 @@ impl<const D: usize> Flow<D> {
         (1e6 * (2.0 * (weight + surface)).sqrt()).max(f64::MIN_POSITIVE)
     }
 
-    /// Magnitude of the body force, N/kg.
+    /// Largest magnitude of the body force, N/kg.
     fn gravity(&self) -> f64 {
-        self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt()
+        self.force(self.clock.time).iter().map(|g| g * g).sum::<f64>().sqrt() + self.strength_of_field()
     }
 
     fn look(&mut self) -> Result<(), StepError> {
@@ -467,6 +470,9 @@ impl<const D: usize> Flow<D> {
             return Err(SceneError::NoBodies);
         }
         self.check_scheme()?;
+        if self.clock.steps == 0 {
+            self.check_field()?;
+        }
         if self.moves_bodies() && self.fluid.is_some_and(|fluid| fluid.tension > 0.0) {
             return Err(SceneError::NotWith {
                 what: "a body that the liquid moves beside surface tension".into(),
@@ -635,6 +641,9 @@ impl<const D: usize> Solver for Flow<D> {
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.clock.archive(file)?;
         self.archive_constants(file)?;
+        let has_field = self.field.is_some();
+        file.same("body force by place", if has_field { "yes" } else { "no" })?;
+        file.reals(self.strongest_of_field())?;
         file.reals([&mut self.lag, &mut self.speed])?;
         for liquid in &mut self.liquids {
             file.same("name of a body", &liquid.name)?;
@@ -646,6 +655,7 @@ impl<const D: usize> Solver for Flow<D> {
                 file.reals([&mut p.volume, &mut p.pressure])?;
             }
             file.reals([&mut liquid.lag, &mut liquid.heat, &mut liquid.acceleration])?;
+            file.reals(has_field.then_some(&mut liquid.power))?;
             file.reals(liquid.force.iter_mut().chain(&mut liquid.momentum_rate))?;
         }
         self.rigid.iter_mut().try_for_each(|body| body.archive(file))?;

@@ -36,7 +36,7 @@ impl<const D: usize> Body for Liquid<D> {
             sum.kinetic += self.lag * self.force[d] * sum.momentum[d];
             sum.staggered.momentum[d] = self.lag * self.momentum_rate[d];
         }
-        sum.kinetic += 0.5 * self.lag * self.lag * self.acceleration;
+        sum.kinetic += self.lag * self.power + 0.5 * self.lag * self.lag * self.acceleration;
         (sum.internal, sum.viscous_heat) = (self.heat, self.heat);
         sum
     }

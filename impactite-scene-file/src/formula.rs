@@ -63,6 +63,15 @@ impl<U: Measure> Formula<U> {
         Formula { what: What::Constant(value), measure: PhantomData }
     }
 
+    /// True if both are the same number, or the same text with the same variables.
+    pub fn is_same(&self, other: &Self) -> bool {
+        match (&self.what, &other.what) {
+            (What::Constant(a), What::Constant(b)) => a == b,
+            (What::Varies(a), What::Varies(b)) => a.text == b.text && a.variables == b.variables,
+            _ => false,
+        }
+    }
+
     /// Return the value if it is constant.
     #[must_use]
     pub fn as_constant(&self) -> Option<f64> {

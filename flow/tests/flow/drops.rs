@@ -1,8 +1,9 @@
 //! Free drops.
 
-use flow::{Flow, FlowOptions, Fluid, Wall};
+use flow::{Flow, FlowOptions, Fluid, RigidBody, SemiStaggered, Wall};
 use impactite_geometry::{Ball, Cuboid, Disc, HalfSpace, Lattice};
 use impactite_scene::Solver;
+use impactite_simd::Team;
 
 use crate::common::{GRAVITY, centroid};
 use crate::gates::{elliptic_drop, staggered};
@@ -133,4 +134,136 @@ fn an_elliptic_drop_follows_its_equations() {
             assert!(error[2].abs() < 0.02, "{cells} {n}: {error:?}");
         }
     }
+}
+
+/// Axes a and b = R^2 / a of an elliptic drop in a central force -B^2 r with B = 1, by Runge-Kutta steps: A' = (A^2 + B^2)(b^2 - a^2) / (a^2 + b^2),
+/// a' = A a. Return ln(a / b) at its first maximum.
+fn largest_of_ellipse(rate: f64) -> f64 {
+    let slope = |[a, rate]: [f64; 2]| {
+        let (a2, b2) = (a * a, 1.0 / (a * a));
+        [rate * a, (rate * rate + 1.0) * (b2 - a2) / (a2 + b2)]
+    };
+    let (mut y, dt, mut most) = ([1.0, rate], 1e-3, 0.0f64);
+    for _ in 0..2000 {
+        let along = |y: [f64; 2], k: [f64; 2], s: f64| [y[0] + s * dt * k[0], y[1] + s * dt * k[1]];
+        let k1 = slope(y);
+        let k2 = slope(along(y, k1, 0.5));
+        let k3 = slope(along(y, k2, 0.5));
+        let k4 = slope(along(y, k3, 1.0));
+        (0..2).for_each(|n| y[n] += dt / 6.0 * (k1[n] + 2.0 * k2[n] + 2.0 * k3[n] + k4[n]));
+        most = most.max(2.0 * y[0].ln());
+    }
+    most
+}
+
+/// Drop of `cells` cells radius that oscillates in a central force of 1/s^2 times the distance, from v = `rate` (x, -y): errors of the period
+/// over ten of them, of the first and the tenth maximum of ln(a / b), and the energy that is not explained over the largest kinetic one.
+fn oscillating(cells: f64, rate: f64, centre: [f64; 2]) -> [f64; 4] {
+    let mut flow = Flow::new(FlowOptions::new(Lattice::new([0.0; 2], 1.0 / cells).unwrap()));
+    let disc = Disc::new(centre, 1.0).unwrap();
+    let velocity = |x: [f64; 2]| [rate * (x[0] - centre[0]), -rate * (x[1] - centre[1])];
+    flow.add_shape("drop", Fluid::new(1000.0).unwrap(), &disc, 2, velocity).unwrap();
+    flow.set_force_field(move |x, _| [centre[0] - x[0], centre[1] - x[1]]);
+    let (due, most) =
+        if rate == 1.0 { (4.82734, largest_of_ellipse(1.0)) } else { (4.56737, largest_of_ellipse(0.5)) };
+    let (mut crossings, mut maxima, mut last, mut peak, mut kinetic) =
+        (Vec::new(), Vec::new(), [0.0; 2], 0.0f64, 0.0f64);
+    while crossings.len() < 10 && flow.time() < 11.0 * due {
+        flow.step_at_most(f64::INFINITY).unwrap();
+        let points = flow.points();
+        let at = centroid(&points);
+        let moment =
+            |d: usize| points.iter().map(|p| p.volume * (p.position[d] - at[d]).powi(2)).sum::<f64>();
+        let now = [flow.time(), 0.5 * (moment(0) / moment(1)).ln()];
+        peak = peak.max(now[1]);
+        kinetic = kinetic.max(flow.totals().kinetic);
+        if last[1] < 0.0 && now[1] >= 0.0 {
+            crossings.push(last[0] - last[1] * (now[0] - last[0]) / (now[1] - last[1]));
+            maxima.push(peak);
+            peak = 0.0;
+        }
+        last = now;
+    }
+    let period = crossings[9] / 10.0;
+    [period / due - 1.0, maxima[0] / most - 1.0, maxima[9] / most - 1.0, flow.account().unexplained / kinetic]
+}
+
+/// Ten periods: dissipation and growth add up.
+#[test]
+fn drops_oscillate_in_a_central_force() {
+    let coarse = oscillating(12.0, 1.0, [0.0; 2]);
+    let fine = oscillating(24.0, 1.0, [0.0; 2]);
+    let beside = oscillating(16.0, 0.5, [0.013, -0.027]);
+    for (cells, found) in [(12, coarse), (24, fine), (16, beside)] {
+        println!("{cells} cells a radius: {found:?}");
+        assert!(found[1].abs() < 0.005 && found[2].abs() < 0.005, "maxima of {cells} cells: {found:?}");
+        assert!(found[3].abs() < 0.02, "energy of {cells} cells: {found:?}");
+    }
+    // Of second order in the cell.
+    assert!(fine[0].abs() < 0.001 && (coarse[0] / fine[0]).log2() > 1.8, "{coarse:?} and {fine:?}");
+    assert!(beside[0].abs() < 0.003, "{beside:?}");
+}
+
+/// In space, from rest beside the centre: the centre of mass is at x0 cos t, and angular momentum stays zero. Equal bits for two threads and after
+/// a restart.
+#[test]
+fn a_drop_falls_through_a_centre() {
+    let start = [0.3, 0.1, -0.2];
+    let made = |threads: usize| {
+        let options = FlowOptions::<3>::new(Lattice::new([0.013; 3], 0.1).unwrap());
+        let mut flow = Flow::new(options);
+        let ball = Ball::new(start, 0.3).unwrap();
+        flow.add_shape("drop", Fluid::new(1000.0).unwrap(), &ball, 2, |_| [0.0; 3]).unwrap();
+        flow.set_force_field(|x, _| x.map(|x| -x));
+        flow.set_team(Team::new(threads).unwrap());
+        flow
+    };
+    let (mut one, mut two) = (made(1), made(2));
+    one.run_until(2.0).unwrap();
+    two.run_until(2.0).unwrap();
+    let file = std::env::temp_dir().join(format!("flow_centre_{}", std::process::id()));
+    one.save(&file).unwrap();
+    let mut resumed = made(1);
+    resumed.resume(&file).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    for flow in [&mut one, &mut two, &mut resumed] {
+        flow.run_until(3.0).unwrap();
+    }
+    let places = |flow: &Flow<3>| flow.points().iter().map(|p| p.position).collect::<Vec<_>>();
+    assert!(places(&one) == places(&two) && places(&one) == places(&resumed));
+    let (found, totals) = (centroid(&one.points()), one.totals());
+    for d in 0..3 {
+        assert!((found[d] - start[d] * 3.0_f64.cos()).abs() < 2e-3, "{found:?}");
+        assert!(
+            totals.angular_momentum[d].abs() < 1e-3 * totals.momentum_scale,
+            "{:?}",
+            totals.angular_momentum
+        );
+    }
+    assert!(one.account().unexplained.abs() < 0.02 * one.account().energy_scale, "{:?}", one.account());
+}
+
+#[test]
+fn fields_act_on_liquid_alone_and_are_finite() {
+    let refused = |flow: &mut Flow<2>| flow.run_until(0.1).unwrap_err().to_string();
+    let disc = Disc::new([0.0; 2], 0.5).unwrap();
+    let options = || FlowOptions::<2>::new(Lattice::new([0.0; 2], 0.1).unwrap());
+    let mut flow = drop(
+        options().density_correction(0.0).unwrap().semi_staggered(SemiStaggered::default()),
+        0.5,
+        |_| [0.0; 2],
+    );
+    flow.set_force_field(|_, _| [1.0, 0.0]);
+    assert!(refused(&mut flow).contains("by place"));
+    let mut flow = Flow::new(options());
+    flow.add_rigid("ball", RigidBody::new(disc, 300.0).unwrap()).unwrap();
+    flow.add_shape("water", Fluid::new(1000.0).unwrap(), &Ball::new([2.0, 0.0], 0.5).unwrap(), 2, |_| {
+        [0.0; 2]
+    })
+    .unwrap();
+    flow.set_force_field(|_, _| [1.0, 0.0]);
+    assert!(refused(&mut flow).contains("beside a body"));
+    let mut flow = drop(options(), 0.5, |_| [0.0; 2]);
+    flow.set_force_field(|x, _| [1.0 / (x[0] - x[0]), 0.0]);
+    assert!(refused(&mut flow).contains("body force"));
 }

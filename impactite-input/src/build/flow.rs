@@ -23,7 +23,7 @@ use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
 use crate::model::method::{Flow, Method, Purpose, SemiStaggered as Shares};
-use crate::quantity::Speed;
+use crate::quantity::{Acceleration, Speed};
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
 const GAUSS: [[f64; 2]; 4] = [
@@ -131,6 +131,9 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         let velocity = world.velocity(&key, body, || Ok(seeds.centroid()))?;
         flow.add_fluid(name, fluid, &seeds, |x| velocity(x)).map_err(|e| of_body(&key, e))?;
     }
+    if let Some(field) = field(world)? {
+        flow.set_force_field(field);
+    }
     placement::check_planes(world, &flow)?;
     flow.check_scheme().at(format!("{key}.semi_staggered"))?;
     if let Some(gravity) = world.gravity()? {
@@ -141,6 +144,39 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     }
     flow.set_watch(world.watch());
     Ok(Box::new(flow))
+}
+
+/// Body force of the liquid by place and time, m/s^2; none without a `body_force`. All bodies of liquid have the same one.
+fn field<const D: usize>(
+    world: &World<'_, D>,
+) -> Made<Option<impl Fn([f64; D], f64) -> [f64; D] + Send + Sync + 'static>> {
+    let liquids =
+        world.scene.expanded.iter().filter(|(_, body)| {
+            body.mesh.is_none() && body.rigid.is_none() && !is_submerged(world.scene, body)
+        });
+    let mut found: Option<(&str, Option<&Vec<Formula<Acceleration>>>)> = None;
+    for (name, body) in liquids {
+        let list = body.body_force.as_ref();
+        let same = |other: Option<&Vec<Formula<Acceleration>>>| match (other, list) {
+            (None, None) => true,
+            (Some(a), Some(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.is_same(b)),
+            _ => false,
+        };
+        match found {
+            Some((first, other)) if !same(other) => {
+                let key = format!("bodies.{name}.body_force");
+                return wrong(&key, format!("is that of all liquid: write the same for `bodies.{first}`"));
+            }
+            _ => found = Some((name, list)),
+        }
+    }
+    let Some((name, Some(list))) = found else { return Ok(None) };
+    let key = format!("bodies.{name}.body_force");
+    let list: [_; D] = formulas(list).at(&key)?;
+    for (n, formula) in list.iter().enumerate() {
+        formula.check(world.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
+    }
+    Ok(Some(move |x: [f64; D], t: f64| std::array::from_fn(|d| list[d].at(&x, false, t))))
 }
 
 /// Build the bodies of elements in the liquid, with the conditions, the gravity and the contact of the scene; none without such bodies.

@@ -96,7 +96,7 @@ const KEYS: &[Key] = &[
     Key {
         name: "body_force",
         used: |b| b.body_force.is_some(),
-        kinds: &[Particles, Submerged],
+        kinds: &[Particles, Submerged, Liquid],
         instead: Some("`gravity` acts on all bodies, and may be formulas of time"),
     },
     Key { name: "lit", used: |b| !b.lit.is_empty(), kinds: &[Particles], instead: None },

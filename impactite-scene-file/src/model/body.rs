@@ -61,7 +61,8 @@ pub struct Body {
     #[serde(default)]
     #[schemars(example = 12)]
     pub merge_above: Option<u32>,
-    /// Acceleration by initial place and time, in addition to `gravity` (`mpm`).
+    /// Acceleration by place and time, in addition to `gravity`: by the initial place (`mpm`), by the present one of a liquid, the same for all
+    /// bodies of liquid (`flow`).
     #[serde(default)]
     #[schemars(example = (0, "= -3 * x * sin(t)"))]
     pub body_force: Option<Vec<Formula<Acceleration>>>,
