@@ -129,6 +129,10 @@ impl Outcome {
 impl<S: Formulation> Case<S> {
     /// Run the case.
     pub fn run(&self) -> Outcome {
+        S::run(self)
+    }
+    /// Run the scene of the problem.
+    pub(crate) fn by_problem(&self) -> Outcome {
         let made = match self.problem {
             Problem::Bar => bar::period(self),
             Problem::Drift => bar::drift(self),

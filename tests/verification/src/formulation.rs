@@ -7,7 +7,7 @@ use mpm_core::{
 };
 use mpm_materials::IntoMaterial;
 
-use crate::case::Outcome;
+use crate::case::{Case, Outcome};
 use crate::empty::{Gas, GasState, empty_gas_scene};
 use crate::scene::{Moment, Run, Scene};
 use crate::scheme::{Kernel, Scheme, Velocity, kernels};
@@ -16,6 +16,9 @@ use crate::scheme::{Kernel, Scheme, Velocity, kernels};
 pub trait Formulation: Copy + Debug + PartialEq {
     /// Name in files.
     fn name(self) -> String;
+
+    /// Run a case: [`Case::by_problem`], compiled in this crate once for each formulation. Crates that run cases would compile all schemes again.
+    fn run(case: &Case<Self>) -> Outcome;
 
     /// Number of cells across a bar between symmetry planes that provides all neighbours.
     fn across(self) -> usize;
@@ -46,6 +49,10 @@ pub trait Formulation: Copy + Debug + PartialEq {
 impl Formulation for Scheme {
     fn name(self) -> String {
         Scheme::name(self)
+    }
+
+    fn run(case: &Case<Self>) -> Outcome {
+        case.by_problem()
     }
 
     fn across(self) -> usize {

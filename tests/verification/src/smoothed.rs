@@ -5,7 +5,7 @@ use mpm_core::{Body, FullSpace, PlaneStrain, StepError};
 use mpm_materials::IntoMaterial;
 use sph::{Composition, Layout, Method, Sph};
 
-use crate::case::Outcome;
+use crate::case::{Case, Outcome};
 use crate::empty::{Gas, GasState};
 use crate::formulation::Formulation;
 use crate::scene::{Drive, Ended, Moment, Run, Scene, Stepped};
@@ -58,6 +58,10 @@ impl Formulation for Smoothed {
 
     /// Two particles across, so that they and their images are mutual neighbours; images of images beyond the other plane
     /// are not created.
+    fn run(case: &Case<Self>) -> Outcome {
+        case.by_problem()
+    }
+
     fn across(self) -> usize {
         2
     }
