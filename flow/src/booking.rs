@@ -2,6 +2,7 @@
 
 use crate::blocks::Blocks;
 use crate::gather::Sums;
+use crate::grid::Grid;
 use crate::solver::{Flow, add_to};
 use crate::surface::LIQUID;
 use crate::transfer::face_centre;
@@ -9,7 +10,7 @@ use crate::wall::Walls;
 
 impl<const D: usize> Flow<D> {
     /// Book the impulse and the work of the walls: that on the mass at closed faces, which gets the velocity of the wall, and that of the
-    /// pressure. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
+    /// pressure. Impulses act from the middle of the last step to that of this one: their work is by the mean velocity of the wall in both. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
     pub(crate) fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
         let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
         let area = self.frame.h.powi(D as i32 - 1);
@@ -22,19 +23,18 @@ impl<const D: usize> Flow<D> {
                     && grid.volume[d][slot] > 0.0
                     && (beside(Some(slot)) || beside(grid.blocks.beside(b, i, d, false)))
                 {
-                    let wall = if walls.moving() {
-                        let at = face_centre::<D>(i, d);
-                        let n = cut.sample(&at).2;
+                    let (mut wall, mut mean) = (0.0, 0.0);
+                    if walls.moving() {
+                        let n = cut.sample(&face_centre::<D>(i, d)).2;
                         if walls.list[n].follows() {
                             continue;
                         }
-                        walls.velocity(n, &self.frame.place(&grid.blocks.keys[b], &at), d)
-                    } else {
-                        0.0
-                    };
+                        wall = grid.wall[d][slot];
+                        mean = mean_of(grid, d, slot);
+                    }
                     let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
                     self.exchange.impulse[d] += impulse;
-                    self.exchange.work += impulse * wall;
+                    self.exchange.work += impulse * mean;
                 }
             }
         }
@@ -59,7 +59,7 @@ impl<const D: usize> Flow<D> {
                             let n = cut.sample(&face_centre::<D>(slot % cells, d)).2;
                             if open[slot] < 1.0 && !walls.list[n].follows() {
                                 let closed = impulse * sign * (1.0 - open[slot]);
-                                let wall = grid.wall[d].get(slot).copied().unwrap_or(0.0);
+                                let wall = if grid.wall[d].is_empty() { 0.0 } else { mean_of(grid, d, slot) };
                                 self.exchange.impulse[d] -= closed;
                                 self.exchange.work -= closed * wall;
                             }
@@ -67,7 +67,8 @@ impl<const D: usize> Flow<D> {
                         continue;
                     }
                     self.exchange.impulse[d] += impulse * (open[up] - open[low]);
-                    if let (Some(a), Some(b)) = (grid.wall[d].get(low), grid.wall[d].get(up)) {
+                    if !grid.wall[d].is_empty() {
+                        let (a, b) = (mean_of(grid, d, low), mean_of(grid, d, up));
                         self.exchange.work += impulse * ((1.0 - open[low]) * a - (1.0 - open[up]) * b);
                     }
                 }
@@ -110,4 +111,9 @@ impl<const D: usize> Flow<D> {
         }
         self.booked_walls = walls;
     }
+}
+
+/// Mean velocity of a wall at a face in the last step and in this one, m/s.
+fn mean_of<const D: usize>(grid: &Grid<D>, d: usize, slot: usize) -> f64 {
+    0.5 * (grid.wall[d][slot] + grid.wall_before[d].get(slot).copied().unwrap_or(grid.wall[d][slot]))
 }

@@ -282,6 +282,15 @@ impl<const D: usize> CutBlock<D> {
         self.near >> cell & 1 == 1
     }
 
+    /// Nearest walls of the corners of the cell of a point; `at` is in cells from the corner of the block, 0 to 4.
+    pub fn around(&self, at: &[f64; D]) -> impl Iterator<Item = usize> {
+        let low: [usize; D] = std::array::from_fn(|d| (at[d] as usize).min(SIDE - 1));
+        (0..1usize << D).map(move |k| {
+            let corner: [usize; D] = std::array::from_fn(|d| low[d] + (k >> d & 1));
+            usize::from(self.nearest[node(&corner)])
+        })
+    }
+
     /// Distance to the wall at a point, in cells, its gradient, and the nearest wall. `at` is in cells from the corner of the block, 0 to 4.
     pub fn sample(&self, at: &[f64; D]) -> (f64, [f64; D], usize) {
         let (mut low, mut part) = ([0; D], [0.0; D]);

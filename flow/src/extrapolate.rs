@@ -284,7 +284,9 @@ pub(crate) fn constrain<const D: usize>(
                         if !moves {
                             return ([0.0; D], false);
                         }
-                        let x = frame.place(&blocks.keys[b], &face_centre::<D>(i, d));
+                        let at = face_centre::<D>(i, d);
+                        let x = frame.place(&blocks.keys[b], &at);
+                        let wall = if walls.moving() { walls.wall_at(cut, &at, wall, &x) } else { wall };
                         (std::array::from_fn(|e| walls.velocity(wall, &x, e)), walls.list[wall].is_no_slip())
                     });
             }

@@ -31,6 +31,8 @@ pub(crate) struct Grid<const D: usize> {
     pub shift: Faces<D>,
     /// Velocity of moving walls at faces, m/s.
     pub wall: Faces<D>,
+    /// The same in the last step.
+    pub wall_before: Faces<D>,
     /// State of the velocity at faces.
     pub marks: [Vec<u8>; D],
     pub surface: Surface,
@@ -73,6 +75,7 @@ impl<const D: usize> Default for Grid<D> {
             before: faces(),
             shift: faces(),
             wall: faces(),
+            wall_before: faces(),
             marks: faces(),
             surface: Surface::default(),
             pockets: Vec::new(),

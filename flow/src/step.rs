@@ -189,17 +189,18 @@ impl<const D: usize> Flow<D> {
     /// gets faster, by half a step.
     fn find_advected_divergence(&mut self, dt: f64, walls: &Walls<'_, D>) {
         let mut once_more = std::mem::take(&mut self.grid.advected);
+        if walls.moving() {
+            let (time, bodies) = (self.clock.time, (&self.rigid[..], walls.skins));
+            let mut last = match self.clock.last {
+                Some(last) => Walls::at(walls.list, bodies, time - last, last),
+                // Velocities at the start.
+                None => Walls::at(walls.list, bodies, time, START * dt),
+            };
+            last.velocities.clone_from(&walls.velocities);
+            self.find_wall_velocities(&last);
+            self.grid.wall_before.clone_from(&self.grid.wall);
+        }
         if self.options.reflection {
-            if walls.moving() {
-                let (time, bodies) = (self.clock.time, (&self.rigid[..], walls.skins));
-                let mut last = match self.clock.last {
-                    Some(last) => Walls::at(walls.list, bodies, time - last, last),
-                    // Velocities at the start.
-                    None => Walls::at(walls.list, bodies, time, START * dt),
-                };
-                last.velocities.clone_from(&walls.velocities);
-                self.find_wall_velocities(&last);
-            }
             outflow(&self.team, &self.cells(), &self.grid.velocity, self.wall_velocities(), &mut once_more);
             self.subtract_bodies(&mut once_more);
             let scale = if self.grid.system.is_singular() { 0.0 } else { dt / self.frame.h };
@@ -333,10 +334,10 @@ impl<const D: usize> Flow<D> {
                 let Some(cut) = cut else { continue };
                 for i in 0..cells {
                     let at = face_centre::<D>(i, d);
-                    let wall = cut.sample(&at).2;
+                    let x = self.frame.place(&grid.blocks.keys[b], &at);
+                    let wall = walls.wall_at(cut, &at, cut.sample(&at).2, &x);
                     // Free bodies are added by the rows of their cells.
                     if !walls.list[wall].follows() {
-                        let x = self.frame.place(&grid.blocks.keys[b], &at);
                         list[b * cells + i] = walls.velocity(wall, &x, d);
                     }
                 }
