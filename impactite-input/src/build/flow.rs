@@ -132,7 +132,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         flow.add_fluid(name, fluid, &seeds, |x| velocity(x)).map_err(|e| of_body(&key, e))?;
     }
     if let Some(field) = field(world)? {
-        flow.set_force_field(field);
+        flow.set_force_field(move |x, t| std::array::from_fn(|d| field[d].at(&x, false, t)));
     }
     placement::check_planes(world, &flow)?;
     flow.check_scheme().at(format!("{key}.semi_staggered"))?;
@@ -147,9 +147,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
 }
 
 /// Body force of the liquid by place and time, m/s^2; none without a `body_force`. All bodies of liquid have the same one.
-fn field<const D: usize>(
-    world: &World<'_, D>,
-) -> Made<Option<impl Fn([f64; D], f64) -> [f64; D] + Send + Sync + 'static>> {
+fn field<const D: usize>(world: &World<'_, D>) -> Made<Option<[Formula<Acceleration>; D]>> {
     let liquids =
         world.scene.expanded.iter().filter(|(_, body)| {
             body.mesh.is_none() && body.rigid.is_none() && !is_submerged(world.scene, body)
@@ -176,7 +174,7 @@ fn field<const D: usize>(
     for (n, formula) in list.iter().enumerate() {
         formula.check(world.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
     }
-    Ok(Some(move |x: [f64; D], t: f64| std::array::from_fn(|d| list[d].at(&x, false, t))))
+    Ok(Some(list))
 }
 
 /// Build the bodies of elements in the liquid, with the conditions, the gravity and the contact of the scene; none without such bodies.
