@@ -87,6 +87,8 @@ fn open_square(v: [f64; 4]) -> f64 {
 
 /// Parts of a cell along each axis.
 const PARTS: usize = 4;
+/// Departure from a plane, in cells, of distances at the corners of a face, from which it is cut by parts.
+const BENT: f64 = 0.05;
 /// Largest number of parts of a cell.
 const MOST_PARTS: usize = PARTS * PARTS * PARTS;
 
@@ -109,6 +111,37 @@ fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> (f6
         sum += *open;
     }
     (sum / count as f64, parts)
+}
+
+/// True if the wall through the lower face across `axis` of a cell with these distances at its corners, in space, is no plane: where walls meet, as
+/// along the edges of a tank, polygons between corners lose half of the face.
+fn is_bent(v: &[f64; 8], axis: usize) -> bool {
+    let of = |a: usize, b: usize| v[a << ((axis + 1) % 3) | b << ((axis + 2) % 3)];
+    let on = [of(0, 0), of(1, 0), of(0, 1), of(1, 1)];
+    let open = on.iter().filter(|gap| **gap > 0.0).count();
+    (1..4).contains(&open) && (on[0] + on[3] - on[1] - on[2]).abs() > BENT
+}
+
+/// Open fraction of the lower face across `axis` of a cell with its lowest corner at `low`: mean over 4^2 parts, each cut by a line at its distance
+/// from the wall.
+fn open_by_parts<const D: usize>(low: [f64; D], axis: usize, h: f64, walls: &Walls<'_, D>) -> f64 {
+    let width = h / PARTS as f64;
+    let others = [(axis + 1) % D, (axis + 2) % D];
+    let part = |n: usize| {
+        let mut x = low;
+        for (e, of) in others.into_iter().enumerate() {
+            x[of] += (place_of_part(n, e) as f64 + 0.5) * width;
+        }
+        let part = 0.5 + walls.gap(x).0 / width;
+        if part > 1.0 - ON_WALL {
+            1.0
+        } else if part < ON_WALL {
+            0.0
+        } else {
+            part
+        }
+    };
+    (0..PARTS * PARTS).map(part).sum::<f64>() / (PARTS * PARTS) as f64
 }
 
 /// Place of part `n` of a cell along an axis.
@@ -207,6 +240,17 @@ fn cut_block<const D: usize>(
         near |= u64::from(corners[..1 << D].iter().any(|gap| *gap < 0.5)) << i;
         for d in 0..D {
             face[d][i] = open_face::<D>(&corners, d);
+            if D == 3 && is_bent(&corners, d) {
+                let at = local::<D>(i);
+                // Bodies have the same open parts in their own equations.
+                let follows = |k: usize| {
+                    let corner: [_; D] = std::array::from_fn(|e| at[e] + (k >> e & 1));
+                    walls.list[usize::from(nearest[node(&corner)])].follows()
+                };
+                if !(0..1 << D).filter(|k| k >> d & 1 == 0).any(follows) {
+                    face[d][i] = open_by_parts(position(&at.map(|x| x as f64)), d, h, walls);
+                }
+            }
             if free && face[d][i] < SLIT {
                 face[d][i] = 0.0;
             }

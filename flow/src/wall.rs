@@ -189,9 +189,10 @@ impl<'a, const D: usize> Walls<'a, D> {
         wall.sign * wall.shape.signed_distance(self.poses[n].back(x))
     }
     /// Index of the wall at a point, `at` in the block of the cut and at the place `x`, m, that the nearest corner has at `found`: where walls meet,
-    /// the one in which the point is deepest, since corners on several walls name one of them.
+    /// the one in which the point is deepest, since corners on several walls name one of them. Beside bodies that the liquid moves it is `found`, as
+    /// in their equations.
     pub fn wall_at(&self, cut: &CutBlock<D>, at: &[f64; D], found: usize, x: &[f64; D]) -> usize {
-        if cut.around(at).all(|n| n == found) {
+        if cut.around(at).all(|n| n == found) || cut.around(at).any(|n| self.list[n].follows()) {
             return found;
         }
         let gaps = cut.around(at).map(|n| (self.gap_of(n, x), n));

@@ -459,13 +459,14 @@ fn a_piston_pushes_with_its_work() {
             "{D}D: {place} m, {} of {momentum} N s, work {}, kinetic {} of {energy} J",
             given.impulse[0], given.work, now.kinetic
         );
-        // Particles leave the centre of mass uncertain by a tenth of a cell.
-        assert!((place - 1.25).abs() < 0.12 * h, "{place} m");
+        // Particles leave the centre of mass uncertain by a tenth of a cell in the plane, two tenths in space.
+        let uncertain = if D == 2 { 0.12 } else { 0.24 };
+        assert!((place - 1.25).abs() < uncertain * h, "{place} m");
         assert!((given.impulse[0] / momentum - 1.0).abs() < 0.01, "{} N s", given.impulse[0]);
         assert!((now.kinetic / energy - 1.0).abs() < 0.015, "{} J", now.kinetic);
         assert!((given.work / now.kinetic - 1.0).abs() < 0.015, "{} and {} J", given.work, now.kinetic);
     }
     push::<2>(0.05);
     push::<2>(0.025);
-    push::<3>(0.05);
+    push::<3>(0.025);
 }
