@@ -335,6 +335,16 @@ impl<const D: usize> CutBlock<D> {
         })
     }
 
+    /// Index of the wall at a point, `at` in the block of the cut and at the place `x`, m, that the nearest corner has at `found`: where walls meet,
+    /// the one in which the point is deepest, since corners on several walls name one of them. Beside bodies that the liquid moves it is `found`, as
+    /// in their equations.
+    pub fn wall_at(&self, walls: &Walls<'_, D>, at: &[f64; D], found: usize, x: &[f64; D]) -> usize {
+        if self.around(at).all(|n| n == found) || self.around(at).any(|n| walls.list[n].follows()) {
+            return found;
+        }
+        let gaps = self.around(at).map(|n| (walls.gap_of(n, x), n));
+        gaps.fold((f64::INFINITY, found), |least, gap| if gap.0 < least.0 { gap } else { least }).1
+    }
     /// Distance to the wall at a point, in cells, its gradient, and the nearest wall. `at` is in cells from the corner of the block, 0 to 4.
     pub fn sample(&self, at: &[f64; D]) -> (f64, [f64; D], usize) {
         let (mut low, mut part) = ([0; D], [0.0; D]);

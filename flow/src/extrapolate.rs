@@ -286,7 +286,7 @@ pub(crate) fn constrain<const D: usize>(
                         }
                         let at = face_centre::<D>(i, d);
                         let x = frame.place(&blocks.keys[b], &at);
-                        let wall = if walls.moving() { walls.wall_at(cut, &at, wall, &x) } else { wall };
+                        let wall = if walls.moving() { cut.wall_at(walls, &at, wall, &x) } else { wall };
                         (std::array::from_fn(|e| walls.velocity(wall, &x, e)), walls.list[wall].is_no_slip())
                     });
             }

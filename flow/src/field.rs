@@ -5,17 +5,9 @@ use std::sync::Arc;
 use impactite_scene::SceneError;
 
 use crate::blocks::Blocks;
+use crate::options::ForceField;
 use crate::solver::{Flow, add_to};
 use crate::transfer::face_centre;
-
-/// Acceleration by place, m, and time, s, m/s^2, and what was found of it.
-pub(crate) struct ForceField<const D: usize> {
-    of: Arc<dyn Fn([f64; D], f64) -> [f64; D] + Send + Sync>,
-    /// Largest magnitude on the liquid in the last step, m/s^2.
-    strongest: f64,
-    /// Impulse in the present step, N s.
-    load: [f64; D],
-}
 
 impl<const D: usize> Flow<D> {
     /// Set a body force of the liquid by place, m, and time, s, m/s^2, in addition to that over time: a central force, the centrifugal force

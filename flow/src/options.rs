@@ -1,5 +1,7 @@
 //! Options of a scene and constants of a liquid.
 
+use std::sync::Arc;
+
 use impactite_geometry::Lattice;
 use impactite_scene::SceneError;
 
@@ -200,4 +202,13 @@ pub(crate) fn parameter(
     allowed: &'static str,
 ) -> Result<(), SceneError> {
     if fits { Ok(()) } else { Err(SceneError::Parameter { owner: "flow", field, value, allowed }) }
+}
+
+/// Acceleration by place, m, and time, s, m/s^2, and what was found of it.
+pub(crate) struct ForceField<const D: usize> {
+    pub of: Arc<dyn Fn([f64; D], f64) -> [f64; D] + Send + Sync>,
+    /// Largest magnitude on the liquid in the last step, m/s^2.
+    pub strongest: f64,
+    /// Impulse in the present step, N s.
+    pub load: [f64; D],
 }

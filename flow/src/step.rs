@@ -335,7 +335,7 @@ impl<const D: usize> Flow<D> {
                 for i in 0..cells {
                     let at = face_centre::<D>(i, d);
                     let x = self.frame.place(&grid.blocks.keys[b], &at);
-                    let wall = walls.wall_at(cut, &at, cut.sample(&at).2, &x);
+                    let wall = cut.wall_at(walls, &at, cut.sample(&at).2, &x);
                     // Free bodies are added by the rows of their cells.
                     if !walls.list[wall].follows() {
                         list[b * cells + i] = walls.velocity(wall, &x, d);

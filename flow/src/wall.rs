@@ -5,7 +5,6 @@ use std::sync::Arc;
 
 use impactite_geometry::{Bounds, Shape};
 
-use crate::cuts::CutBlock;
 use crate::deformable::skin::Skin;
 use crate::rigid::Floater;
 use crate::turn::{Motion, Pose, rotation};
@@ -187,16 +186,6 @@ impl<'a, const D: usize> Walls<'a, D> {
             return if far > skin.size() { far } else { skin.nearest(x).gap };
         }
         wall.sign * wall.shape.signed_distance(self.poses[n].back(x))
-    }
-    /// Index of the wall at a point, `at` in the block of the cut and at the place `x`, m, that the nearest corner has at `found`: where walls meet,
-    /// the one in which the point is deepest, since corners on several walls name one of them. Beside bodies that the liquid moves it is `found`, as
-    /// in their equations.
-    pub fn wall_at(&self, cut: &CutBlock<D>, at: &[f64; D], found: usize, x: &[f64; D]) -> usize {
-        if cut.around(at).all(|n| n == found) || cut.around(at).any(|n| self.list[n].follows()) {
-            return found;
-        }
-        let gaps = cut.around(at).map(|n| (self.gap_of(n, x), n));
-        gaps.fold((f64::INFINITY, found), |least, gap| if gap.0 < least.0 { gap } else { least }).1
     }
     /// Component of the velocity of a wall at a point, m/s.
     pub fn velocity(&self, n: usize, x: &[f64; D], d: usize) -> f64 {
