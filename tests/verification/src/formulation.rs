@@ -17,7 +17,7 @@ pub trait Formulation: Copy + Debug + PartialEq {
     /// Name in files.
     fn name(self) -> String;
 
-    /// Run a case: [`Case::by_problem`], compiled in this crate once for each formulation. Crates that run cases would compile all schemes again.
+    /// Run a case, compiled in this crate once for each formulation: crates that run cases would compile all schemes again.
     fn run(case: &Case<Self>) -> Outcome;
 
     /// Number of cells across a bar between symmetry planes that provides all neighbours.
