@@ -517,15 +517,7 @@ impl<const D: usize> Fem<D> {
             by: "plastic impacts of nodes, or a step too long for what changes in it",
             remedy: "take a smaller Courant factor, or a finer mesh",
         };
-        let at = Look {
-            clock: &clock,
-            exchange: &exchange,
-            rounding: f64::EPSILON,
-            speed,
-            energy: true,
-            uncertain: 0.0,
-            loss,
-        };
+        let at = Look::new(&clock, &exchange, speed, loss);
         let broken = self.bodies.iter().find(|b| !b.totals().is_finite()).map(|b| b.name.clone());
         let mut watcher = std::mem::take(&mut self.watcher);
         let gain = self.gain();

@@ -10,7 +10,8 @@ use crate::wall::Walls;
 
 impl<const D: usize> Flow<D> {
     /// Book the impulse and the work of the walls: that on the mass at closed faces, which gets the velocity of the wall, and that of the
-    /// pressure. Impulses act from the middle of the last step to that of this one: their work is by the mean velocity of the wall in both. q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
+    /// pressure. Impulses act from the middle of the last step to that of this one: their work is by the mean velocity of the wall in both.
+    /// q times `scale` is an impulse per area, N s/m^2; over a cell, it is the momentum of a velocity q.
     pub(crate) fn book_walls(&mut self, scale: f64, walls: &Walls<'_, D>) {
         let (grid, cells) = (&self.grid, Blocks::<D>::CELLS);
         let area = self.frame.h.powi(D as i32 - 1);
@@ -115,5 +116,5 @@ impl<const D: usize> Flow<D> {
 
 /// Mean velocity of a wall at a face in the last step and in this one, m/s.
 fn mean_of<const D: usize>(grid: &Grid<D>, d: usize, slot: usize) -> f64 {
-    0.5 * (grid.wall[d][slot] + grid.wall_before[d].get(slot).copied().unwrap_or(grid.wall[d][slot]))
+    0.5 * (grid.wall[d][slot] + grid.wall_before[d][slot])
 }

@@ -30,6 +30,8 @@ pub(crate) struct CutBlock<const D: usize> {
     pub uneven: Vec<(u8, [Moments; 27])>,
     /// Cells with a corner less than half a cell from a wall, one bit each.
     pub near: u64,
+    /// True if walls close uncut cells along two axes or more, or may do so.
+    pub has_corners: bool,
     /// True if a wall that moves is in reach.
     moving: bool,
 }
@@ -99,15 +101,7 @@ fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> (f6
     let (mut sum, mut parts) = (0.0, [0.0; MOST_PARTS]);
     for (n, open) in parts.iter_mut().enumerate().take(count) {
         let x = std::array::from_fn(|d| low[d] + (place_of_part(n, d) as f64 + 0.5) * width);
-        let part = 0.5 + walls.gap(x).0 / width;
-        // Rounding of places on grid planes.
-        *open = if part > 1.0 - ON_WALL {
-            1.0
-        } else if part < ON_WALL {
-            0.0
-        } else {
-            part
-        };
+        *open = open_part(walls.gap(x).0 / width);
         sum += *open;
     }
     (sum / count as f64, parts)
@@ -132,16 +126,18 @@ fn open_by_parts<const D: usize>(low: [f64; D], axis: usize, h: f64, walls: &Wal
         for (e, of) in others.into_iter().enumerate() {
             x[of] += (place_of_part(n, e) as f64 + 0.5) * width;
         }
-        let part = 0.5 + walls.gap(x).0 / width;
-        if part > 1.0 - ON_WALL {
-            1.0
-        } else if part < ON_WALL {
-            0.0
-        } else {
-            part
-        }
+        open_part(walls.gap(x).0 / width)
     };
     (0..PARTS * PARTS).map(part).sum::<f64>() / (PARTS * PARTS) as f64
+}
+
+/// Open fraction of a part with its centre at this distance from a wall, in its widths, but for the rounding of places on grid planes.
+fn open_part(gap: f64) -> f64 {
+    match 0.5 + gap {
+        open if open > 1.0 - ON_WALL => 1.0,
+        open if open < ON_WALL => 0.0,
+        open => open,
+    }
 }
 
 /// Place of part `n` of a cell along an axis.
@@ -235,9 +231,13 @@ fn cut_block<const D: usize>(
     let cells = Blocks::<D>::CELLS;
     let mut face: [Vec<f64>; D] = std::array::from_fn(|_| vec![1.0; cells]);
     let (mut cell, mut near, mut partial) = (vec![1.0; cells], 0, Vec::new());
+    // Slits beside bodies that the liquid moves are closed, too.
+    let mut has_corners = free;
     for i in 0..cells {
         let corners = corners(&gap, &local::<D>(i));
         near |= u64::from(corners[..1 << D].iter().any(|gap| *gap < 0.5)) << i;
+        let is_closed = |d: &usize| (0..2).any(|side| open_side::<D>(&corners, *d, side) <= 0.0);
+        has_corners |= (0..D).filter(is_closed).count() > 1;
         for d in 0..D {
             face[d][i] = open_face::<D>(&corners, d);
             if D == 3 && is_bent(&corners, d) {
@@ -264,7 +264,7 @@ fn cut_block<const D: usize>(
             }
         }
     }
-    Some(CutBlock { gap, nearest, face, cell, uneven: partial, near, moving })
+    Some(CutBlock { gap, nearest, face, cell, uneven: partial, near, has_corners, moving })
 }
 
 /// Values at the 2^D corners of a cell; the rest is zero.

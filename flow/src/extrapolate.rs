@@ -302,8 +302,8 @@ pub(crate) fn constrain<const D: usize>(
 }
 
 /// Limit the velocities in walls beside cells in corners, which walls close along two axes and more, by their mirror images: those towards the
-/// corner by that of the open face; those through a wall are that of the closed one. Extrapolated velocities need not be free of divergence there, and a corner that draws particles in
-/// collects them, all at one point in the end.
+/// corner by that of the open face; those through a wall are that of the closed one. Extrapolated velocities need not be free of divergence
+/// there, and a corner that draws particles in collects them, all at one point in the end.
 pub(crate) fn limit_at_corners<const D: usize>(
     blocks: &Blocks<D>,
     (cuts, open, open_cell): (&Cuts<D>, &[Vec<f64>; D], &[f64]),
@@ -311,7 +311,8 @@ pub(crate) fn limit_at_corners<const D: usize>(
 ) {
     let cells = Blocks::<D>::CELLS;
     let beside = |slot: usize, axis: usize, up: bool| blocks.beside(slot / cells, slot % cells, axis, up);
-    for slot in (0..blocks.len()).filter(|b| cuts[*b].is_some()).flat_map(|b| b * cells..(b + 1) * cells) {
+    let has_corners = |b: &usize| cuts[*b].as_ref().is_some_and(|cut| cut.has_corners);
+    for slot in (0..blocks.len()).filter(has_corners).flat_map(|b| b * cells..(b + 1) * cells) {
         // Walls on lines of the grid alone: round ones close the faces of the cells that they cut.
         if open_cell[slot] < 1.0 {
             continue;

@@ -2,12 +2,34 @@
 
 use std::sync::Arc;
 
-use impactite_scene::SceneError;
+use impactite_scene::{SceneError, StepError, Stopped};
 
 use crate::blocks::Blocks;
 use crate::options::ForceField;
+use crate::particles::Particle;
 use crate::solver::{Flow, add_to};
 use crate::transfer::face_centre;
+
+/// Number of particles at which a field is looked at ahead.
+const SAMPLED: usize = 64;
+
+/// Places and forces of the particles of a liquid.
+pub(crate) type Moved<const D: usize> = Vec<([f64; D], [f64; D])>;
+
+impl<const D: usize> ForceField<D> {
+    /// Force at a place, m/s^2.
+    fn finite_at(&self, x: [f64; D], time: f64) -> Result<[f64; D], SceneError> {
+        let force = (self.of)(x, time);
+        match force.iter().find(|f| !f.is_finite()) {
+            Some(&value) => Err(SceneError::NotFinite {
+                what: format!("body force of the liquid at {x:?} m"),
+                value,
+                time,
+            }),
+            None => Ok(force),
+        }
+    }
+}
 
 impl<const D: usize> Flow<D> {
     /// Set a body force of the liquid by place, m, and time, s, m/s^2, in addition to that over time: a central force, the centrifugal force
@@ -16,7 +38,7 @@ impl<const D: usize> Flow<D> {
         self.field = Some(ForceField { of: Arc::new(field), strongest: 0.0, load: [0.0; D] });
     }
 
-    /// Check that the field acts on liquid alone, and that it is finite at the particles.
+    /// Check that the field acts on liquid alone, and that it is finite at the particles at the start.
     pub(crate) fn check_field(&self) -> Result<(), SceneError> {
         let Some(field) = &self.field else { return Ok(()) };
         let beside = if self.moves_bodies() {
@@ -24,12 +46,8 @@ impl<const D: usize> Flow<D> {
         } else if self.options.semi_staggered.is_some() {
             "a body force by place in the semi-staggered scheme"
         } else {
-            let time = self.clock.time;
-            let values = self.liquids.iter().flat_map(|l| &l.particles).flat_map(|p| (field.of)(p.x, time));
-            return match { values }.find(|f| !f.is_finite()) {
-                Some(value) => Err(SceneError::NotFinite { what: "body force".into(), value, time }),
-                None => Ok(()),
-            };
+            let values = self.liquids.iter().flat_map(|l| &l.particles);
+            return { values }.try_for_each(|p| field.finite_at(p.x, self.clock.time).map(|_| ()));
         };
         Err(SceneError::NotWith {
             what: beside.into(),
@@ -41,13 +59,20 @@ impl<const D: usize> Flow<D> {
     /// Largest magnitude of the field on the liquid, m/s^2; 0 without one.
     pub(crate) fn strength_of_field(&self) -> f64 {
         let Some(field) = &self.field else { return 0.0 };
-        if self.clock.steps > 0 {
-            return field.strongest;
-        }
-        let particles = self.liquids.iter().flat_map(|l| &l.particles);
-        // What is not finite is refused by `check_field`.
-        let forces = particles.map(|p| norm(&(field.of)(p.x, self.clock.time))).filter(|f| f.is_finite());
-        forces.fold(0.0, f64::max)
+        if self.clock.steps > 0 { field.strongest } else { self.strength_at(self.clock.time, 1) }
+    }
+
+    /// Largest magnitude of the field at a later time on some of the liquid where it is now, m/s^2; 0 without one.
+    pub(crate) fn strength_ahead(&self, time: f64) -> f64 {
+        let count = self.liquids.iter().map(|l| l.particles.len()).sum::<usize>();
+        self.strength_at(time, count.div_ceil(SAMPLED))
+    }
+
+    /// Largest magnitude at every n-th particle; forces that are not finite are refused elsewhere.
+    fn strength_at(&self, time: f64, every: usize) -> f64 {
+        let Some(field) = &self.field else { return 0.0 };
+        let particles = self.liquids.iter().flat_map(|l| &l.particles).step_by(every.max(1));
+        particles.map(|p| norm(&(field.of)(p.x, time))).filter(|f| f.is_finite()).fold(0.0, f64::max)
     }
 
     /// Add the impulse of the field to the velocities at faces, over `kick` seconds.
@@ -65,12 +90,13 @@ impl<const D: usize> Flow<D> {
                 for (i, u) in velocity.iter_mut().enumerate() {
                     let at = frame.place(&keys[b], &face_centre::<D>(i, d));
                     let force = (field.of)(at, time);
-                    *u += kick * force[d];
                     let share = volume[b * cells + i];
                     if share > 0.0 {
                         found[0] += share * force[d];
                         found[1] = found[1].max(norm(&force));
                     }
+                    // Faces without liquid have velocities that are extrapolated.
+                    *u += if share > 0.0 || force[d].is_finite() { kick * force[d] } else { 0.0 };
                 }
             });
             for [sum, most] in found {
@@ -83,23 +109,29 @@ impl<const D: usize> Flow<D> {
     }
 
     /// Places of the particles and forces of the field on them, before they move; empty without a field.
-    pub(crate) fn before_motion(&self) -> Vec<Vec<([f64; D], [f64; D])>> {
-        let Some(field) = &self.field else { return Vec::new() };
+    ///
+    /// # Errors
+    /// A force that is not finite.
+    pub(crate) fn before_motion(&self) -> Result<Vec<Moved<D>>, StepError> {
+        let Some(field) = &self.field else { return Ok(Vec::new()) };
         let time = self.clock.time;
-        let of = |l: &crate::particles::Liquid<D>| {
-            l.particles.iter().map(|p| (p.x, (field.of)(p.x, time))).collect()
-        };
-        self.liquids.iter().map(of).collect()
+        let at = |p: &Particle<D>| field.finite_at(p.x, time).map(|force| (p.x, force));
+        let forces = self.liquids.iter().map(|l| l.particles.iter().map(at).collect());
+        forces.collect::<Result<_, _>>().map_err(|error| self.clock.stopped(Stopped::Scene(error)))
     }
 
     /// Book the work of the field over the motion of a step of `dt` seconds, and find its power at the end.
-    pub(crate) fn book_field(&mut self, before: &[Vec<([f64; D], [f64; D])>], dt: f64) {
-        let Some(field) = &self.field else { return };
+    ///
+    /// # Errors
+    /// A force that is not finite.
+    pub(crate) fn book_field(&mut self, before: &[Moved<D>], dt: f64) -> Result<(), StepError> {
+        let Some(field) = &self.field else { return Ok(()) };
         let time = self.clock.time + dt;
         for (liquid, before) in self.liquids.iter_mut().zip(before) {
             let (mut work, mut power) = (0.0, 0.0);
             for (p, (x, start)) in liquid.particles.iter().zip(before) {
-                let end = (field.of)(p.x, time);
+                let end = field.finite_at(p.x, time);
+                let end = end.map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
                 for d in 0..D {
                     work += p.volume * 0.5 * (start[d] + end[d]) * self.frame.way(d, x[d], p.x[d]);
                     power += p.volume * end[d] * p.v[d];
@@ -108,6 +140,7 @@ impl<const D: usize> Flow<D> {
             self.exchange.work += liquid.density * work;
             liquid.power = liquid.density * power;
         }
+        Ok(())
     }
 
     /// Book the impulse of the field in the step, and return it, N s.

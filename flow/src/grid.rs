@@ -31,7 +31,7 @@ pub(crate) struct Grid<const D: usize> {
     pub shift: Faces<D>,
     /// Velocity of moving walls at faces, m/s.
     pub wall: Faces<D>,
-    /// The same in the last step.
+    /// Velocity of moving walls at faces in the last step, m/s.
     pub wall_before: Faces<D>,
     /// State of the velocity at faces.
     pub marks: [Vec<u8>; D],

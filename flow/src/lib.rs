@@ -75,8 +75,8 @@
 //! | dam on a wet bed, 20 cells | depth behind the bore -2.3 %, speed of the bore +3.9 %, after 18 sqrt(H / g) |
 //!
 //! # Cost
-//! `cargo run --release -p impactite-flow --example speed`: a column of 1 M particles in space, AMD EPYC: 4.2 M particle-steps/s on
-//! one thread, 7.5 M on two. Pressure and density correction are 26 % of it, with 10 and 2 iterations; transfers 36 %, sort 12 %.
+//! `cargo run --release -p impactite-flow --example speed`: a column of 1 M particles in space, AMD EPYC: 4.1 M particle-steps/s on
+//! one thread, 7.3 M on two. Pressure and density correction are 26 % of it, with 10 and 2 iterations; transfers 36 %, sort 12 %.
 //! Memory: 295 bytes a particle, 785 a liquid cell with what is around it. `benchmarks/RESULTS.md` has it beside another program.
 //!
 //! # Limits

@@ -380,15 +380,12 @@ impl<const D: usize> Flow<D> {
 
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
+        let loss = if self.options.semi_staggered.is_some() { LOSS_AT_NODES } else { LOSS };
         let at = Look {
-            clock: &clock,
-            exchange: &exchange,
-            rounding: f64::EPSILON,
-            speed: self.speed.max(self.speed_of_rest()),
             // The energy of the surface is in no balance.
             energy: self.fluid.is_none_or(|fluid| fluid.tension == 0.0),
             uncertain: totals.mass * self.gravity() * UNCERTAIN * self.frame.h,
-            loss: if self.options.semi_staggered.is_some() { LOSS_AT_NODES } else { LOSS },
+            ..Look::new(&clock, &exchange, self.speed.max(self.speed_of_rest()), loss)
         };
         let mut watcher = std::mem::take(&mut self.watcher);
         let bodies = self.bodies();
@@ -452,7 +449,7 @@ impl<const D: usize> Flow<D> {
         let mut before = 0.0;
         for share in SAMPLES {
             let (from, to) = (start + before * dt, start + share * dt);
-            rate = rate.max((norm(self.force(to)) / h).sqrt());
+            rate = rate.max(((norm(self.force(to)) + self.strength_ahead(to)) / h).sqrt());
             for wall in self.walls.iter().filter(|wall| wall.is_moving()) {
                 let (a, b) = (wall.displacement(from), wall.displacement(to));
                 let way = norm(std::array::from_fn(|d| b[d] - a[d]));

@@ -516,7 +516,7 @@ impl<const D: usize> Flow<D> {
     }
 
     fn gather(&mut self, dt: f64, walls: &Walls<'_, D>, corrected: bool) -> Result<Vec<Sums<D>>, StepError> {
-        let places = self.before_motion();
+        let places = self.before_motion()?;
         let mut liquids = std::mem::take(&mut self.liquids);
         let place = (&self.rigid[..], self.skins());
         let ends = walls.moving().then(|| Walls::at(walls.list, place, self.clock.time + dt, 0.0));
@@ -534,8 +534,8 @@ impl<const D: usize> Flow<D> {
         };
         let sums: Vec<_> = liquids.iter_mut().map(|l| gather.run(&self.team, l)).collect();
         self.liquids = liquids;
-        self.book_field(&places, dt);
         self.check_sums(&sums)?;
+        self.book_field(&places, dt)?;
         Ok(sums)
     }
 

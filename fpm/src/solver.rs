@@ -552,15 +552,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
         let (speed, loss) = (self.rest.speed, ADVICE.loss);
-        let at = Look {
-            clock: &clock,
-            exchange: &exchange,
-            rounding: f64::EPSILON,
-            speed,
-            energy: true,
-            uncertain: 0.0,
-            loss,
-        };
+        let at = Look::new(&clock, &exchange, speed, loss);
         let mut watcher = std::mem::take(&mut self.watcher);
         let bodies: [&dyn Body; 1] = [self];
         let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);

@@ -513,9 +513,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
-        let (speed, loss, rounding) = (self.speed(), ADVICE.loss, f64::EPSILON);
-        let at =
-            Look { clock: &clock, exchange: &exchange, rounding, speed, energy: true, uncertain: 0.0, loss };
+        let at = Look::new(&clock, &exchange, self.speed(), ADVICE.loss);
         let mut watcher = std::mem::take(&mut self.watcher);
         let bodies: [&dyn Body; 1] = [self];
         let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);

@@ -42,7 +42,8 @@ impl<const D: usize> Flow<D> {
     /// and round walls are found where liquid meets them.
     ///
     /// # Errors
-    /// With the semi-staggered scheme a correction of the density that was asked for after it, a body that the liquid moves, a wall that moves, and a wall that is not on lines of the grid.
+    /// With the semi-staggered scheme a correction of the density that was asked for after it, a body that the liquid moves, a wall that moves,
+    /// and a wall that is not on lines of the grid.
     pub fn check_scheme(&self) -> Result<(), SceneError> {
         if self.options.semi_staggered.is_none() {
             return Ok(());

@@ -1,5 +1,7 @@
 //! Free drops.
 
+use std::f64::consts::PI;
+
 use flow::{Flow, FlowOptions, Fluid, RigidBody, SemiStaggered, Wall};
 use impactite_geometry::{Ball, Cuboid, Disc, HalfSpace, Lattice};
 use impactite_scene::Solver;
@@ -266,4 +268,31 @@ fn fields_act_on_liquid_alone_and_are_finite() {
     let mut flow = drop(options(), 0.5, |_| [0.0; 2]);
     flow.set_force_field(|x, _| [1.0 / (x[0] - x[0]), 0.0]);
     assert!(refused(&mut flow).contains("body force"));
+    // After a while, and named with its place.
+    let mut flow = drop(options(), 0.5, |_| [0.0; 2]);
+    flow.set_force_field(|_, t| [if t < 0.05 { 1.0 } else { f64::NAN }, 0.0]);
+    let error = refused(&mut flow);
+    assert!(error.contains("body force of the liquid at"), "{error}");
+    // A centre in open space between faces and on one.
+    for centre in [[2.0, 0.0], [2.05, 0.05]] {
+        let mut flow = drop(options(), 0.5, |_| [0.0; 2]);
+        flow.set_force_field(move |x, _| {
+            let r = [x[0] - centre[0], x[1] - centre[1]];
+            r.map(|r_d| -r_d / (r[0] * r[0] + r[1] * r[1]))
+        });
+        flow.run_until(0.1).unwrap();
+        assert!(flow.totals().momentum[0] > 0.0);
+    }
+}
+
+/// A field that grows from zero: the first step is not as long as the run.
+#[test]
+fn steps_see_fields_that_start_from_zero() {
+    let options = FlowOptions::<2>::new(Lattice::new([0.0; 2], 0.1).unwrap());
+    let mut flow = drop(options, 0.3, |_| [0.0; 2]);
+    flow.set_force_field(|_, t| [20.0 * (2.0 * PI * t).sin(), 0.0]);
+    flow.run_until(1.0).unwrap();
+    let place = centroid(&flow.points())[0];
+    println!("{} steps: {place} m", flow.steps());
+    assert!((place / (10.0 / PI) - 1.0).abs() < 0.01, "{place} m");
 }

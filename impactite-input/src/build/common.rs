@@ -20,6 +20,9 @@ use crate::model::method::{Method, TimeStep};
 use crate::model::shape::Shape as Spec;
 use crate::model::{SceneFile, Space, fixed, formulas};
 
+/// Acceleration by place, m, and time, s, m/s^2.
+pub(super) type Acting<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
+
 /// Scene file with its folder, in `D` dimensions.
 pub(crate) struct World<'a, const D: usize> {
     pub scene: &'a SceneFile,
@@ -128,6 +131,19 @@ impl<'a, const D: usize> World<'a, D> {
     /// Build the region of a key.
     pub fn region(&self, key: &str, spec: &Spec) -> Made<Arc<dyn Shape<D>>> {
         shape::build(key, spec, self.folder)
+    }
+
+    /// Body force of a body by place and time, m/s^2; none without a `body_force`.
+    pub fn body_force(&self, key: &str, body: &Body) -> Made<Option<Acting<D>>> {
+        let Some(list) = &body.body_force else { return Ok(None) };
+        let key = format!("{key}.body_force");
+        let list: [_; D] = formulas(list).at(&key)?;
+        for (n, formula) in list.iter().enumerate() {
+            formula.check(self.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
+        }
+        // Forces stay, whatever the factor on masses.
+        let (revolved, factor) = (self.revolved(), self.mass_factor());
+        Ok(Some(Arc::new(move |x, t| std::array::from_fn(|d| list[d].at(x, revolved, t) / factor))))
     }
 
     /// Return the initial velocity field of a body, whose spin is about the centre of mass: `centre`, called if the body spins.

@@ -8,7 +8,7 @@ use impactite::flow::{Flow as Scene, FlowOptions, Fluid, RigidBody, SemiStaggere
 use impactite::geometry::{Facets, HalfSpace, Lattice, Shape};
 use impactite::scene::{Embedding, Solver};
 
-use super::common::World;
+use super::common::{Acting, World};
 use super::conditions::accounts;
 use super::fem::load;
 use super::kernels::Setting;
@@ -23,7 +23,7 @@ use crate::model::condition::{Condition, Plane, Side};
 use crate::model::formulas;
 use crate::model::material::{FluidLaw, Library, Material};
 use crate::model::method::{Flow, Method, Purpose, SemiStaggered as Shares};
-use crate::quantity::{Acceleration, Speed};
+use crate::quantity::Speed;
 
 /// Nodes, on (-1, 1), and weights of Gauss's quadrature of four points.
 const GAUSS: [[f64; 2]; 4] = [
@@ -132,7 +132,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         flow.add_fluid(name, fluid, &seeds, |x| velocity(x)).map_err(|e| of_body(&key, e))?;
     }
     if let Some(field) = field(world)? {
-        flow.set_force_field(move |x, t| std::array::from_fn(|d| field[d].at(&x, false, t)));
+        flow.set_force_field(move |x, t| field(&x, t));
     }
     placement::check_planes(world, &flow)?;
     flow.check_scheme().at(format!("{key}.semi_staggered"))?;
@@ -147,34 +147,32 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
 }
 
 /// Body force of the liquid by place and time, m/s^2; none without a `body_force`. All bodies of liquid have the same one.
-fn field<const D: usize>(world: &World<'_, D>) -> Made<Option<[Formula<Acceleration>; D]>> {
+fn field<const D: usize>(world: &World<'_, D>) -> Made<Option<Acting<D>>> {
     let liquids =
         world.scene.expanded.iter().filter(|(_, body)| {
             body.mesh.is_none() && body.rigid.is_none() && !is_submerged(world.scene, body)
         });
-    let mut found: Option<(&str, Option<&Vec<Formula<Acceleration>>>)> = None;
+    let mut first: Option<(&str, &Body)> = None;
     for (name, body) in liquids {
-        let list = body.body_force.as_ref();
-        let same = |other: Option<&Vec<Formula<Acceleration>>>| match (other, list) {
-            (None, None) => true,
-            (Some(a), Some(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.is_same(b)),
-            _ => false,
-        };
-        match found {
-            Some((first, other)) if !same(other) => {
+        match first {
+            None => first = Some((name, body)),
+            Some((other, of)) if !have_same_force(of, body) => {
                 let key = format!("bodies.{name}.body_force");
-                return wrong(&key, format!("is that of all liquid: write the same for `bodies.{first}`"));
+                return wrong(&key, format!("is that of all liquid: write the same for `bodies.{other}`"));
             }
-            _ => found = Some((name, list)),
+            _ => {}
         }
     }
-    let Some((name, Some(list))) = found else { return Ok(None) };
-    let key = format!("bodies.{name}.body_force");
-    let list: [_; D] = formulas(list).at(&key)?;
-    for (n, formula) in list.iter().enumerate() {
-        formula.check(world.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
+    first.map_or(Ok(None), |(name, body)| world.body_force(&format!("bodies.{name}"), body))
+}
+
+/// True if both bodies have the same `body_force`, or none.
+fn have_same_force(one: &Body, other: &Body) -> bool {
+    match (&one.body_force, &other.body_force) {
+        (None, None) => true,
+        (Some(a), Some(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.is_same(b)),
+        _ => false,
     }
-    Ok(Some(list))
 }
 
 /// Build the bodies of elements in the liquid, with the conditions, the gravity and the contact of the scene; none without such bodies.

@@ -249,21 +249,6 @@ fn splitting(key: &str, body: &Body) -> Made<Option<Splitting>> {
     Ok(Some(splitting.with_merging(Merging::above(above as usize).at(key)?)))
 }
 
-fn body_force<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Option<FieldForce<D>>> {
-    let Some(list) = &body.body_force else { return Ok(None) };
-    let key = format!("{key}.body_force");
-    let list: [_; D] = formulas(list).at(&key)?;
-    for (n, formula) in list.iter().enumerate() {
-        formula.check(world.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
-    }
-    // Forces stay, whatever the factor on masses.
-    let (revolved, factor) = (world.revolved(), world.mass_factor());
-    let acceleration = Arc::new(move |x: &[f64; D], t: f64| -> [f64; D] {
-        std::array::from_fn(|d| list[d].at(x, revolved, t) / factor)
-    });
-    Ok(Some(FieldForce { acceleration }))
-}
-
 /// Add a body of finite elements among the particles.
 fn add_elements<E: Setting<D>, const D: usize>(
     embedding: E,
@@ -396,7 +381,7 @@ fn add_particles<const D: usize>(
                     tractions.push(load);
                 }
                 let splitting = splitting(&key, body)?;
-                let field = body_force(world, &key, body)?;
+                let field = world.body_force(&key, body)?.map(|acceleration| FieldForce { acceleration });
                 if !body.lit.is_empty() && law.explosive.is_none() {
                     return wrong(format!("{key}.lit"), "its material is no explosive");
                 }

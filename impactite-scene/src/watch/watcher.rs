@@ -64,6 +64,14 @@ pub struct Look<'a> {
     pub loss: Loss,
 }
 
+impl<'a> Look<'a> {
+    /// Look at numbers in double precision, of which energy is judged.
+    #[must_use]
+    pub fn new(clock: &'a Clock, exchange: &'a Exchange, speed: f64, loss: Loss) -> Self {
+        Look { clock, exchange, rounding: f64::EPSILON, speed, energy: true, uncertain: 0.0, loss }
+    }
+}
+
 /// Largest energy of a run so far, J: energy of the points, work and friction.
 fn scale(account: &Account) -> f64 {
     account.energy_scale.max(account.work.abs()).max(account.friction.abs())
@@ -359,15 +367,7 @@ mod tests {
     ) -> Result<(), StepError> {
         let clock = Clock { steps, ..Clock::default() };
         let exchange = Exchange::default();
-        let at = Look {
-            clock: &clock,
-            exchange: &exchange,
-            rounding: f64::EPSILON,
-            speed,
-            energy: true,
-            uncertain,
-            loss: LOSS,
-        };
+        let at = Look { uncertain, ..Look::new(&clock, &exchange, speed, LOSS) };
         watcher.look(&totals(kinetic), false, &at, String::new, |share, joules| Finding::EnergyGain {
             share,
             joules,

@@ -187,15 +187,8 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), self.exchange(), self.clock);
         let axisymmetric = self.axisymmetric();
-        let at = Look {
-            clock: &clock,
-            exchange: &exchange,
-            rounding: f64::EPSILON,
-            speed: self.parts().map(ParticleBody::speed).fold(0.0, f64::max),
-            energy: true,
-            uncertain: 0.0,
-            loss: self.loss(),
-        };
+        let speed = self.parts().map(ParticleBody::speed).fold(0.0, f64::max);
+        let at = Look::new(&clock, &exchange, speed, self.loss());
         let mut watcher = std::mem::take(&mut self.watcher);
         let bodies = self.bodies();
         let gain = gain_at_the_fastest(&bodies, |body| self.advice(body).gain);

@@ -10,7 +10,6 @@ use super::hooks::{Hook, HookError, StepView, StrainNodes, TrialNode, TrialNodes
 use super::mpm::Mpm;
 use super::nodes::block_place::BlockPlace;
 use super::nodes::constraints::free_directions;
-use super::nodes::footprint::Folds;
 use super::nodes::layout::numbers;
 use super::nodes::node_update::{Around, NodeUpdate, Nothing};
 use super::nodes::stages::GridStages;
@@ -71,28 +70,25 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn point_operator(&self, nodes: &TrialNodes<D>) -> PointOperator<D> {
         let list = nodes.nodes().iter().enumerate();
         let at: HashMap<_, usize> = list.map(|(n, node)| ((node.body, node.index), n)).collect();
-        let (fields, facts) = (&self.grid.fields, self.facts());
-        let folds = Folds::of(&self.scene.conditions.boundaries, fields, facts.boundary_modified);
-        let (mut operator, mut folded) = (PointOperator::new(nodes.nodes().len()), Vec::new());
-        for (body, of) in self.scene.bodies.iter().enumerate() {
+        let hoop = self.facts().hoop;
+        let mut operator = PointOperator::new(nodes.nodes().len());
+        self.for_each_footprint_here(&mut |p| {
+            let of = &self.scene.bodies[p.body];
             if of.rigid().is_some() || of.client().is_some() {
-                continue;
+                return;
             }
-            let own = Some(fields.owner_of(body as u32) as usize);
+            let own = Some(self.grid.fields.owner_of(p.body as u32) as usize);
             let find = |node| at.get(&(own, node)).or_else(|| at.get(&(None, node)));
-            of.footprints(self.clock.time, &mut |p| {
-                folds.fold(p.nodes, &mut folded);
-                let per_radius = if facts.hoop { 1.0 / p.position[0] } else { 0.0 };
-                let (number, mass, volume, stress) = (p.number, p.mass, p.volume, p.stress);
-                let point = OperatorPoint { body, number, mass, volume, stress, per_radius };
-                let weights = folded.iter().filter_map(|w| {
-                    let sign = std::array::from_fn(|d| w.sign[d]);
-                    let (value, gradient) = (w.value, w.gradient);
-                    find(w.node).map(|&node| OperatorWeight { node, value, gradient, sign })
-                });
-                operator.push(point, weights);
+            let per_radius = if hoop { 1.0 / p.position[0] } else { 0.0 };
+            let (body, number, mass, volume, stress) = (p.body, p.number, p.mass, p.volume, p.stress);
+            let point = OperatorPoint { body, number, mass, volume, stress, per_radius };
+            let weights = p.nodes.iter().filter_map(|w| {
+                let sign = std::array::from_fn(|d| w.sign[d]);
+                let (value, gradient) = (w.value, w.gradient);
+                find(w.node).map(|&node| OperatorWeight { node, value, gradient, sign })
             });
-        }
+            operator.push(point, weights);
+        });
         operator
     }
 

@@ -119,15 +119,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let filters = of_nodes != T::default() || !self.facts().symplectic();
         // Nodes behind a wall have little mass: USL dissipates most there.
         let walls = !self.facts().symplectic() && !self.grid.walls.is_empty();
+        let speed = self.stepper.rate.to_double() * self.grid.lattice().spacing();
+        let loss = loss(self.facts(), [filters, exchange.node_contact > 0.0, walls]);
         let at = Look {
-            clock: &clock,
-            exchange: &exchange,
             rounding: T::default_epsilon().to_double(),
-            speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
             // With kinetic damping the balance closes to half a step only.
             energy: self.between_steps.kinetic_damping.is_none(),
-            uncertain: 0.0,
-            loss: loss(self.facts(), [filters, exchange.node_contact > 0.0, walls]),
+            ..Look::new(&clock, &exchange, speed, loss)
         };
         let broken = || {
             let broken = self.scene.bodies.iter().find(|b| !b.totals().is_finite());

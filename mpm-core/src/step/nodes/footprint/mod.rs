@@ -29,6 +29,8 @@ impl<const D: usize> NodeWeight<D> {
 /// Contributions of a particle to its nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct Footprint<'a, const D: usize> {
+    /// Index of the body.
+    pub body: usize,
     /// Number of the particle in its body.
     pub number: usize,
     /// Mass, kg.

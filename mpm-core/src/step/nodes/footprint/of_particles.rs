@@ -146,8 +146,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             (0..D).for_each(|d| load[d] += mass * acceleration[d]);
         }
         let wave_speed = speed.to_double();
-        let rigid = false;
+        // The scene numbers its bodies.
+        let (body, rigid) = (0, false);
         Some(Footprint {
+            body,
             number,
             mass,
             volume,
@@ -174,10 +176,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let modified = self.facts().boundary_modified;
         let folds = Folds::of(&self.scene.conditions.boundaries, &self.grid.fields, modified);
         let mut folded = Vec::new();
-        for body in &self.scene.bodies {
-            body.footprints(self.clock.time, &mut |footprint| {
+        for (body, of) in self.scene.bodies.iter().enumerate() {
+            of.footprints(self.clock.time, &mut |footprint| {
                 folds.fold(footprint.nodes, &mut folded);
-                visit(&Footprint { nodes: &folded, ..*footprint });
+                visit(&Footprint { body, nodes: &folded, ..*footprint });
             });
         }
     }
