@@ -26,12 +26,14 @@ impl<const D: usize> Flow<D> {
                 {
                     let (mut wall, mut mean) = (0.0, 0.0);
                     if walls.moving() {
-                        let n = cut.sample(&face_centre::<D>(i, d)).2;
+                        let at = face_centre::<D>(i, d);
+                        let x = self.frame.place(&grid.blocks.keys[b], &at);
+                        let n = cut.wall_at(walls, &at, cut.sample(&at).2, &x);
                         if walls.list[n].follows() {
                             continue;
                         }
-                        wall = grid.wall[d][slot];
-                        mean = mean_of(grid, d, slot);
+                        wall = walls.velocity(n, &x, d);
+                        mean = wall + mean_of(grid, d, slot) - grid.wall[d][slot];
                     }
                     let impulse = grid.volume[d][slot] * (wall - grid.velocity[d][slot]) * scale * area;
                     self.exchange.impulse[d] += impulse;

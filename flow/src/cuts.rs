@@ -5,6 +5,7 @@ use std::sync::Arc;
 use impactite_geometry::Lattice;
 
 use crate::blocks::{Blocks, SIDE, local, offset};
+use crate::transfer::face_centre;
 use crate::wall::{Wall, Walls};
 
 /// Nodes along an edge of a block.
@@ -107,30 +108,6 @@ fn open_cell<const D: usize>(low: [f64; D], h: f64, walls: &Walls<'_, D>) -> (f6
     (sum / count as f64, parts)
 }
 
-/// True if the wall through the lower face across `axis` of a cell with these distances at its corners, in space, is no plane: where walls meet, as
-/// along the edges of a tank, polygons between corners lose half of the face.
-fn is_bent(v: &[f64; 8], axis: usize) -> bool {
-    let of = |a: usize, b: usize| v[a << ((axis + 1) % 3) | b << ((axis + 2) % 3)];
-    let on = [of(0, 0), of(1, 0), of(0, 1), of(1, 1)];
-    let open = on.iter().filter(|gap| **gap > 0.0).count();
-    (1..4).contains(&open) && (on[0] + on[3] - on[1] - on[2]).abs() > BENT
-}
-
-/// Open fraction of the lower face across `axis` of a cell with its lowest corner at `low`: mean over 4^2 parts, each cut by a line at its distance
-/// from the wall.
-fn open_by_parts<const D: usize>(low: [f64; D], axis: usize, h: f64, walls: &Walls<'_, D>) -> f64 {
-    let width = h / PARTS as f64;
-    let others = [(axis + 1) % D, (axis + 2) % D];
-    let part = |n: usize| {
-        let mut x = low;
-        for (e, of) in others.into_iter().enumerate() {
-            x[of] += (place_of_part(n, e) as f64 + 0.5) * width;
-        }
-        open_part(walls.gap(x).0 / width)
-    };
-    (0..PARTS * PARTS).map(part).sum::<f64>() / (PARTS * PARTS) as f64
-}
-
 /// Open fraction of a part with its centre at this distance from a wall, in its widths, but for the rounding of places on grid planes.
 fn open_part(gap: f64) -> f64 {
     match 0.5 + gap {
@@ -138,6 +115,72 @@ fn open_part(gap: f64) -> f64 {
         open if open < ON_WALL => 0.0,
         open => open,
     }
+}
+
+/// True if the wall through a square with these distances at its corners 00, 10, 01, 11 is no plane: where walls meet, as along the edges of a tank,
+/// polygons between corners lose half of the square.
+fn is_bent(v: &[f64; 4]) -> bool {
+    let open = v.iter().filter(|gap| **gap > 0.0).count();
+    (1..4).contains(&open) && (v[0] + v[3] - v[1] - v[2]).abs() > BENT
+}
+
+/// Part of a face across `axis`, whose middle is at `x`, m.
+struct FacePart<const D: usize> {
+    x: [f64; D],
+    axis: usize,
+    /// Width of a cell, m.
+    h: f64,
+    number: usize,
+}
+
+impl<const D: usize> FacePart<D> {
+    /// Place at these shares of its widths from its lower corner.
+    fn place(&self, by: [f64; 2]) -> [f64; D] {
+        let mut place = self.x;
+        for (e, along) in (1..D).map(|e| (self.axis + e) % D).enumerate() {
+            let at = place_of_part(self.number, e) as f64 + by[e] - 0.5 * PARTS as f64;
+            place[along] += at * self.h / PARTS as f64;
+        }
+        place
+    }
+    fn centre(&self) -> [f64; D] {
+        self.place([0.5; 2])
+    }
+    /// Open fraction with regard to one wall.
+    fn open(&self, walls: &Walls<'_, D>, wall: usize) -> f64 {
+        let gap = |a: f64, b: f64| {
+            let gap = walls.gap_of(wall, &self.place([a, b])) / self.h;
+            if gap.abs() < ON_WALL { 0.0 } else { gap }
+        };
+        if D == 2 {
+            return open_edge(gap(0.0, 0.0), gap(1.0, 0.0));
+        }
+        let on = [gap(0.0, 0.0), gap(1.0, 0.0), gap(0.0, 1.0), gap(1.0, 1.0)];
+        if is_bent(&on) { open_part(PARTS as f64 * gap(0.5, 0.5)) } else { open_square(on) }
+    }
+}
+
+/// Run `task` on all parts of the face across `axis` with its middle at `x`, m; return their number.
+fn each_part<const D: usize>(x: [f64; D], axis: usize, h: f64, mut task: impl FnMut(&FacePart<D>)) -> f64 {
+    let count = PARTS.pow(D as u32 - 1);
+    (0..count).for_each(|number| task(&FacePart { x, axis, h, number }));
+    count as f64
+}
+
+/// Open fraction of the face across `axis` with its middle at `x`, m, between walls that are near: of each part, the product of the fractions that
+/// they leave. Distances to the nearest of them would close what is beside a piston along a wall.
+fn open_between<const D: usize>(
+    walls: &Walls<'_, D>,
+    near: &[usize],
+    axis: usize,
+    x: [f64; D],
+    h: f64,
+) -> f64 {
+    let mut open = 0.0;
+    let count = each_part(x, axis, h, |part| {
+        open += near.iter().map(|n| part.open(walls, *n)).product::<f64>();
+    });
+    open / count
 }
 
 /// Place of part `n` of a cell along an axis.
@@ -238,18 +281,14 @@ fn cut_block<const D: usize>(
         near |= u64::from(corners[..1 << D].iter().any(|gap| *gap < 0.5)) << i;
         let is_closed = |d: &usize| (0..2).any(|side| open_side::<D>(&corners, *d, side) <= 0.0);
         has_corners |= (0..D).filter(is_closed).count() > 1;
+        let near_walls = walls_around(&nearest, &local::<D>(i));
+        // Bodies have the same open parts in their own equations.
+        let follow = near_walls.iter().any(|n| walls.list[*n].follows());
         for d in 0..D {
             face[d][i] = open_face::<D>(&corners, d);
-            if D == 3 && is_bent(&corners, d) {
-                let at = local::<D>(i);
-                // Bodies have the same open parts in their own equations.
-                let follows = |k: usize| {
-                    let corner: [_; D] = std::array::from_fn(|e| at[e] + (k >> e & 1));
-                    walls.list[usize::from(nearest[node(&corner)])].follows()
-                };
-                if !(0..1 << D).filter(|k| k >> d & 1 == 0).any(follows) {
-                    face[d][i] = open_by_parts(position(&at.map(|x| x as f64)), d, h, walls);
-                }
+            let bent = D == 3 && is_bent(&on_side::<D>(&corners, d, 0));
+            if !follow && (bent || near_walls.len() > 1) {
+                face[d][i] = open_between(walls, &near_walls, d, position(&face_centre::<D>(i, d)), h);
             }
             if free && face[d][i] < SLIT {
                 face[d][i] = 0.0;
@@ -265,6 +304,18 @@ fn cut_block<const D: usize>(
         }
     }
     Some(CutBlock { gap, nearest, face, cell, uneven: partial, near, has_corners, moving })
+}
+
+/// Nearest walls of the corners of a cell, sorted.
+fn walls_around<const D: usize>(nearest: &[u16], at: &[usize; D]) -> Vec<usize> {
+    let of = |k: usize| {
+        let corner: [usize; D] = std::array::from_fn(|e| at[e] + (k >> e & 1));
+        usize::from(nearest[node(&corner)])
+    };
+    let mut list: Vec<usize> = (0..1 << D).map(of).collect();
+    list.sort_unstable();
+    list.dedup();
+    list
 }
 
 /// Values at the 2^D corners of a cell; the rest is zero.
@@ -283,8 +334,8 @@ fn open_face<const D: usize>(v: &[f64; 8], axis: usize) -> f64 {
     open_side::<D>(v, axis, 0)
 }
 
-/// Open fraction of the lower (0) or upper (1) face across `axis` of a cell with these distances at its corners.
-pub(crate) fn open_side<const D: usize>(v: &[f64; 8], axis: usize, side: usize) -> f64 {
+/// Distances at the corners of the lower (0) or upper (1) face across `axis` of a cell with these distances at its corners; two in the plane.
+fn on_side<const D: usize>(v: &[f64; 8], axis: usize, side: usize) -> [f64; 4] {
     let mut on = [0.0; 4];
     let mut count = 0;
     for (k, value) in v.iter().enumerate().take(1 << D) {
@@ -293,6 +344,12 @@ pub(crate) fn open_side<const D: usize>(v: &[f64; 8], axis: usize, side: usize) 
             count += 1;
         }
     }
+    on
+}
+
+/// Open fraction of the lower (0) or upper (1) face across `axis` of a cell with these distances at its corners.
+pub(crate) fn open_side<const D: usize>(v: &[f64; 8], axis: usize, side: usize) -> f64 {
+    let on = on_side::<D>(v, axis, side);
     if D == 2 { open_edge(on[0], on[1]) } else { open_square(on) }
 }
 
@@ -326,25 +383,49 @@ impl<const D: usize> CutBlock<D> {
         self.near >> cell & 1 == 1
     }
 
-    /// Nearest walls of the corners of the cell of a point; `at` is in cells from the corner of the block, 0 to 4.
-    pub fn around(&self, at: &[f64; D]) -> impl Iterator<Item = usize> {
-        let low: [usize; D] = std::array::from_fn(|d| (at[d] as usize).min(SIDE - 1));
-        (0..1usize << D).map(move |k| {
-            let corner: [usize; D] = std::array::from_fn(|d| low[d] + (k >> d & 1));
-            usize::from(self.nearest[node(&corner)])
-        })
+    /// Nearest walls of the corners of the cell of a point, sorted; `at` is in cells from the corner of the block, 0 to 4.
+    fn around(&self, at: &[f64; D]) -> Vec<usize> {
+        walls_around(&self.nearest, &at.map(|x| (x as usize).min(SIDE - 1)))
     }
 
     /// Index of the wall at a point, `at` in the block of the cut and at the place `x`, m, that the nearest corner has at `found`: where walls meet,
     /// the one in which the point is deepest, since corners on several walls name one of them. Beside bodies that the liquid moves it is `found`, as
     /// in their equations.
     pub fn wall_at(&self, walls: &Walls<'_, D>, at: &[f64; D], found: usize, x: &[f64; D]) -> usize {
-        if self.around(at).all(|n| n == found) || self.around(at).any(|n| walls.list[n].follows()) {
+        let near = self.around(at);
+        if near.len() < 2 || near.iter().any(|n| walls.list[*n].follows()) {
             return found;
         }
-        let gaps = self.around(at).map(|n| (walls.gap_of(n, x), n));
+        let gaps = near.into_iter().map(|n| (walls.gap_of(n, x), n));
         gaps.fold((f64::INFINITY, found), |least, gap| if gap.0 < least.0 { gap } else { least }).1
     }
+    /// Mean velocity along `axis` of the closed part, `closed` of the whole, of the lower face across it, `at` in the block and with its centre at
+    /// `x`, m. Where walls meet each part of the face has that of its wall; what is in several walls is behind the one that moves least: there,
+    /// a piston pushes nothing. None if one wall is near, or bodies that the liquid moves are, which have equations of their own.
+    pub fn closed_velocity(
+        &self,
+        walls: &Walls<'_, D>,
+        (at, axis, closed): (&[f64; D], usize, f64),
+        (x, h): (&[f64; D], f64),
+    ) -> Option<f64> {
+        let near = self.around(at);
+        if near.len() < 2 || closed <= 0.0 || near.iter().any(|n| walls.list[*n].follows()) {
+            return None;
+        }
+        let mut flux = 0.0;
+        let count = each_part(*x, axis, h, |part| {
+            let of_wall = |n: &usize| [walls.velocity(*n, &part.centre(), axis), part.open(walls, *n)];
+            let mut of_walls: Vec<[f64; 2]> = near.iter().map(of_wall).collect();
+            of_walls.sort_by(|a, b| a[0].abs().total_cmp(&b[0].abs()));
+            let mut left = 1.0;
+            for [velocity, open] in of_walls {
+                flux += left * (1.0 - open) * velocity;
+                left *= open;
+            }
+        });
+        Some(flux / (count * closed))
+    }
+
     /// Distance to the wall at a point, in cells, its gradient, and the nearest wall. `at` is in cells from the corner of the block, 0 to 4.
     pub fn sample(&self, at: &[f64; D]) -> (f64, [f64; D], usize) {
         let (mut low, mut part) = ([0; D], [0.0; D]);

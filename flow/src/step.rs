@@ -196,6 +196,8 @@ impl<const D: usize> Flow<D> {
                 // Velocities at the start.
                 None => Walls::at(walls.list, bodies, time, START * dt),
             };
+            // Velocities of the last step, at the places of this one.
+            last.poses.clone_from(&walls.poses);
             last.velocities.clone_from(&walls.velocities);
             self.find_wall_velocities(&last);
             self.grid.wall_before.clone_from(&self.grid.wall);
@@ -338,7 +340,9 @@ impl<const D: usize> Flow<D> {
                     let wall = cut.wall_at(walls, &at, cut.sample(&at).2, &x);
                     // Free bodies are added by the rows of their cells.
                     if !walls.list[wall].follows() {
-                        list[b * cells + i] = walls.velocity(wall, &x, d);
+                        let face = (&at, d, 1.0 - grid.open[d][b * cells + i]);
+                        let mean = cut.closed_velocity(walls, face, (&x, self.frame.h));
+                        list[b * cells + i] = mean.unwrap_or_else(|| walls.velocity(wall, &x, d));
                     }
                 }
             }

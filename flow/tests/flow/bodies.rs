@@ -437,8 +437,10 @@ fn steps_see_forces_and_walls_that_start_from_zero() {
 /// the grid, corners of cells are on piston and floor alike.
 #[test]
 fn a_piston_pushes_with_its_work() {
-    fn push<const D: usize>(h: f64) {
-        let mut flow = Flow::new(FlowOptions::<D>::new(Lattice::new([0.0; D], h).unwrap()));
+    // The lattice is `off` cells beside the walls of the channel.
+    fn push<const D: usize>(h: f64, off: f64) {
+        let origin = std::array::from_fn(|d| if d == 0 { 0.0 } else { off * h });
+        let mut flow = Flow::new(FlowOptions::<D>::new(Lattice::new(origin, h).unwrap()));
         let (mut low, mut high) = ([0.0; D], [0.2; D]);
         (low[0], high[0]) = (-1.0, 10.0);
         flow.add_wall(Wall::container(Cuboid::new(low, high).unwrap())).unwrap();
@@ -462,11 +464,16 @@ fn a_piston_pushes_with_its_work() {
         // Particles leave the centre of mass uncertain by a tenth of a cell in the plane, two tenths in space.
         let uncertain = if D == 2 { 0.12 } else { 0.24 };
         assert!((place - 1.25).abs() < uncertain * h, "{place} m");
-        assert!((given.impulse[0] / momentum - 1.0).abs() < 0.01, "{} N s", given.impulse[0]);
-        assert!((now.kinetic / energy - 1.0).abs() < 0.015, "{} J", now.kinetic);
-        assert!((given.work / now.kinetic - 1.0).abs() < 0.015, "{} and {} J", given.work, now.kinetic);
+        // Walls that cut the cells of a channel of 4 to 8 cells: some per cent.
+        let (of_impulse, allowed) = if off == 0.0 { (0.01, 0.015) } else { (0.04, 0.04) };
+        assert!((given.impulse[0] / momentum - 1.0).abs() < of_impulse, "{} N s", given.impulse[0]);
+        assert!((now.kinetic / energy - 1.0).abs() < allowed, "{} J", now.kinetic);
+        assert!((given.work / now.kinetic - 1.0).abs() < allowed, "{} and {} J", given.work, now.kinetic);
     }
-    push::<2>(0.05);
-    push::<2>(0.025);
-    push::<3>(0.025);
+    for off in [0.0, 0.37, 0.5] {
+        push::<2>(0.05, off);
+        push::<3>(0.025, off);
+    }
+    push::<2>(0.025, 0.0);
+    push::<2>(0.025, 0.37);
 }
