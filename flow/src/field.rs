@@ -38,8 +38,11 @@ impl<const D: usize> Flow<D> {
         self.field = Some(ForceField { of: Arc::new(field), strongest: 0.0, load: [0.0; D] });
     }
 
-    /// Check that the field acts on liquid alone, and that it is finite at the particles at the start.
-    pub(crate) fn check_field(&self) -> Result<(), SceneError> {
+    /// Check the force field: the first step does the same.
+    ///
+    /// # Errors
+    /// A body that the liquid moves; the semi-staggered scheme; a force at a particle that is not finite.
+    pub fn check_force_field(&self) -> Result<(), SceneError> {
         let Some(field) = &self.field else { return Ok(()) };
         let beside = if self.moves_bodies() {
             "a body force by place beside a body that the liquid moves"

@@ -467,7 +467,7 @@ impl<const D: usize> Flow<D> {
         }
         self.check_scheme()?;
         if self.clock.steps == 0 {
-            self.check_field()?;
+            self.check_force_field()?;
         }
         if self.moves_bodies() && self.fluid.is_some_and(|fluid| fluid.tension > 0.0) {
             return Err(SceneError::NotWith {

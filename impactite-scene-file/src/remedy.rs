@@ -87,6 +87,7 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("take the staggered scheme", "leave `method.flow.semi_staggered` out"),
     remedy("or the staggered scheme", "or leave `method.flow.semi_staggered` out"),
     remedy("a smaller share of PIC", "a smaller `method.flow.semi_staggered.pic`"),
+    remedy("take a body force over time for all", "take `gravity`, which may be formulas of time"),
     remedy("a smaller density correction", "a smaller `method.flow.density_correction`"),
     // Time.
     remedy("lower the time step", "lower `time_step.factor`"),

@@ -131,8 +131,9 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         let velocity = world.velocity(&key, body, || Ok(seeds.centroid()))?;
         flow.add_fluid(name, fluid, &seeds, |x| velocity(x)).map_err(|e| of_body(&key, e))?;
     }
-    if let Some(field) = field(world)? {
+    if let Some((name, field)) = field(world)? {
         flow.set_force_field(move |x, t| field(&x, t));
+        flow.check_force_field().at(format!("bodies.{name}.body_force"))?;
     }
     placement::check_planes(world, &flow)?;
     flow.check_scheme().at(format!("{key}.semi_staggered"))?;
@@ -146,8 +147,9 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     Ok(Box::new(flow))
 }
 
-/// Body force of the liquid by place and time, m/s^2; none without a `body_force`. All bodies of liquid have the same one.
-fn field<const D: usize>(world: &World<'_, D>) -> Made<Option<Acting<D>>> {
+/// Body force of the liquid by place and time, m/s^2, and the body that has it first; none without a `body_force`. All bodies of liquid have the
+/// same one.
+fn field<'a, const D: usize>(world: &World<'a, D>) -> Made<Option<(&'a str, Acting<D>)>> {
     let liquids =
         world.scene.expanded.iter().filter(|(_, body)| {
             body.mesh.is_none() && body.rigid.is_none() && !is_submerged(world.scene, body)
@@ -163,7 +165,9 @@ fn field<const D: usize>(world: &World<'_, D>) -> Made<Option<Acting<D>>> {
             _ => {}
         }
     }
-    first.map_or(Ok(None), |(name, body)| world.body_force(&format!("bodies.{name}"), body))
+    let Some((name, body)) = first else { return Ok(None) };
+    let force = world.body_force(&format!("bodies.{name}"), body)?;
+    Ok(force.map(|force| (name, force)))
 }
 
 /// True if both bodies have the same `body_force`, or none.
